@@ -1,0 +1,164 @@
+"""Refine until the estimate meets the tolerance. Knows spaces and decay, and no physics."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from enum import Enum
+from time import perf_counter
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Attempt", "Ending", "Problem", "Refinement", "Resolution", "Step", "refine"]
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+_LOG = logging.getLogger(__name__)
+
+#: Aim below the tolerance, so that one more solve is rarely needed.
+_MARGIN = 0.3
+#: Most degrees that one refinement adds to a panel.
+_LEAP = 8
+#: Highest degree a panel may reach; beyond it rounding grows and nothing converges further.
+_DEGREE_LIMIT = 40
+_MAX_ATTEMPTS = 12
+
+
+class Ending(Enum):
+    """How a refinement ended; the text says the cause and the remedy."""
+
+    CONVERGED = "The error estimate met the tolerance."
+    UNKNOWNS = "The next space would exceed max_unknowns. Raise max_unknowns, or loosen rtol."
+    ROUNDING = "Refinement no longer lowers the estimate: rounding is reached. Loosen rtol."
+
+
+@dataclass(frozen=True, slots=True)
+class Resolution:
+    """A space: panels and the degree used on each of them."""
+
+    panels: LogPanels
+    degrees: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt(Generic[T]):
+    """The outcome of one space.
+
+    Attributes
+    ----------
+    value : object
+        What the problem computed.
+    error : float
+        Estimate of the relative error of what was asked.
+    indicators : ndarray, shape (panels,)
+        Share of every panel in the estimate, in the same unit as `error`.
+    rates : ndarray, shape (panels,)
+        Factor, below 1, by which one more degree lowers the indicator.
+    unknowns : int
+    """
+
+    value: T
+    error: float
+    indicators: Array
+    rates: Array
+    unknowns: int
+
+
+class Problem(Protocol[T_co]):
+    """What `refine` needs of a problem."""
+
+    def start(self) -> Resolution:
+        """Return the first space to try."""
+        ...
+
+    def attempt(self, resolution: Resolution) -> Attempt[T_co]:
+        """Solve in a space."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One line of the p-refinement history."""
+
+    unknowns: int
+    highest_degree: int
+    error: float
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Refinement(Generic[T]):
+    """The best attempt, why it is the last one, and the history."""
+
+    best: Attempt[T]
+    resolution: Resolution
+    ending: Ending
+    history: tuple[Step, ...]
+
+
+def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refinement[T]:
+    """Solve in growing spaces until the estimate meets the tolerance.
+
+    Parameters
+    ----------
+    problem : Problem
+        Supplies the first space and solves in any.
+    tolerance : float
+        Bound on the estimate of the relative error.
+    max_unknowns : int
+        No space beyond this is tried, except the first.
+
+    Returns
+    -------
+    Refinement
+    """
+    resolution = problem.start()
+    history: list[Step] = []
+    best: Refinement[T] | None = None
+    stalled = 0
+    while True:
+        begin = perf_counter()
+        attempt = problem.attempt(resolution)
+        step = Step(
+            attempt.unknowns, max(resolution.degrees), attempt.error, perf_counter() - begin
+        )
+        history.append(step)
+        _LOG.debug("%d unknowns: estimate %.1e", step.unknowns, step.error)
+        if best is None or attempt.error < best.best.error:
+            stalled = 0 if best is None or attempt.error < 0.5 * best.best.error else stalled + 1
+            best = Refinement(attempt, resolution, Ending.CONVERGED, ())
+        else:
+            stalled += 1
+        if best.best.error <= tolerance:
+            ending = Ending.CONVERGED
+        elif stalled >= 2 or len(history) >= _MAX_ATTEMPTS:
+            ending = Ending.ROUNDING
+        else:
+            finer = _finer(resolution, attempt, tolerance)
+            if finer == resolution:
+                ending = Ending.ROUNDING
+            elif sum(finer.degrees) + len(finer.degrees) > max_unknowns:
+                ending = Ending.UNKNOWNS
+            else:
+                resolution = finer
+                continue
+        return replace(best, ending=ending, history=tuple(history))
+
+
+def _finer(resolution: Resolution, attempt: Attempt[T], tolerance: float) -> Resolution:
+    """Raise the degree where the indicator asks for it, by what the decay predicts."""
+    aim = _MARGIN * tolerance
+    need = np.log(np.maximum(attempt.indicators / aim, 1.0)) / -np.log(attempt.rates)
+    extra = np.minimum(np.ceil(need), _LEAP).astype(int)
+    degrees = np.minimum(np.array(resolution.degrees) + extra, _DEGREE_LIMIT)
+    highest = int(degrees.max())
+    panels = resolution.panels
+    if highest > panels.degree:
+        panels = replace(panels, degree=min(highest + 4, _DEGREE_LIMIT))
+    return Resolution(panels, tuple(degrees.tolist()))

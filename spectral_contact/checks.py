@@ -1,0 +1,186 @@
+"""Checks of what the user passes in: the value as the library wants it, or a `SceneError`.
+
+A *real number* here is a Python ``float`` or ``int``, a NumPy floating or integer scalar, or any
+other `numbers.Real` (`fractions.Fraction`, ``mpmath.mpf``), rounded to the nearest double.
+Booleans, complex numbers, strings, `decimal.Decimal`, and arrays or lists, 0-d arrays included, are
+refused: an array where a number belongs is a mistake more often than a wish.
+"""
+
+import math
+import numbers
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.errors import SceneError
+
+__all__ = ["exactly_one", "radii", "real", "tolerance", "whole"]
+
+_UNIT_INTERVAL = "in [0, 1]"
+
+# bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
+_NOT_NUMBERS = (bool, np.timedelta64)
+
+
+def real(
+    parameter: str,
+    value: object,
+    *,
+    allowed: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    low_open: bool = False,
+    high_open: bool = False,
+    infinite_ok: bool = False,
+) -> float:
+    """Return a real number of an interval as a Python float, −0.0 as 0.0.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    value : object
+        What the user passed.
+    allowed : str
+        The interval in words, to follow "must be" in an error.
+    low, high : float
+        The ends of the interval.
+    low_open, high_open : bool
+        Whether that end itself is refused.
+    infinite_ok : bool
+        Whether an infinite value is accepted (where it is inside the interval).
+
+    Raises
+    ------
+    SceneError
+        If the value is no real number, is NaN, or lies outside; also if rounding makes a finite
+        value infinite or a nonzero one zero, because both mean something else.
+    """
+    number = value if type(value) is float else _nearest_double(parameter, value, allowed)
+    if low < number < high:
+        return number + 0.0
+    inside = (low < number or (number == low and not low_open)) and (
+        number < high or (number == high and not high_open)
+    )
+    if not inside or (math.isinf(number) and not infinite_ok):
+        raise SceneError(parameter, value, allowed)
+    return number + 0.0
+
+
+def whole(parameter: str, value: object, low: int) -> int:
+    """Return a whole number of at least ``low`` as a Python int.
+
+    Raises
+    ------
+    SceneError
+        If the value is not an integer by type (20.0 and True are not) or is below ``low``.
+    """
+    if isinstance(value, numbers.Integral) and not isinstance(value, _NOT_NUMBERS):
+        number = int(value)
+        if number >= low:
+            return number
+    raise SceneError(parameter, value, f"a whole number >= {low}")
+
+
+def tolerance(rtol: object) -> float:
+    """Return the relative tolerance as a Python float.
+
+    Raises
+    ------
+    SceneError
+        If it is not a real number in [1e-13, 1e-2].
+    """
+    return real("rtol", rtol, allowed="in [1e-13, 1e-2]", low=1e-13, high=1e-2)
+
+
+def exactly_one(first: str, first_value: object, second: str, second_value: object) -> None:
+    """Check that one of two parameters is given and the other is None.
+
+    Raises
+    ------
+    SceneError
+        If both or neither are given; it names both.
+    """
+    if (first_value is None) == (second_value is None):
+        raise SceneError(
+            f"{first}, {second}",
+            (first_value, second_value),
+            f"one value and one None: give either {first} or {second}",
+        )
+
+
+def radii(
+    s: ArrayLike | None, from_edge: ArrayLike | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return radii both from the centre and from the edge, whichever of them was given.
+
+    Parameters
+    ----------
+    s : array_like or None
+        Radii r/a, dimensionless, in [0, 1]; any shape, scalars and empty arrays included.
+    from_edge : array_like or None
+        Distances from the edge 1 − r/a, dimensionless, in [0, 1]. Near the edge this is the
+        accurate way: the values are kept exactly, down to the smallest double.
+
+    Returns
+    -------
+    s, from_edge : ndarray of float64
+        New arrays of the shape given (0-d for a scalar). What was given is unchanged, save that
+        −0.0 becomes 0.0; the other is 1 minus it, correctly rounded.
+
+    Raises
+    ------
+    SceneError
+        If both or neither are given, if a value is not a real number (see the module's
+        description), or lies outside [0, 1]; it names the first such value.
+    """
+    exactly_one("s", s, "from_edge", from_edge)
+    if from_edge is None:
+        given = _unit_interval_array("s", s)
+        return _as_doubles(given), _as_doubles(1 - given)
+    given = _unit_interval_array("from_edge", from_edge)
+    return _as_doubles(1 - given), _as_doubles(given)
+
+
+def _unit_interval_array(parameter: str, values: Any) -> NDArray[np.floating[Any]]:
+    """Return values of [0, 1] as an array of doubles, or of long doubles if such were given."""
+    try:
+        array = np.asarray(values)
+    except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
+        raise SceneError(parameter, values, "real numbers in [0, 1], of one shape") from error
+    if array.dtype.kind == "O":
+        # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
+        limits: dict[str, Any] = {"allowed": _UNIT_INTERVAL, "low": 0.0, "high": 1.0}
+        doubles = [real(parameter, value, **limits) for value in array.flat]
+        return np.array(doubles, dtype=np.float64).reshape(array.shape)
+    if array.dtype.kind not in "fiu":
+        _refuse_type(parameter, values, _UNIT_INTERVAL)
+    array = array.astype(np.promote_types(array.dtype, np.float64), copy=False)
+    with np.errstate(invalid="ignore"):  # NaN compares False, which is what we want of it
+        inside = (array >= 0) & (array <= 1)
+    if not inside.all():
+        raise SceneError(parameter, array[~inside][0].item(), _UNIT_INTERVAL)
+    return array
+
+
+def _as_doubles(array: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+    # Adding 0.0 turns −0.0 into 0.0 and makes the copy that keeps the user's array out of ours;
+    # asarray undoes NumPy's habit of returning scalars for 0-d arrays.
+    return np.asarray(array + 0.0, dtype=np.float64)
+
+
+def _nearest_double(parameter: str, value: object, allowed: str) -> float:
+    if not isinstance(value, numbers.Real) or isinstance(value, _NOT_NUMBERS):
+        _refuse_type(parameter, value, allowed)
+    try:
+        number = float(value)
+    except (OverflowError, TypeError, ValueError) as error:
+        raise SceneError(parameter, value, allowed) from error
+    if (number == 0 or math.isinf(number)) and value != number:
+        raise SceneError(parameter, value, f"{allowed}, and within the range of a double")
+    return number
+
+
+def _refuse_type(parameter: str, value: object, allowed: str) -> NoReturn:
+    raise SceneError(parameter, value, f"a real number, {allowed}")

@@ -1,0 +1,243 @@
+"""Fields on the contact: immutable data that can be evaluated, compared and stored.
+
+A field is written in the distance to a boundary, never in the radius alone, so that it keeps
+relative accuracy at the edge and at both ends of every zone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+__all__ = [
+    "AnnulusSeries",
+    "DiskSeries",
+    "EdgeWeight",
+    "LogSeries",
+    "PressureField",
+    "Radius",
+    "ZonalField",
+    "ZonePiece",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Radius:
+    """A dimensionless radius known to relative accuracy from the centre and from the edge.
+
+    Attributes
+    ----------
+    value, from_edge : float
+        ``b`` and ``1 - b``.
+    """
+
+    value: float
+    from_edge: float
+
+    @classmethod
+    def from_logit(cls, logit: float) -> Radius:
+        """Return the radius with ``ln(b**2 / (1 - b**2)) = logit``."""
+        inside, outside = float(np.exp(min(logit, 0.0))), float(np.exp(min(-logit, 0.0)))
+        total = inside + outside
+        value = float(np.sqrt(inside / total))
+        return cls(value, outside / total / (1.0 + value))
+
+    @property
+    def square(self) -> float:
+        """Return ``b**2``."""
+        return self.value**2
+
+    @property
+    def rest(self) -> float:
+        """Return ``1 - b**2`` without cancellation."""
+        return self.from_edge * (1.0 + self.value)
+
+    @property
+    def logit(self) -> float:
+        """Return ``ln(b**2 / (1 - b**2))``."""
+        return 2.0 * float(np.log(self.value)) - float(np.log(self.rest))
+
+    def below(self, s: Array, from_edge: Array) -> Array:
+        """Return ``b**2 - s**2`` without cancellation beyond the rounding of the inputs."""
+        gap = np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)
+        return np.asarray(gap * (self.value + s))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LogSeries:
+    """Piecewise Legendre series in ``x = -ln d``, with a tail that is polynomial in ``d``.
+
+    Attributes
+    ----------
+    coefficients : ndarray, shape (panels, degree + 1)
+        Legendre coefficients on the panels ``[j h, (j+1) h]`` in ``x``.
+    tail : ndarray, shape (terms,)
+        Legendre coefficients in ``d`` on ``[0, exp(-panels h)]``.
+    width : float
+        Panel width ``h``.
+    """
+
+    coefficients: Array
+    tail: Array
+    width: float
+
+    def __call__(self, d: Array) -> Array:
+        """Evaluate at distances `d` in [0, 1], any shape."""
+        d = np.asarray(d, dtype=float)
+        panels = len(self.coefficients)
+        end = float(np.exp(-panels * self.width))
+        x = -np.log(np.maximum(d, end * 1e-2))
+        own = np.minimum((np.maximum(x, 0.0) / self.width).astype(int), panels - 1)
+        local = 2.0 * (x / self.width - own) - 1.0
+        degree = self.coefficients.shape[1] - 1
+        values = legendre.legvander(np.clip(local, -1.0, 1.0), degree)
+        result = np.einsum("...k,...k->...", values, self.coefficients[own])
+        deep = d < end
+        if deep.any():
+            result = np.where(
+                deep, legendre.legval(2.0 * np.minimum(d / end, 1.0) - 1.0, self.tail), result
+            )
+        return np.asarray(result)
+
+    @property
+    def limit(self) -> float:
+        """Value at ``d = 0``."""
+        return float(legendre.legval(-1.0, self.tail))
+
+    def times(self, factor: float) -> LogSeries:
+        """Return the series multiplied by a number."""
+        return LogSeries(self.coefficients * factor, self.tail * factor, self.width)
+
+
+@dataclass(frozen=True, slots=True)
+class EdgeWeight:
+    """The endpoint weight ``amplitude / sqrt(y + shift)`` with ``y = 1 - s**2``.
+
+    With ``logarithmic`` it is ``amplitude * (-ln y) / (s**2 sqrt(y))``, the smooth full-stick limit.
+    """
+
+    amplitude: float
+    shift: float
+    logarithmic: bool = False
+
+    def __call__(self, y: Array) -> Array:
+        """Evaluate at `y` in [0, 1]; ``inf`` at y = 0 when the shift is zero."""
+        with np.errstate(divide="ignore"):
+            value = self.amplitude / np.sqrt(y + self.shift)
+        if self.logarithmic:
+            z = 1.0 - y
+            safe = np.where(z > 0.0, z, 1.0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                value = value * np.where(z > 0.0, -np.log(y) / safe, 1.0)
+        return np.asarray(value)
+
+    def half_integral(self, d: Array) -> Array:
+        """Return its half-integral at ``1 - t**2 = d``: amplitude arctan sqrt(d / shift)."""
+        if self.shift == 0.0:
+            return np.full(np.shape(d), self.amplitude * np.pi / 2.0)
+        return np.asarray(self.amplitude * np.arctan(np.sqrt(d / self.shift)))
+
+    def deficit(self, d: Array) -> Array:
+        """Return ``amplitude pi/2`` minus the half-integral, without the subtraction."""
+        return np.asarray(self.amplitude * np.arctan(np.sqrt(self.shift / d)))
+
+    def times(self, factor: float) -> EdgeWeight:
+        """Return the weight multiplied by a number."""
+        return EdgeWeight(self.amplitude * factor, self.shift, self.logarithmic)
+
+
+@dataclass(frozen=True, slots=True)
+class PressureField:
+    """Pressure as an endpoint weight plus a series in ``y``; either may be absent."""
+
+    weight: EdgeWeight | None
+    series: LogSeries | None
+
+    def at(self, y: Array) -> Array:
+        """Evaluate at ``y = 1 - s**2``."""
+        value = np.zeros(np.shape(y))
+        if self.weight is not None:
+            value = value + self.weight(y)
+        if self.series is not None:
+            value = value + self.series(y)
+        return value
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate at radii `s` whose distances to the edge are `from_edge`."""
+        return self.at(from_edge * (1.0 + s))
+
+
+@dataclass(frozen=True, slots=True)
+class DiskSeries:
+    """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone."""
+
+    outer: Radius
+    series: LogSeries | None
+    weight: EdgeWeight | None = None
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate inside the disk."""
+        scaled = s / self.outer.value
+        d = np.clip(self.outer.below(s, from_edge) / self.outer.square, 0.0, 1.0)
+        value = np.zeros(np.shape(s))
+        if self.series is not None:
+            value = value + self.series(d)
+        if self.weight is not None:
+            value = value + self.weight(d)
+        return np.asarray(scaled * value)
+
+
+@dataclass(frozen=True, slots=True)
+class AnnulusSeries:
+    """``s**power`` times two series, each in the distance to one end of an annulus."""
+
+    inner: Radius
+    outer: Radius
+    toward_inner: LogSeries
+    toward_outer: LogSeries
+    power: int = 1
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate inside the annulus."""
+        above = np.maximum(-self.inner.below(s, from_edge), 0.0)
+        below = np.maximum(self.outer.below(s, from_edge), 0.0)
+        half = (above + below) / 2.0
+        half = np.where(half > 0.0, half, 1.0)
+        value = np.where(
+            above <= below,
+            self.toward_inner(np.clip(above / half, 0.0, 1.0)),
+            self.toward_outer(np.clip(below / half, 0.0, 1.0)),
+        )
+        return np.asarray(s**self.power * value)
+
+
+@dataclass(frozen=True, slots=True)
+class ZonePiece:
+    """One zone of a field: ``factor * field`` up to `outer`; no field means zero."""
+
+    outer: Radius
+    field: DiskSeries | AnnulusSeries | PressureField | None
+    factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class ZonalField:
+    """A field that has its own expression in every zone, ordered from the centre to the edge."""
+
+    pieces: tuple[ZonePiece, ...]
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate at radii `s` whose distances to the edge are `from_edge`, any shape."""
+        result = np.zeros(np.shape(s))
+        todo = np.ones(np.shape(s), dtype=bool)
+        for piece in self.pieces:
+            inside = todo & (piece.outer.below(s, from_edge) >= 0.0)
+            todo &= ~inside
+            if piece.field is not None and piece.factor != 0.0 and inside.any():
+                result[inside] = piece.factor * piece.field(s[inside], from_edge[inside])
+        return result

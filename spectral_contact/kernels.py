@@ -1,0 +1,77 @@
+"""The elliptic kernels K1 and K2 of the half-space, free of cancellation.
+
+The printed forms (2.4) of the paper lose every digit where the two radii meet, and K2 also far
+off the diagonal. Here both are written in the complementary parameter
+``m1 = 1 - rho**2 = |eta - s| (eta + s) / hi**2`` with ``rho = lo/hi``, which is exact to rounding
+everywhere. The kernels are homogeneous of degree 0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import special
+
+__all__ = ["normal_kernel", "tangential_kernel"]
+
+
+def _ordered(
+    eta: ArrayLike, s: ArrayLike, distance: ArrayLike | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return ``eta, lo, hi`` and ``m1`` as broadcast arrays."""
+    eta, s = np.broadcast_arrays(np.asarray(eta, dtype=float), np.asarray(s, dtype=float))
+    lo, hi = np.minimum(eta, s), np.maximum(eta, s)
+    gap = hi - lo if distance is None else np.asarray(distance, dtype=float)
+    return eta, lo, hi, gap * (hi + lo) / hi**2
+
+
+def normal_kernel(
+    eta: ArrayLike, s: ArrayLike, *, distance: ArrayLike | None = None
+) -> NDArray[np.float64]:
+    """Evaluate K1, the normal displacement at `s` of a ring load at `eta`.
+
+    Parameters
+    ----------
+    eta, s : array_like
+        Source and field radius (dimensionless, positive); they broadcast.
+    distance : array_like, optional
+        ``|eta - s|`` where it is known better than the difference of the two.
+
+    Returns
+    -------
+    ndarray
+        K1 = (eta/hi) K(rho), dimensionless; ``inf`` on the diagonal.
+
+    Notes
+    -----
+    Equations (2.4) and (3.4) of the paper, with Landen's transformation undone.
+    """
+    eta, _, hi, m1 = _ordered(eta, s, distance)
+    with np.errstate(divide="ignore"):
+        return np.asarray(eta / hi * special.ellipkm1(m1))
+
+
+def tangential_kernel(
+    eta: ArrayLike, s: ArrayLike, *, distance: ArrayLike | None = None
+) -> NDArray[np.float64]:
+    """Evaluate K2, the radial displacement at `s` of a ring of radial traction at `eta`.
+
+    Parameters
+    ----------
+    eta, s : array_like
+        Source and field radius (dimensionless, positive); they broadcast.
+    distance : array_like, optional
+        ``|eta - s|`` where it is known better than the difference of the two.
+
+    Returns
+    -------
+    ndarray
+        K2 = (eta/lo) [K(rho) - E(rho)] = eta lo / (3 hi^2) R_D(0, m1, 1), dimensionless;
+        ``inf`` on the diagonal.
+
+    Notes
+    -----
+    Equations (2.4) and (4.4) of the paper; Carlson's R_D takes the difference K - E exactly.
+    """
+    eta, lo, hi, m1 = _ordered(eta, s, distance)
+    return np.asarray(eta * (lo / hi) / (3.0 * hi) * special.elliprd(0.0, m1, 1.0))

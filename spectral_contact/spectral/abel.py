@@ -1,0 +1,210 @@
+r"""Abel (half-order) integrals of Legendre panels in the logarithm of a distance.
+
+Let ``d = exp(-x)`` be the distance to a boundary (an edge or the end of a zone), and let ``x`` run
+over panels ``[j h, (j+1) h]`` with Legendre polynomials ``psi`` on each, closed by a tail
+``d <= exp(-P h)`` with Legendre polynomials in ``d``. Three integrals serve every operator:
+
+==========  =====================================================================
+``deeper``  ``1/2 * int_{d' < d} psi dd' / sqrt(d - d')``   (sources nearer the boundary)
+``outer``   ``1/2 * int_{d' > d} psi dd' / sqrt(d' - d)``   (sources farther from it)
+``beyond``  ``1/2 * int psi dd' / sqrt(d' + e)``            (points past the boundary)
+==========  =====================================================================
+
+In ``x`` the first two are convolutions, so their blocks depend on the difference of panel numbers
+alone. The square-root singularity is removed by ``u = theta**2``; all else is analytic, and the
+rules below are converged to rounding (docs/theory).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+
+__all__ = ["TAIL_TERMS", "beyond", "deeper", "deeper_blocks", "outer", "outer_blocks"]
+
+Array = NDArray[np.float64]
+
+#: Legendre polynomials in the distance on the tail panel (degree 0, 1, 2).
+TAIL_TERMS = 3
+#: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
+_EXTRA = 12
+
+
+def _smooth(u: Array) -> Array:
+    """Return sqrt(u / (1 - exp(-u))), analytic at u = 0."""
+    safe = np.where(u > 0.0, u, 1.0)
+    return np.where(u > 0.0, np.sqrt(safe / -np.expm1(-safe)), 1.0)
+
+
+def _panel(values: Array, local: Array, degree: int) -> Array:
+    """Contract quadrature `values` (n, q) with the Legendre polynomials at `local` (n, q)."""
+    return np.asarray((values[:, None, :] @ legendre_values(local, degree))[:, 0, :])
+
+
+def deeper_blocks(to_end: Array, panels: int, width: float, degree: int) -> Array:
+    """Return blocks of the `deeper` integral for points inside one panel.
+
+    Parameters
+    ----------
+    to_end : ndarray, shape (n,)
+        Distance in ``x`` from each point to the deep end of its own panel, in [0, width].
+    panels : int
+        Number of blocks: block k takes the panel k places deeper than the point's own.
+    width : float
+        Panel width in ``x``.
+    degree : int
+        Highest Legendre degree.
+
+    Returns
+    -------
+    ndarray, shape (n, panels, degree + 1)
+        To be multiplied by ``sqrt(d)`` of the point.
+    """
+    g, w = gauss_rule(degree + _EXTRA)
+    blocks = np.empty((len(to_end), panels, degree + 1))
+    lower = np.zeros(len(to_end))
+    upper = to_end
+    for k in range(min(panels, 2)):  # own panel and the next: u = theta**2
+        a, b = np.sqrt(lower)[:, None], np.sqrt(upper)[:, None]
+        span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
+        u = (a + span * (1.0 + g) / 2.0) ** 2
+        local = 1.0 - 2.0 * (to_end[:, None] + k * width - u) / width
+        blocks[:, k] = _panel(np.exp(-u) * _smooth(u) * (w * span / 2.0), local, degree)
+        lower, upper = upper, upper + width
+    if panels > 2:
+        start = to_end[:, None] + width * np.arange(1, panels - 1)
+        u = start[:, :, None] + width * (1.0 + g) / 2.0
+        values = (0.25 * width) * w * np.exp(-u) / np.sqrt(-np.expm1(-u))
+        blocks[:, 2:] = values @ legendre_values(g, degree)
+    return blocks
+
+
+def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> Array:
+    """Return blocks of the `outer` integral for points inside one panel.
+
+    Parameters
+    ----------
+    from_start : ndarray, shape (n,)
+        Distance in ``x`` from the shallow end of its own panel to each point; may exceed the
+        width for points in the tail.
+    panels : int
+        Number of blocks: block k takes the panel k places shallower than the point's own.
+    width : float
+        Panel width in ``x``.
+    degree : int
+        Highest Legendre degree.
+
+    Returns
+    -------
+    ndarray, shape (n, panels, degree + 1)
+        To be multiplied by ``exp(-x_j / 2)`` of the shallow end ``x_j`` of the source panel.
+    """
+    g, w = gauss_rule(degree + _EXTRA)
+    blocks = np.empty((len(from_start), panels, degree + 1))
+    lower = np.maximum(from_start - width, 0.0)  # a point in the tail lies past its panel
+    upper = from_start
+    for k in range(min(panels, 2)):
+        a, b = np.sqrt(lower)[:, None], np.sqrt(upper)[:, None]
+        span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
+        u = (a + span * (1.0 + g) / 2.0) ** 2
+        offset = from_start[:, None] + k * width - u
+        values = np.exp(-offset / 2.0) * _smooth(u) * (w * span / 2.0)
+        blocks[:, k] = _panel(values, 2.0 * offset / width - 1.0, degree)
+        lower, upper = upper, upper + width
+    if panels > 2:
+        offset = width * (1.0 + g) / 2.0
+        start = from_start[:, None] + width * np.arange(2, panels)
+        u = start[:, :, None] - offset
+        values = (0.25 * width) * w * np.exp(-offset / 2.0) / np.sqrt(-np.expm1(-u))
+        blocks[:, 2:] = values @ legendre_values(g, degree)
+    return blocks
+
+
+def deeper_tail(d: Array, end: float) -> Array:
+    """Return the `deeper` integral of the tail polynomials, shape (n, TAIL_TERMS); exact."""
+    g, w = gauss_rule(TAIL_TERMS + 1)
+    a = np.sqrt(np.maximum(d - end, 0.0))[:, None]
+    reach = np.minimum(d, end)[:, None]
+    span = reach / (a + np.sqrt(d)[:, None])
+    step = span * (1.0 + g) / 2.0
+    source = reach - step * (2.0 * a + step)  # d - (a + step)**2 without cancellation
+    return _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
+
+
+def _outer_tail(d: Array, end: float) -> Array:
+    """Return the `outer` integral of the tail polynomials, shape (n, TAIL_TERMS); exact."""
+    g, w = gauss_rule(TAIL_TERMS + 1)
+    span = np.sqrt(np.maximum(end - d, 0.0))[:, None]
+    source = d[:, None] + (span * (1.0 + g) / 2.0) ** 2
+    return _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
+
+
+def deeper(d: Array, panels: int, width: float, degree: int) -> Array:
+    """Return the matrix of the `deeper` integral at arbitrary distances.
+
+    Parameters
+    ----------
+    d : ndarray, shape (n,)
+        Positive distances; above 1 is allowed (points past the first panel).
+    panels, width, degree
+        The panels, as in `deeper_blocks`.
+
+    Returns
+    -------
+    ndarray, shape (n, panels * (degree + 1) + TAIL_TERMS)
+    """
+    x = -np.log(d)
+    own = np.minimum(np.floor(x / width).astype(int), panels)
+    matrix = np.zeros((len(d), panels, degree + 1))
+    clear = np.flatnonzero(own < -1)
+    if len(clear):
+        matrix[clear] = _plain(-d[clear], panels, width, degree)
+    for i in np.unique(own[(own < panels) & (own >= -1)]):
+        rows = np.flatnonzero(own == i)
+        to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
+        blocks = deeper_blocks(to_end, panels - i, width, degree)
+        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * np.sqrt(d[rows])[:, None, None]
+    tail = deeper_tail(d, np.exp(-panels * width))
+    return np.hstack([matrix.reshape(len(d), -1), tail])
+
+
+def outer(d: Array, panels: int, width: float, degree: int) -> Array:
+    """Return the matrix of the `outer` integral at arbitrary distances in [0, 1].
+
+    Shapes are those of `deeper`.
+    """
+    end = np.exp(-panels * width)
+    x = -np.log(np.maximum(d, 1e-300))
+    own = np.clip(np.floor(x / width).astype(int), 0, panels - 1)
+    matrix = np.zeros((len(d), panels, degree + 1))
+    scale = np.exp(-0.5 * width * np.arange(panels))
+    for i in np.unique(own):
+        rows = np.flatnonzero(own == i)
+        blocks = outer_blocks(np.maximum(x[rows] - i * width, 0.0), i + 1, width, degree)
+        matrix[rows, : i + 1] = blocks[:, ::-1] * scale[: i + 1, None]
+    return np.hstack([matrix.reshape(len(d), -1), _outer_tail(d, end)])
+
+
+def _plain(e: Array, panels: int, width: float, degree: int) -> Array:
+    """Return ``1/2 int psi dd' / sqrt(|d' + e|)`` on the panels, for e clear of ``-d'``."""
+    g, w = gauss_rule(degree + _EXTRA)
+    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    values = (0.25 * width) * w * source / np.sqrt(np.abs(source + e[:, None, None]))
+    return np.asarray(values @ legendre_values(g, degree))
+
+
+def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
+    """Return the matrix of the `beyond` integral at distances `e` >= 0 past the boundary.
+
+    Shapes are those of `deeper`.
+    """
+    end = np.exp(-panels * width)
+    g, w = gauss_rule(TAIL_TERMS + 1)
+    a, b = np.sqrt(e)[:, None], np.sqrt(e + end)[:, None]
+    span = end / (a + b)
+    step = span * (1.0 + g) / 2.0
+    source = step * (2.0 * a + step)
+    tail = _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
+    return np.hstack([_plain(e, panels, width, degree).reshape(len(e), -1), tail])

@@ -1,0 +1,257 @@
+r"""Galerkin projections of K1 and K2 on a disk, and their regularised solution.
+
+With ``d = 1 - z``, ``z = s**2`` the half-integral ``F(t) = 1/2 int_{t^2}^1 phi dz / sqrt(z - t^2)``
+factors both kernels (docs/theory, Abel factorisation):
+
+    <phi, N psi> = (1/pi) int F_phi F_psi dt           (normal, phi in p)
+    <s phi, T s psi> = (1/pi) int t^2 F_phi F_psi dt   (tangential, q = s u, phi in u)
+
+so each matrix is a Gram matrix ``H^T W H``: symmetric and positive definite by construction, with
+no logarithm left to integrate. The solve of ``(c M + K) a = H^T W target - c load`` is a
+regularised least-squares problem. The first-kind part cancels in the normal equations, which
+loses ``eps/sqrt(c)`` at the edge; one correction with the residual taken in the half-integral,
+where nothing cancels, restores it (corrected seminormal equations).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import blas, lapack
+
+from spectral_contact.spectral.abel import TAIL_TERMS, deeper_blocks, deeper_tail, outer
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.panels import LogPanels, Nodes
+
+__all__ = ["DiskOperators", "GalerkinOperator", "GalerkinSolution", "Space", "disk_operators"]
+
+Array = NDArray[np.float64]
+
+_OPERATORS: BoundedCache[LogPanels, DiskOperators] = BoundedCache("disk operators", 12)
+
+
+def disk_operators(panels: LogPanels) -> DiskOperators:
+    """Return the operators of the unit disk on these panels, assembled once (cached)."""
+    return _OPERATORS.get(panels, lambda: DiskOperators(panels))
+
+
+class DiskOperators:
+    """Half-integral matrix and Galerkin matrices on the unit disk for one set of panels.
+
+    They know nothing of compliance, friction or Poisson's ratio; by homogeneity they also serve
+    a stick disk of any radius c, with ``compliance / c``.
+
+    Parameters
+    ----------
+    panels : LogPanels
+        Panels in ``x = -ln(1 - s**2)``.
+    """
+
+    def __init__(self, panels: LogPanels) -> None:
+        self.panels = panels
+        nodes, first, other = panels.nodes()
+        self.nodes: Nodes = nodes
+        self.half_integral: Array = _half_integral(panels, nodes, first, other)
+
+    @cached_property
+    def normal(self) -> GalerkinOperator:
+        """Projection of K1 with the mass matrix ``<phi, psi> = int phi psi s ds``."""
+        mass = _block_diagonal(self.panels, 0.5, 0.0)
+        return GalerkinOperator(self.panels, self.half_integral, self.nodes.weights / np.pi, mass)
+
+    @cached_property
+    def tangential(self) -> GalerkinOperator:
+        """Projection of K2 for ``q = s u`` with the mass matrix ``int u v s**3 ds``."""
+        mass = _block_diagonal(self.panels, 0.5, -0.5)
+        weights = self.nodes.weights * self.nodes.rest / np.pi
+        return GalerkinOperator(self.panels, self.half_integral, weights, mass)
+
+    @cached_property
+    def outer_matrix(self) -> Array:
+        """Matrix of the `outer` integral at the sampling points (panels, then tail)."""
+        p = self.panels
+        d = np.concatenate([np.exp(-p.sampling()).ravel(), p.tail_sampling()])
+        return outer(d, p.panels, p.width, p.degree)
+
+
+class GalerkinOperator:
+    """Gram matrix, mass matrix and node weights of one projected kernel.
+
+    Attributes
+    ----------
+    half_integral : ndarray, shape (nodes, size)
+        Half-integrals of the basis functions at the nodes.
+    weights : ndarray, shape (nodes,)
+        Weights of the Gram form, 1/pi included.
+    mass : ndarray, shape (size, size)
+        Mass matrix, block diagonal.
+    gram : ndarray, shape (size, size)
+        ``half_integral.T @ diag(weights) @ half_integral``.
+    """
+
+    def __init__(self, panels: LogPanels, half_integral: Array, weights: Array, mass: Array):
+        self.panels = panels
+        self.half_integral = half_integral
+        self.weights = weights
+        self.mass = mass
+        scaled = half_integral * np.sqrt(weights)[:, None]
+        # dsyrk fills one triangle in half the time; `scaled.T` is Fortran-ordered, so no copy
+        upper = blas.dsyrk(1.0, scaled.T)
+        self.gram: Array = np.triu(upper) + np.triu(upper, 1).T
+        self._spaces: BoundedCache[tuple[int, ...], Space] = BoundedCache("Galerkin spaces", 64)
+
+    def space(self, degrees: tuple[int, ...]) -> Space:
+        """Return the subspace with these degrees on the panels, the tail whole (cached)."""
+        return self._spaces.get(degrees, lambda: Space(self, degrees))
+
+
+@dataclass(frozen=True, slots=True)
+class GalerkinSolution:
+    """Coefficients of one solve and what they say about its error.
+
+    Attributes
+    ----------
+    coefficients : ndarray, shape (size,)
+        Zero outside the space.
+    change : ndarray, shape (size,)
+        Difference to the Galerkin solution with the top two degrees of every panel left out,
+        computed without cancellation.
+    misfit : ndarray, shape (nodes,)
+        ``target - half_integral @ coefficients``.
+    energy_change : float
+        Energy norm squared of `change`.
+    """
+
+    coefficients: Array
+    change: Array
+    misfit: Array
+    energy_change: float
+
+
+class Space:
+    """A subspace of an operator's basis: chosen degrees on every panel.
+
+    Parameters
+    ----------
+    operator : GalerkinOperator
+    degrees : tuple of int
+        Highest degree on each panel, from 0 to the degree of the panels.
+    """
+
+    def __init__(self, operator: GalerkinOperator, degrees: tuple[int, ...]) -> None:
+        self.operator = operator
+        self.degrees = degrees
+        terms = operator.panels.degree + 1
+        keep, shed = [], []
+        for j, n in enumerate(degrees):
+            kept = max(n - 1, 1) if n else 1
+            keep.append(np.arange(j * terms, j * terms + kept))
+            shed.append(np.arange(j * terms + kept, j * terms + n + 1))
+        tail = len(degrees) * terms
+        keep.append(np.arange(tail, tail + TAIL_TERMS - 1))
+        shed.append(np.arange(tail + TAIL_TERMS - 1, tail + TAIL_TERMS))
+        self.kept = sum(map(len, keep))
+        #: basis functions of the space, those of the coarser space first
+        self.index = np.concatenate(keep + shed)
+        grid = np.ix_(self.index, self.index)
+        self._gram = operator.gram[grid]
+        self._mass = operator.mass[grid]
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns."""
+        return len(self.index)
+
+    def solve(
+        self, compliance: float, target: Array, load: Array | None = None
+    ) -> GalerkinSolution:
+        """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
+
+        Parameters
+        ----------
+        compliance : float
+            The regularisation c >= 0.
+        target : ndarray, shape (nodes,)
+            What the half-integral should be.
+        load : ndarray, shape (size,), optional
+            Inner products of the basis with a known part of the solution.
+
+        Returns
+        -------
+        GalerkinSolution
+        """
+        op, index = self.operator, self.index
+        matrix = self._gram if compliance == 0.0 else self._gram + compliance * self._mass
+        scale = 1.0 / np.sqrt(matrix.diagonal())
+        # the transposed view is Fortran-ordered, which LAPACK takes without a copy
+        scaled = (matrix * scale * scale[:, None]).T
+        factor, info = lapack.dpotrf(scaled, lower=1, clean=0)
+        if info != 0:
+            raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
+        fixed = 0.0 if load is None else compliance * load[index]
+        coefficients = np.zeros(op.gram.shape[0])
+        values = np.zeros(len(index))
+        misfit = target
+        for _ in range(2):  # solve, then correct with the half-integral residual
+            right = (op.weights * misfit) @ op.half_integral
+            residual = right[index] - fixed
+            if compliance != 0.0:
+                residual -= compliance * (self._mass @ values)
+            step, _ = lapack.dpotrs(factor, residual * scale, lower=1)
+            values += step * scale
+            coefficients[index] = values
+            misfit = target - op.half_integral @ coefficients
+        return self._with_change(coefficients, misfit, scaled, factor, scale)
+
+    def _with_change(
+        self, coefficients: Array, misfit: Array, scaled: Array, factor: Array, scale: Array
+    ) -> GalerkinSolution:
+        """Add the change that the last degrees made, from the same factorisation."""
+        k = self.kept
+        shed = coefficients[self.index[k:]] / scale[k:]
+        right = scaled[:k, k:] @ shed
+        step, _ = lapack.dpotrs(factor[:k, :k], right, lower=1)
+        change = np.zeros_like(coefficients)
+        change[self.index[:k]] = step * scale[:k]
+        change[self.index[k:]] = -shed * scale[k:]
+        # energy of the change: shed^T (Schur complement) shed
+        energy = float(shed @ (scaled[k:, k:] @ shed) - right @ step)
+        return GalerkinSolution(coefficients, change, misfit, abs(energy))
+
+
+def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) -> Array:
+    """Assemble the half-integral matrix from blocks that depend on panel differences alone."""
+    p, h, degree = panels.panels, panels.width, panels.degree
+    terms, count = degree + 1, len(first)
+    matrix = np.zeros((len(nodes.d), panels.size))
+    root = np.sqrt(nodes.d)[:, None]
+    blocks = deeper_blocks(first, p, h, degree)
+    matrix[:count, : p * terms] = blocks.reshape(count, -1) * root[:count]
+    blocks = deeper_blocks(other, max(p - 1, 1), h, degree).reshape(count, -1)
+    for i in range(1, p):
+        rows = slice(i * count, (i + 1) * count)
+        matrix[rows, i * terms : p * terms] = blocks[:, : (p - i) * terms] * root[rows]
+    matrix[:, p * terms :] = deeper_tail(nodes.d, panels.end)
+    return matrix
+
+
+def _block_diagonal(panels: LogPanels, first: float, second: float) -> Array:
+    """Return ``int phi psi (first + second d) dd``, block diagonal, tail included."""
+    terms, h = panels.degree + 1, panels.width
+    matrix = np.zeros((panels.size, panels.size))
+    one = first * panels.panel_gram(1.0)
+    two = second * panels.panel_gram(2.0)
+    for j in range(panels.panels):
+        block = slice(j * terms, (j + 1) * terms)
+        matrix[block, block] = np.exp(-j * h) * (one + np.exp(-j * h) * two)
+    g, w = gauss_rule(TAIL_TERMS + 1)
+    values = legendre_values(g, TAIL_TERMS - 1)
+    d = panels.end * (1.0 + g) / 2.0
+    weight = w * panels.end / 2.0 * (first + second * d)
+    tail = slice(panels.panels * terms, None)
+    matrix[tail, tail] = (values.T * weight) @ values
+    return matrix

@@ -1,0 +1,122 @@
+"""The Jacobi family: values and Gauss rules, Legendre and Chebyshev included.
+
+Panels carry Legendre polynomials, the closed spectral solutions at zero compliance are Jacobi
+polynomials with the weight (1 - z)^(-1/2), and sampled functions are expanded from Gauss nodes.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike, NDArray
+from scipy import special
+
+__all__ = [
+    "chebyshev_values",
+    "gauss_rule",
+    "jacobi_values",
+    "legendre_expansion_matrix",
+    "legendre_values",
+]
+
+
+def jacobi_values(x: ArrayLike, degree: int, a: float, b: float) -> NDArray[np.float64]:
+    """Evaluate the Jacobi polynomials P_0 ... P_degree with weight (1-x)^a (1+x)^b.
+
+    Parameters
+    ----------
+    x : array_like
+        Points, usually in [-1, 1]; any shape.
+    degree : int
+        Highest degree, at least 0.
+    a, b : float
+        Exponents of the weight, each greater than -1.
+
+    Returns
+    -------
+    ndarray
+        Shape ``x.shape + (degree + 1,)``, standard normalisation P_n(1) = C(n+a, n).
+
+    Raises
+    ------
+    ValueError
+        For a negative degree or an exponent of -1 or less.
+    """
+    if degree < 0:
+        raise ValueError(f"degree = {degree}: must be at least 0")
+    if not (a > -1 and b > -1):
+        raise ValueError(f"a, b = {a}, {b}: both must be greater than -1")
+    x = np.asarray(x, dtype=float)
+    values = np.empty((*x.shape, degree + 1))
+    values[..., 0] = 1.0
+    if degree > 0:
+        values[..., 1] = (a + 1) + (a + b + 2) * (x - 1) / 2
+    for n in range(2, degree + 1):  # three-term recurrence, DLMF 18.9.1-2
+        c = 2 * n + a + b
+        lead = 2 * n * (n + a + b) * (c - 2)
+        linear = (c - 1) * (c * (c - 2) * x + a * a - b * b)
+        previous = 2 * (n + a - 1) * (n + b - 1) * c
+        values[..., n] = (linear * values[..., n - 1] - previous * values[..., n - 2]) / lead
+    return values
+
+
+def legendre_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
+    """Evaluate the Legendre polynomials (a = b = 0); see `jacobi_values`."""
+    return np.asarray(legendre.legvander(np.asarray(x, dtype=float), degree))
+
+
+def chebyshev_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
+    """Evaluate the Chebyshev polynomials T_n, the Jacobi family at a = b = -1/2 with T_n(1) = 1."""
+    return np.asarray(np.polynomial.chebyshev.chebvander(np.asarray(x, dtype=float), degree))
+
+
+@lru_cache(maxsize=64)
+def gauss_rule(
+    points: int, a: float = 0.0, b: float = 0.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return nodes and weights of the Gauss-Jacobi rule on [-1, 1].
+
+    Parameters
+    ----------
+    points : int
+        Number of nodes, at least 1; exact for polynomials of degree ``2*points - 1``.
+    a, b : float
+        Exponents of the weight (1-x)^a (1+x)^b. The default is Gauss-Legendre.
+
+    Returns
+    -------
+    nodes, weights : ndarray
+        Shape ``(points,)`` each, read-only; nodes increase.
+    """
+    if a == b == 0.0:
+        nodes, weights = legendre.leggauss(points)
+    else:
+        nodes, weights = special.roots_jacobi(points, a, b)
+    nodes.setflags(write=False)
+    weights.setflags(write=False)
+    return nodes, weights
+
+
+@lru_cache(maxsize=16)
+def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
+    """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
+
+    Parameters
+    ----------
+    points : int
+        Number of Gauss nodes; must exceed `degree`.
+    degree : int
+        Highest degree of the expansion.
+
+    Returns
+    -------
+    ndarray
+        Shape ``(degree + 1, points)``; the discrete orthogonal projection.
+    """
+    nodes, weights = gauss_rule(points)
+    scale = np.arange(degree + 1) + 0.5
+    matrix = scale[:, None] * legendre_values(nodes, degree).T * weights
+    matrix.setflags(write=False)
+    return matrix

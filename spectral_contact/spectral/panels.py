@@ -1,0 +1,131 @@
+"""Logarithmic panels: where the unknowns live and where the Galerkin integrals are sampled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+
+__all__ = ["LogPanels", "Nodes"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Nodes:
+    """Quadrature nodes in the distance ``d`` from a boundary.
+
+    Attributes
+    ----------
+    d : ndarray
+        Distances in (0, 1], panel by panel and then the tail.
+    rest : ndarray
+        ``1 - d`` to full relative accuracy.
+    weights : ndarray
+        Weights of ``int_0^1 . dd / (2 sqrt(1 - d))``, the measure ``dt`` with ``d = 1 - t**2``.
+    """
+
+    d: Array
+    rest: Array
+    weights: Array
+
+
+@dataclass(frozen=True, slots=True)
+class LogPanels:
+    """Panels of equal width in ``x = -ln d`` and one tail panel that is polynomial in ``d``.
+
+    Parameters
+    ----------
+    panels : int
+        Number of panels, at least 1.
+    width : float
+        Width of each in ``x``.
+    degree : int
+        Highest Legendre degree on each panel.
+    """
+
+    panels: int
+    width: float
+    degree: int
+
+    @property
+    def end(self) -> float:
+        """Distance ``exp(-panels * width)`` at which the tail begins."""
+        return float(np.exp(-self.panels * self.width))
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients, tail included."""
+        return self.panels * (self.degree + 1) + TAIL_TERMS
+
+    def sampling(self, extra: int = 4) -> Array:
+        """Return ``x`` of Gauss-Legendre sampling points on every panel, shape (panels, n)."""
+        g, _ = gauss_rule(self.degree + 1 + extra)
+        return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
+
+    def tail_sampling(self) -> Array:
+        """Return the distances of Gauss-Legendre sampling points on the tail, shape (n,)."""
+        g, _ = gauss_rule(TAIL_TERMS + 1)
+        return self.end * (1.0 + g) / 2.0
+
+    def half_line_nodes(self) -> tuple[Array, Array]:
+        """Return ``x`` and ``dx`` weights for sources, shape (panels, n) each; tail excluded."""
+        g, w = gauss_rule(self.degree + 4)
+        x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
+        return x, np.broadcast_to(w * self.width / 2.0, x.shape)
+
+    def nodes(self) -> tuple[Nodes, Array, Array]:
+        """Return the Galerkin nodes and their distances to the panel ends.
+
+        Returns
+        -------
+        nodes : Nodes
+            All nodes; ``2 * degree + 6`` on each panel and on the tail.
+        first, other : ndarray
+            Distance in ``x`` from each node of the first panel, and of any other, to the deep
+            end of its panel.
+
+        Notes
+        -----
+        Half-integrals of single basis functions have square-root singularities at the deep end of
+        each panel, and the measure has one at the centre of the disk: ``x = h (1 - v**2)`` on a
+        panel, ``x = h sin(phi)**2`` on the first and ``d = end * v**2`` on the tail remove them.
+        """
+        count = 2 * self.degree + 6
+        g, w = gauss_rule(count)
+        v = (1.0 + g) / 2.0
+        h = self.width
+        phi = np.pi / 2.0 * v
+        first = h * np.cos(phi) ** 2
+        other = h * v**2
+        x = h * np.arange(1, self.panels + 1)[:, None] - np.vstack(
+            [first, np.broadcast_to(other, (self.panels - 1, count))]
+        )
+        x[0] = h * np.sin(phi) ** 2
+        dx = np.vstack(
+            [
+                w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi),
+                np.broadcast_to(w * h * v, (self.panels - 1, count)),
+            ]
+        )
+        d, rest = np.exp(-x).ravel(), -np.expm1(-x).ravel()
+        weights = dx.ravel() * d / (2.0 * np.sqrt(rest))
+        tail = self.end * v**2
+        tail_weights = w * v * self.end / (2.0 * np.sqrt(1.0 - tail))
+        nodes = Nodes(
+            np.concatenate([d, tail]),
+            np.concatenate([rest, 1.0 - tail]),
+            np.concatenate([weights, tail_weights]),
+        )
+        return nodes, first, other
+
+    def panel_gram(self, decay: float) -> Array:
+        """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""
+        g, w = gauss_rule(self.degree + 14)
+        values = legendre_values(g, self.degree)
+        weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
+        return np.asarray((values.T * weight) @ values)
