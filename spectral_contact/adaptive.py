@@ -22,7 +22,7 @@ T_co = TypeVar("T_co", covariant=True)
 _LOG = logging.getLogger(__name__)
 
 #: Aim below the tolerance, so that one more solve is rarely needed.
-_MARGIN = 0.3
+_MARGIN = 0.15
 #: Most degrees that one refinement adds to a panel.
 _LEAP = 8
 #: Highest degree a panel may reach; beyond it rounding grows and nothing converges further.

@@ -70,7 +70,7 @@ class Radius:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogSeries:
-    """Piecewise Legendre series in ``x = -ln d``, with a tail that is polynomial in ``d``.
+    """``d**power`` times a Legendre series in ``x = -ln d``, with a tail polynomial in ``d``.
 
     Attributes
     ----------
@@ -80,15 +80,19 @@ class LogSeries:
         Legendre coefficients in ``d`` on ``[0, exp(-panels h)]``.
     width : float
         Panel width ``h``.
+    power : float
+        Endpoint weight.
     """
 
     coefficients: Array
     tail: Array
     width: float
+    power: float = 0.0
 
     def __call__(self, d: Array) -> Array:
         """Evaluate at distances `d` in [0, 1], any shape."""
-        d = np.asarray(d, dtype=float)
+        shape = np.shape(d)
+        d = np.ravel(d)
         panels = len(self.coefficients)
         end = float(np.exp(-panels * self.width))
         x = -np.log(np.maximum(d, end * 1e-2))
@@ -96,22 +100,25 @@ class LogSeries:
         local = 2.0 * (x / self.width - own) - 1.0
         degree = self.coefficients.shape[1] - 1
         values = legendre.legvander(np.clip(local, -1.0, 1.0), degree)
-        result = np.einsum("...k,...k->...", values, self.coefficients[own])
+        result = np.einsum("ik,ik->i", values, self.coefficients[own])
         deep = d < end
         if deep.any():
-            result = np.where(
-                deep, legendre.legval(2.0 * np.minimum(d / end, 1.0) - 1.0, self.tail), result
-            )
-        return np.asarray(result)
+            result[deep] = legendre.legval(2.0 * d[deep] / end - 1.0, self.tail)
+        if self.power != 0.0:
+            with np.errstate(divide="ignore"):
+                result *= d**self.power
+        return np.asarray(result.reshape(shape))
 
     @property
     def limit(self) -> float:
-        """Value at ``d = 0``."""
-        return float(legendre.legval(-1.0, self.tail))
+        """Value at ``d = 0``; infinite where the tail is singular."""
+        return np.inf if self.power < 0.0 else float(legendre.legval(-1.0, self.tail))
 
     def times(self, factor: float) -> LogSeries:
         """Return the series multiplied by a number."""
-        return LogSeries(self.coefficients * factor, self.tail * factor, self.width)
+        return LogSeries(
+            self.coefficients * factor, self.tail * factor, self.width, self.power
+        )
 
 
 @dataclass(frozen=True, slots=True)

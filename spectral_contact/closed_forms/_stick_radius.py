@@ -1,4 +1,4 @@
-"""The stick radius of the smooth partial slip problem, as close to 0 or to 1 as friction puts it."""
+"""The stick radius of the smooth partial slip problem, however close to 0 or to 1 it is."""
 
 import math
 from dataclasses import dataclass
@@ -127,7 +127,9 @@ def _solve_inner(ratio: float) -> float:
         c = math.exp(x)
         m = 1.0 - c * c
         value = 2.0 * special.elliprc(1.0, m) - ratio * special.ellipkm1(c * c)
-        slope = c * c / 3.0 * (4.0 * special.elliprd(1.0, m, m) + ratio * special.elliprd(0, 1, c * c))
+        slope = (
+            c * c / 3.0 * (4.0 * special.elliprd(1.0, m, m) + ratio * special.elliprd(0, 1, c * c))
+        )
         step = float(value / slope)
         x -= step
         if abs(step) <= 1e-16 * abs(x):
@@ -144,7 +146,9 @@ def _solve_outer(ratio: float) -> StickRadius:
         kprime = special.ellipkm1(c * c)
         value = math.log(2.0 - e) - x - ratio * c * kprime
         # d(cK')/dc = K' − (c²/3) R_D(0, 1, c²), and dc = −e dx
-        slope = -e / (2.0 - e) - 1.0 + ratio * e * (kprime - c * c / 3 * special.elliprd(0, 1, c * c))
+        slope = (
+            -e / (2.0 - e) - 1.0 + ratio * e * (kprime - c * c / 3 * special.elliprd(0, 1, c * c))
+        )
         step = float(value / slope)
         x -= step
         if abs(step) <= 1e-16 * abs(x):

@@ -107,7 +107,7 @@ def partial_slip_traction(
         return full_stick_traction(poisson_ratio, s, from_edge=from_edge)
     gap = _inside_stick(at, stick)
     inside = (gap > 0.0) | (at.s == 0.0)
-    q = friction * np.asarray(smooth_pressure(s, from_edge=from_edge))
+    q = np.array(friction * np.asarray(smooth_pressure(s, from_edge=from_edge)))
     radius, y = at.s[inside], at.y[inside]
     if stick.is_tiny:
         # The limit c → 0 for fixed s/c: corrections are of the order c² ln c.
@@ -120,14 +120,14 @@ def partial_slip_traction(
 
 
 def _inside_stick(at: Position, stick: StickRadius) -> Array:
-    """c − s, from the nearer end of the unit interval."""
+    """Return c − s, from the nearer end of the unit interval."""
     return np.asarray(np.where(at.s < 0.5, stick.radius - at.s, at.d - stick.from_edge))
 
 
 def _stick_traction(
     stick: StickRadius, f: float, shear: float, s: Array, y: Array, b2: Array
 ) -> Array:
-    """The traction at radii s < c, where b2 = (c² − s²)/y."""
+    """Return the traction at radii s < c, where b2 = (c² − s²)/y."""
     m = stick.edge_coordinate
     p = m / y
     b = np.sqrt(b2)
@@ -139,7 +139,7 @@ def _stick_traction(
 
 
 def _elementary_part(stick: StickRadius, p: Array, b: Array) -> Array:
-    """p R_J(1, m, m, p) with p = 1 − b²: the divided difference of artanh(x)/x in x²."""
+    """Return p R_J(1, m, m, p), with p = 1 − b²: the divided difference of artanh(x)/x in x²."""
     m, c, e = stick.edge_coordinate, stick.radius, stick.from_edge
     if m > _NEAR_EDGE:
         return np.asarray(p * special.elliprj(1.0, m, m, p))
@@ -175,7 +175,8 @@ def slip_displacement(
     -------
     float or ndarray
         u, dimensionless, in the shape of the argument (a float for a scalar): 0 for s ≤ c and
-        negative, that is towards the axis, in the slip annulus. Relative accuracy 1e-13.
+        negative, that is towards the axis, in the slip annulus. Good to some 1e-15 away from c; as
+        u ~ −(s − c)^{3/2} there, it shares the relative error of s − c.
 
     Raises
     ------
@@ -208,7 +209,7 @@ def slip_displacement(
 
 
 def _slip_at(stick: StickRadius, f: float, shear: float, s: float, y: float, gap: float) -> float:
-    """The displacement at one radius s = c + gap: the integral split where its scale changes."""
+    """Return u at one radius s = c + gap: the integral is split where its scale changes."""
     near_stick = stick.radius * math.sqrt(2.0) > s
     squared = gap * (s + stick.radius) if near_stick else 0.5 * s * s
     total = _outer_integral(f, shear, s, y, squared)
@@ -227,7 +228,7 @@ def _density(f: float, shear: float, tau: Array, m: Array) -> Array:
 
 
 def _outer_integral(f: float, shear: float, s: float, y: float, squared: float) -> float:
-    """The part with 0 < s² − τ² = w² < squared, on which τ ≥ s/√2."""
+    """Return the part with 0 < s² − τ² = w² < squared, on which τ ≥ s/√2."""
     # D' grows like 1/(y + w²): w = √y sinh θ resolves that; the floor on y changes the result
     # by less than rounding and keeps the interval finite at the edge itself.
     floor = max(y, 1e-36 * squared, 1e-305)
@@ -240,7 +241,7 @@ def _outer_integral(f: float, shear: float, s: float, y: float, squared: float) 
 
 
 def _inner_integral(stick: StickRadius, f: float, shear: float, s: float) -> float:
-    """The part with c < τ < s/√2, in the variable ln(τ/s)."""
+    """Return the part with c < τ < s/√2, in the variable ln(τ/s)."""
     start = max(stick.radius / s, _TINY)
     x, weights = panel_rule(math.log(start), -0.5 * math.log(2.0))
     ratio = np.exp(x)

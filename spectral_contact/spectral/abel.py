@@ -43,7 +43,9 @@ def _panel(values: Array, local: Array, degree: int) -> Array:
     return np.asarray((values[:, None, :] @ legendre_values(local, degree))[:, 0, :])
 
 
-def deeper_blocks(to_end: Array, panels: int, width: float, degree: int) -> Array:
+def deeper_blocks(
+    to_end: Array, panels: int, width: float, degree: int, power: float = 0.0
+) -> Array:
     """Return blocks of the `deeper` integral for points inside one panel.
 
     Parameters
@@ -56,11 +58,13 @@ def deeper_blocks(to_end: Array, panels: int, width: float, degree: int) -> Arra
         Panel width in ``x``.
     degree : int
         Highest Legendre degree.
+    power : float
+        Endpoint weight: the functions are ``d**power`` times Legendre polynomials.
 
     Returns
     -------
     ndarray, shape (n, panels, degree + 1)
-        To be multiplied by ``sqrt(d)`` of the point.
+        To be multiplied by ``d**(1/2 + power)`` of the point.
     """
     g, w = gauss_rule(degree + _EXTRA)
     blocks = np.empty((len(to_end), panels, degree + 1))
@@ -71,12 +75,13 @@ def deeper_blocks(to_end: Array, panels: int, width: float, degree: int) -> Arra
         span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
         u = (a + span * (1.0 + g) / 2.0) ** 2
         local = 1.0 - 2.0 * (to_end[:, None] + k * width - u) / width
-        blocks[:, k] = _panel(np.exp(-u) * _smooth(u) * (w * span / 2.0), local, degree)
+        values = np.exp(-(1.0 + power) * u) * _smooth(u) * (w * span / 2.0)
+        blocks[:, k] = _panel(values, local, degree)
         lower, upper = upper, upper + width
     if panels > 2:
         start = to_end[:, None] + width * np.arange(1, panels - 1)
         u = start[:, :, None] + width * (1.0 + g) / 2.0
-        values = (0.25 * width) * w * np.exp(-u) / np.sqrt(-np.expm1(-u))
+        values = (0.25 * width) * w * np.exp(-(1.0 + power) * u) / np.sqrt(-np.expm1(-u))
         blocks[:, 2:] = values @ legendre_values(g, degree)
     return blocks
 
@@ -122,8 +127,16 @@ def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> A
     return blocks
 
 
-def deeper_tail(d: Array, end: float) -> Array:
-    """Return the `deeper` integral of the tail polynomials, shape (n, TAIL_TERMS); exact."""
+def deeper_tail(d: Array, end: float, power: float = 0.0) -> Array:
+    """Return the `deeper` integral of the tail functions, shape (n, TAIL_TERMS).
+
+    They are ``d**power`` times polynomials, `power` 0 or -1/2; exact to rounding.
+    """
+    if power == -0.5:  # d' = d sin(phi)**2 removes both square roots
+        g, w = gauss_rule(TAIL_TERMS + 7)
+        phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
+        source = d[:, None] * np.sin(phi * (1.0 + g) / 2.0) ** 2
+        return _panel(w * phi / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
     g, w = gauss_rule(TAIL_TERMS + 1)
     a = np.sqrt(np.maximum(d - end, 0.0))[:, None]
     reach = np.minimum(d, end)[:, None]

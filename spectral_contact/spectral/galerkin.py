@@ -228,14 +228,14 @@ def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) 
     p, h, degree = panels.panels, panels.width, panels.degree
     terms, count = degree + 1, len(first)
     matrix = np.zeros((len(nodes.d), panels.size))
-    root = np.sqrt(nodes.d)[:, None]
-    blocks = deeper_blocks(first, p, h, degree)
+    root = nodes.d[:, None] ** (0.5 + panels.power)
+    blocks = deeper_blocks(first, p, h, degree, panels.power)
     matrix[:count, : p * terms] = blocks.reshape(count, -1) * root[:count]
-    blocks = deeper_blocks(other, max(p - 1, 1), h, degree).reshape(count, -1)
+    blocks = deeper_blocks(other, max(p - 1, 1), h, degree, panels.power).reshape(count, -1)
     for i in range(1, p):
         rows = slice(i * count, (i + 1) * count)
         matrix[rows, i * terms : p * terms] = blocks[:, : (p - i) * terms] * root[rows]
-    matrix[:, p * terms :] = deeper_tail(nodes.d, panels.end)
+    matrix[:, p * terms :] = deeper_tail(nodes.d, panels.end, panels.power)
     return matrix
 
 
@@ -243,6 +243,8 @@ def _block_diagonal(panels: LogPanels, first: float, second: float) -> Array:
     """Return ``int phi psi (first + second d) dd``, block diagonal, tail included."""
     terms, h = panels.degree + 1, panels.width
     matrix = np.zeros((panels.size, panels.size))
+    if panels.power != 0.0:
+        return matrix  # not square integrable: such panels serve zero compliance alone
     one = first * panels.panel_gram(1.0)
     two = second * panels.panel_gram(2.0)
     for j in range(panels.panels):

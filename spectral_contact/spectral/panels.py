@@ -46,11 +46,15 @@ class LogPanels:
         Width of each in ``x``.
     degree : int
         Highest Legendre degree on each panel.
+    power : float
+        Endpoint weight: the functions are ``d**power`` times polynomials. 0, or -1/2 for a
+        traction that is singular at the edge.
     """
 
     panels: int
     width: float
     degree: int
+    power: float = 0.0
 
     @property
     def end(self) -> float:

@@ -1,0 +1,56 @@
+"""Exact solutions and asymptotic series, which share no code with the solver.
+
+This subpackage imports nothing else of the library, so that agreement with the solver is evidence.
+All quantities are dimensionless as in the paper, stars dropped: the punch has radius 1 and bears
+the load 1.
+
+=================  ===============================================================================
+`smooth`           no roughness, no coupling, stuck everywhere: elementary
+`partial_slip`     no roughness, no coupling, slip outside the stick radius: elliptic integrals
+`coupled`          no roughness, coupled, stuck everywhere: Mossakovskij and Spence
+`eigenpairs`       eigenvalues and eigenfunctions of the half-space operators
+`series`           rough normal problem, very rough or nearly smooth
+=================  ===============================================================================
+"""
+
+from ._stick_radius import StickRadius, stick_radius
+from .coupled import (
+    coupled_approach,
+    coupled_pressure,
+    coupled_shear,
+    coupled_traction,
+    oscillation_exponent,
+)
+from .eigenpairs import eigenfunction, eigenfunction_image, eigenvalue
+from .partial_slip import partial_slip_shear, partial_slip_traction, slip_displacement
+from .series import (
+    approach_large_compliance,
+    approach_small_compliance,
+    edge_pressure_large_compliance,
+    edge_pressure_small_compliance,
+)
+from .smooth import full_stick_shear, full_stick_traction, smooth_approach, smooth_pressure
+
+__all__ = [
+    "StickRadius",
+    "approach_large_compliance",
+    "approach_small_compliance",
+    "coupled_approach",
+    "coupled_pressure",
+    "coupled_shear",
+    "coupled_traction",
+    "edge_pressure_large_compliance",
+    "edge_pressure_small_compliance",
+    "eigenfunction",
+    "eigenfunction_image",
+    "eigenvalue",
+    "full_stick_shear",
+    "full_stick_traction",
+    "oscillation_exponent",
+    "partial_slip_shear",
+    "partial_slip_traction",
+    "slip_displacement",
+    "smooth_approach",
+    "smooth_pressure",
+    "stick_radius",
+]

@@ -1,0 +1,113 @@
+r"""What the pressure demands of the traction: the right-hand side of the tangential equations.
+
+Without friction the surface would move inward by ``kappa g``, ``g(s) = (1/s) int_0^s eta p deta``.
+In the half-integral ``G(t) = int_t^1 q ds / sqrt(s^2 - t^2)`` the stick condition asks for
+``G = kappa R``, with ``R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2)``. Both are taken here for
+kappa = 1, as functions of ``y = 1 - s**2`` or ``1 - t**2``.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.normal import NormalContact
+from spectral_contact.fields import LogSeries
+from spectral_contact.spectral.galerkin import disk_operators
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Drive", "sampled_series"]
+
+Array = NDArray[np.float64]
+
+
+class Drive:
+    """The functions R and g of a pressure, and the load outside a radius.
+
+    Parameters
+    ----------
+    contact : NormalContact
+        The solved normal problem.
+    """
+
+    def __init__(self, contact: NormalContact) -> None:
+        self.contact = contact
+        self.pressure = contact.pressure
+        self._outer: LogSeries | None = None
+        self._load: LogSeries | None = None
+        if contact.panels is not None:
+            panels = contact.panels
+            d = np.concatenate([np.exp(-panels.sampling()).ravel(), panels.tail_sampling()])
+            values = disk_operators(panels).outer_matrix @ contact.coefficients
+            self._outer = sampled_series(panels, 2.0 * values / np.sqrt(1.0 - d))
+            assert contact.pressure.series is not None
+            self._load = _mean_outside(panels, contact.pressure.series)
+
+    def target(self, y: Array) -> Array:
+        """Return R at ``1 - t**2 = y``; infinite at the edge of a smooth surface."""
+        t = np.sqrt(np.maximum(1.0 - y, 0.0))
+        value = np.zeros(np.shape(y))
+        weight = self.pressure.weight
+        if weight is not None:
+            # (A/t) ln((b + t)/(b - t)) with b^2 = 1 + shift and b - t = (y + shift)/(b + t)
+            b = sqrt(1.0 + weight.shift)
+            small = t < 0.5
+            safe = np.where(small, 1.0, t)
+            with np.errstate(divide="ignore"):
+                far = np.log((b + t) ** 2 / (y + weight.shift)) / safe
+            ratio = np.where(small, t / b, 0.5)
+            near = 2.0 / b * np.where(ratio > 0.0, np.arctanh(ratio) / np.where(ratio > 0.0, ratio, 1.0), 1.0)
+            value = value + weight.amplitude * np.where(small, near, far)
+        if self._outer is not None:
+            value = value + self._outer(y)
+        return np.asarray(value)
+
+    def load_outside(self, y: Array) -> Array:
+        """Return ``1/2 int_0^y p dy``: 1/(2 pi) of the load between a radius and the edge."""
+        value = np.zeros(np.shape(y))
+        weight = self.pressure.weight
+        if weight is not None:
+            value = value + weight.amplitude * y / (np.sqrt(y + weight.shift) + sqrt(weight.shift))
+        if self._load is not None:
+            value = value + 0.5 * y * self._load(y)
+        return np.asarray(value)
+
+
+def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
+    """Return the series through samples at the sampling points of the panels and the tail."""
+    tail_points = len(panels.tail_sampling())
+    inner = values[:-tail_points].reshape(panels.panels, -1)
+    points = inner.shape[1]
+    expand = legendre_expansion_matrix(points, points - 1)
+    expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
+    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)
+
+
+def _mean_outside(panels: LogPanels, series: LogSeries) -> LogSeries:
+    """Return ``(1/y) int_0^y series dy``, panel by panel from the edge inward."""
+    g, w = gauss_rule(panels.degree + 8)
+    end, h = panels.end, panels.width
+    tail_d = panels.tail_sampling()
+    degree = len(series.tail) - 1
+    local = np.outer(tail_d, (1.0 + g) / 2.0)
+    tail_mean = legendre_values(2.0 * local / end - 1.0, degree) @ series.tail @ (w / 2.0)
+    total = end * float(legendre_values(g, degree) @ series.tail @ (w / 2.0))
+    x = panels.sampling()
+    means = np.empty_like(x)
+    offsets = x[0]
+    # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
+    reach = h - offsets
+    source = offsets[:, None] + np.outer(reach, (1.0 + g) / 2.0)
+    weight = np.exp(-source) * (w / 2.0) * reach[:, None]
+    basis = legendre_values(2.0 * source / h - 1.0, series.coefficients.shape[1] - 1)
+    matrix = np.einsum("iq,iqk->ik", weight, basis)
+    full = h * (1.0 + g) / 2.0
+    whole = (np.exp(-full) * w * h / 2.0) @ legendre_values(g, series.coefficients.shape[1] - 1)
+    for j in range(panels.panels - 1, -1, -1):
+        start = np.exp(-j * h)
+        means[j] = (total + start * (matrix @ series.coefficients[j])) / (start * np.exp(-offsets))
+        total += start * float(whole @ series.coefficients[j])
+    return sampled_series(panels, np.concatenate([means.ravel(), tail_mean]))

@@ -1,0 +1,187 @@
+"""Full stick, equation (4.2): ``beta q + T q = kappa g`` on the whole contact.
+
+Everything is computed for kappa = 1; the traction is proportional to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.resolution import (
+    ROUNDING,
+    decay_rates,
+    panel_energies,
+    series_of,
+    share_of_change,
+    starting_resolution,
+)
+from spectral_contact.fields import DiskSeries, EdgeWeight, Radius
+from spectral_contact.spectral.galerkin import disk_operators
+
+__all__ = ["EDGE", "FullStick", "solve_full_stick"]
+
+Array = NDArray[np.float64]
+
+EDGE = Radius(1.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class FullStick:
+    """Solution of the full-stick problem for kappa = 1.
+
+    Attributes
+    ----------
+    compliance : float
+        ``beta*``.
+    traction : DiskSeries
+        ``q*/kappa``.
+    total_shear : float
+        ``Q*/kappa``.
+    edge_ratio : float
+        ``q/(kappa p)`` at the edge.
+    critical : float
+        The largest ``|q|/(kappa p)`` on the contact.
+    critical_at : float
+        ``y = 1 - s**2`` where it is reached.
+    traction_error, shear_error : float
+        Estimates of relative errors; of the traction, of q/s pointwise.
+    """
+
+    compliance: float
+    traction: DiskSeries
+    total_shear: float
+    edge_ratio: float
+    critical: float
+    critical_at: float
+    traction_error: float
+    shear_error: float
+
+
+class _StickProblem:
+    """Spaces for the full-stick problem; `goal` is "traction" or "shear"."""
+
+    def __init__(self, drive: Drive, compliance: float, tolerance: float, goal: str) -> None:
+        self.drive = drive
+        self.compliance = compliance
+        self.tolerance = tolerance
+        self.pointwise = goal == "traction"
+        alpha = drive.contact.compliance
+        # without tangential compliance the edge singularity y**(-1/2) is in the basis
+        self.power = -0.5 if compliance == 0.0 else 0.0
+        self.layer = -log(min([1.0] + [c for c in (alpha, compliance) if c > 0.0]))
+        # on a smooth surface in normal contact g has a square root at the edge
+        self.rate = 0.5 if alpha == 0.0 else 1.0
+
+    def start(self) -> Resolution:
+        tolerance = self.tolerance if self.pointwise else self.tolerance**0.5
+        return starting_resolution(self.layer, tolerance, rate=self.rate, power=self.power)
+
+    def attempt(self, resolution: Resolution) -> Attempt[FullStick]:
+        panels, compliance = resolution.panels, self.compliance
+        disk = disk_operators(panels)
+        space = disk.tangential.space(resolution.degrees)
+        nodes = disk.nodes
+        target = self.drive.target(nodes.d)
+        solution = space.solve(compliance, target)
+        series = series_of(panels, solution.coefficients)
+        traction = DiskSeries(EDGE, series)
+        half_integral = disk.half_integral @ solution.coefficients
+        shear = 2.0 * pi * float((nodes.weights * np.sqrt(nodes.rest)) @ half_integral)
+        rates = decay_rates(resolution, solution.coefficients)
+        normal = self.drive.contact
+        energies = panel_energies(space, solution, compliance)
+        # energy of the whole solution, int t^2 R^2 / pi at most: scale of the quadratic error
+        scale = float((disk.tangential.weights * target) @ half_integral)
+        # the functional is not the load itself: first order in the change, times its dual
+        energy_error = float(energies @ rates**2) / scale
+        shear_error = 3.0 * energy_error + 2.0 * normal.approach_error + ROUNDING
+        if np.isfinite(normal.pressure_error):
+            shear_error += 0.1 * normal.pressure_error
+        if self.pointwise:
+            shares = share_of_change(resolution, solution.change, series)
+            indicators = shares * rates
+            error = 3.0 * float(indicators.max()) + 20.0 * ROUNDING + 2.0 * normal.pressure_error
+            traction_error = error
+        else:
+            indicators, rates = energies * rates**2 / scale, rates**2
+            traction_error, error = inf, shear_error
+        edge, critical, where = _ratios(self.drive, traction, panels.panels * panels.width)
+        stick = FullStick(
+            compliance, traction, shear, edge, critical, where, traction_error, shear_error
+        )
+        return Attempt(stick, error, indicators, rates, space.unknowns)
+
+
+def solve_full_stick(
+    drive: Drive, compliance: float, tolerance: float, max_unknowns: int, *, goal: str = "traction"
+) -> FullStick | Refinement[FullStick]:
+    """Solve the full-stick problem for kappa = 1.
+
+    Parameters
+    ----------
+    drive : Drive
+        Right-hand side, from the normal problem.
+    compliance : float
+        ``beta*``, 0 or positive.
+    tolerance : float
+        Bound on the relative error of the goal.
+    max_unknowns : int
+        Most unknowns of a space.
+    goal : {"traction", "shear"}
+        The pointwise traction, or the total shear alone.
+
+    Returns
+    -------
+    FullStick or Refinement
+        On a surface smooth in both directions the weight ``-ln(y) / (s^2 sqrt y)`` is the exact
+        solution and there is nothing to refine.
+    """
+    if compliance == 0.0 and drive.contact.compliance == 0.0:
+        traction = DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True))
+        shear = _smooth_shear(drive)
+        return FullStick(0.0, traction, shear, inf, inf, 0.0, 4.0 * ROUNDING, 4.0 * ROUNDING)
+    return refine(_StickProblem(drive, compliance, tolerance, goal), tolerance, max_unknowns)
+
+
+def _smooth_shear(drive: Drive) -> float:
+    """Return ``2 pi int t R dt``: at zero tangential compliance the half-integral is R itself."""
+    disk = disk_operators(starting_resolution(0.0, 1e-16).panels)
+    t = np.sqrt(disk.nodes.rest)
+    return 2.0 * pi * float((disk.nodes.weights * t) @ drive.target(disk.nodes.d))
+
+
+def _ratios(drive: Drive, traction: DiskSeries, depth: float) -> tuple[float, float, float]:
+    """Return q/p at the edge, its largest modulus, and ``y`` where that is reached."""
+
+    def ratio(x: Array) -> Array:
+        y = np.exp(-x)
+        s = np.sqrt(-np.expm1(-x))
+        assert traction.series is not None
+        return np.abs(s * traction.series(y) / drive.pressure.at(y))
+
+    pressure = drive.pressure
+    if drive.contact.compliance == 0.0:
+        edge = 0.0
+    else:
+        assert traction.series is not None
+        edge = traction.series.limit / float(pressure.at(np.array(0.0)))
+        if edge == inf:
+            return inf, inf, 0.0
+    low, high = 1e-3, depth
+    best, where = abs(edge), inf
+    for _ in range(6):  # zoom on the maximum; its value is right to the square of the spacing
+        x = np.linspace(low, high, 65 if low > 1e-3 else 257)
+        values = ratio(x)
+        i = int(np.argmax(values))
+        if values[i] <= best * (1.0 + 4e-16) and where == inf:
+            return edge, abs(edge), 0.0
+        if values[i] >= best:
+            best, where = float(values[i]), float(x[i])
+        low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, len(x) - 1)])
+    return edge, best, float(np.exp(-where))

@@ -1,0 +1,147 @@
+"""Normal contact, equation (3.5): ``alpha p + N p = delta`` with unit load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.resolution import (
+    ROUNDING,
+    decay_rates,
+    load_vector,
+    panel_energies,
+    series_of,
+    share_of_change,
+    starting_resolution,
+)
+from spectral_contact.fields import EdgeWeight, PressureField
+from spectral_contact.spectral.galerkin import disk_operators
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "solve_normal"]
+
+Array = NDArray[np.float64]
+
+#: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
+SMALL_COMPLIANCE = 1e-2
+#: With ``1/sqrt(y + WEIGHT_SHIFT * c)`` the weight alone has the right edge value as c -> 0.
+WEIGHT_SHIFT = 4.0 / pi
+
+
+@dataclass(frozen=True, slots=True)
+class NormalContact:
+    """Solution of the normal problem for unit load.
+
+    Attributes
+    ----------
+    compliance : float
+        ``alpha*``.
+    approach : float
+        ``delta*``.
+    pressure : PressureField
+        ``p*``.
+    panels : LogPanels or None
+        Where the series lives; None on a smooth surface, which needs none.
+    coefficients : ndarray
+        Its coefficients, for the transforms of the tangential problem.
+    approach_error, pressure_error : float
+        Estimates of the relative errors; of the pressure, pointwise.
+    """
+
+    compliance: float
+    approach: float
+    pressure: PressureField
+    panels: LogPanels | None
+    coefficients: Array
+    approach_error: float
+    pressure_error: float
+
+
+class _NormalProblem:
+    """Spaces for the normal problem; `goal` is "pressure" or "approach"."""
+
+    def __init__(self, compliance: float, tolerance: float, goal: str) -> None:
+        self.compliance = compliance
+        self.tolerance = tolerance
+        self.pointwise = goal == "pressure"
+        small = compliance < SMALL_COMPLIANCE and self.pointwise
+        self.weight = EdgeWeight(4.0 / pi, WEIGHT_SHIFT * compliance) if small else None
+
+    def start(self) -> Resolution:
+        layer = max(-log(self.compliance), 0.0)
+        # the approach superconverges: its error is the square of the pressure's
+        tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
+        return starting_resolution(layer, tolerance)
+
+    def attempt(self, resolution: Resolution) -> Attempt[NormalContact]:
+        panels, compliance, weight = resolution.panels, self.compliance, self.weight
+        disk = disk_operators(panels)
+        space = disk.normal.space(resolution.degrees)
+        if weight is None:
+            target, load, known = np.full(len(disk.nodes.d), 2.0), None, 0.0
+        else:
+            target = weight.deficit(disk.nodes.d)
+            load = load_vector(panels, lambda d: 0.5 * weight(d))
+            known = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
+        solution = space.solve(compliance, target, load)
+        half_integral = disk.half_integral @ solution.coefficients
+        # int p s ds = (2/pi) int F dt, for unit approach
+        moment = 2.0 / pi * float(disk.nodes.weights @ half_integral) + known
+        approach = 1.0 / (2.0 * pi * moment)
+        coefficients = solution.coefficients * approach
+        scaled = None if weight is None else weight.times(approach)
+        pressure = PressureField(scaled, series_of(panels, coefficients))
+        rates = decay_rates(resolution, solution.coefficients)
+        energies = panel_energies(space, solution, compliance) / moment
+        approach_error = float(energies @ rates**2) + ROUNDING
+        if self.pointwise:
+            shares = share_of_change(resolution, solution.change * approach, pressure.at)
+            indicators = shares * rates
+            pressure_error = 3.0 * float(indicators.max()) + 20.0 * ROUNDING
+            error = pressure_error
+        else:
+            indicators, rates = energies * rates**2, rates**2
+            pressure_error, error = np.inf, approach_error
+        contact = NormalContact(
+            compliance,
+            approach,
+            pressure,
+            panels,
+            coefficients,
+            approach_error,
+            pressure_error,
+        )
+        return Attempt(contact, error, indicators, rates, space.unknowns)
+
+
+def solve_normal(
+    compliance: float, tolerance: float, max_unknowns: int, *, goal: str = "pressure"
+) -> NormalContact | Refinement[NormalContact]:
+    """Solve the normal problem.
+
+    Parameters
+    ----------
+    compliance : float
+        ``alpha*``, 0 or positive.
+    tolerance : float
+        Bound on the relative error of the goal.
+    max_unknowns : int
+        Most unknowns of a space.
+    goal : {"pressure", "approach"}
+        The pointwise pressure, or the approach alone, which needs far fewer unknowns.
+
+    Returns
+    -------
+    NormalContact or Refinement
+        On a smooth surface the weight ``1/sqrt(y)`` is the exact solution (3.6) and there is
+        nothing to refine.
+    """
+    if compliance == 0.0:
+        pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
+        return NormalContact(0.0, 0.125, pressure, None, np.zeros(0), ROUNDING, 4.0 * ROUNDING)
+    return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)
+

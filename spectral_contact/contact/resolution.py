@@ -1,0 +1,132 @@
+"""What the contact problems share: first spaces, decay rates, estimates and transforms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import ceil, log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Resolution
+from spectral_contact.fields import LogSeries
+from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.galerkin import GalerkinSolution, Space
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = [
+    "ROUNDING",
+    "decay_rates",
+    "load_vector",
+    "panel_energies",
+    "series_of",
+    "share_of_change",
+    "starting_resolution",
+]
+
+Array = NDArray[np.float64]
+
+#: Relative rounding error of an integral quantity, measured (docs/theory).
+ROUNDING = 2e-15
+#: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
+_WIDTH = 2.0
+#: Least degree on a panel: the estimate sheds two degrees and must keep one.
+_LEAST = 2
+
+
+def starting_resolution(
+    layer: float, tolerance: float, *, rate: float = 1.0, power: float = 0.0
+) -> Resolution:
+    """Return the first space for a solution that settles like ``exp(-rate x)`` past `layer`.
+
+    Parameters
+    ----------
+    layer : float
+        ``x`` of the deepest feature, ``ln(1/width)`` of the thinnest layer.
+    tolerance : float
+        Relative accuracy asked.
+    rate : float
+        1 for ``y ln y`` terms at the boundary, 1/2 for square roots.
+    power : float
+        Endpoint weight of the basis, see `LogPanels`.
+    """
+    digits = -log(tolerance)
+    depth = layer + (digits + 2.0) / rate
+    panels = 4 * ceil(depth / _WIDTH / 4.0)  # few distinct meshes, so that caches are shared
+    top = _LEAST + ceil(0.42 * digits)
+    x = _WIDTH * np.arange(panels)
+    missing = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
+    degrees = np.maximum(np.ceil(top * missing).astype(int), _LEAST)
+    capacity = 4 * ceil((top + 4) / 4)
+    mesh = LogPanels(panels, _WIDTH, capacity, power)
+    return Resolution(mesh, tuple(degrees.tolist()))
+
+
+def panel_table(panels: LogPanels, coefficients: Array) -> Array:
+    """Return the panel coefficients as (panels, degree + 1); a view without the tail."""
+    return coefficients[:-TAIL_TERMS].reshape(panels.panels, panels.degree + 1)
+
+
+def series_of(panels: LogPanels, coefficients: Array) -> LogSeries:
+    """Return the function that the coefficients stand for."""
+    return LogSeries(
+        panel_table(panels, coefficients),
+        coefficients[-TAIL_TERMS:],
+        panels.width,
+        panels.power,
+    )
+
+
+def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
+    """Return by what factor a coefficient falls with one degree, panel by panel, in [0.02, 0.6].
+
+    Taken from the last two pairs, so that a parity pattern does not deceive it.
+    """
+    table = np.abs(panel_table(resolution.panels, coefficients))
+    degrees = np.array(resolution.degrees)
+    rows = np.arange(len(degrees))
+    pairs = np.maximum(table[:, 1:], table[:, :-1])
+    last = pairs[rows, np.maximum(degrees - 1, 0)]
+    before = pairs[rows, np.maximum(degrees - 3, 0)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate = np.sqrt(last / before)
+    return np.clip(np.where(degrees >= 4, np.nan_to_num(rate, nan=0.6), 0.3), 0.02, 0.6)
+
+
+def share_of_change(
+    resolution: Resolution, change: Array, field: Callable[[Array], Array]
+) -> Array:
+    """Return the change on every panel relative to the least `field` there, tail included last.
+
+    The sum of the moduli of Legendre coefficients bounds the change on the whole panel.
+    """
+    panels = resolution.panels
+    d = np.exp(-panels.width * np.arange(panels.panels + 1))
+    total = np.abs(panel_table(panels, change)).sum(axis=1) * d[1:] ** panels.power
+    size = np.abs(field(d))
+    least = np.minimum(size[1:], size[:-1])
+    share = total / np.maximum(least, np.finfo(float).tiny)
+    tail = np.abs(change[-TAIL_TERMS:]).sum() * panels.end**panels.power
+    share[-1] = max(share[-1], tail / max(size[-1], 1e-300))
+    return np.asarray(share)
+
+
+def panel_energies(space: Space, solution: GalerkinSolution, compliance: float) -> Array:
+    """Return the energy of the change on every panel, the tail counted to the last one."""
+    terms = space.operator.panels.degree + 1
+    panel = np.minimum(np.arange(len(solution.change)) // terms, space.operator.panels.panels - 1)
+    diagonal = space.operator.gram.diagonal() + compliance * space.operator.mass.diagonal()
+    return np.bincount(panel, weights=diagonal * solution.change**2)
+
+
+def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
+    """Return ``int basis * density(d) dd`` over (0, 1)."""
+    x, w = panels.half_line_nodes()
+    d = np.exp(-x)
+    g, _ = gauss_rule(x.shape[1])
+    values = (w * d * density(d)) @ legendre_values(g, panels.degree)
+    g, w = gauss_rule(TAIL_TERMS + 1)
+    d = panels.end * (1.0 + g) / 2.0
+    tail = (w * panels.end / 2.0 * density(d)) @ legendre_values(g, TAIL_TERMS - 1)
+    return np.concatenate([values.ravel(), tail])
