@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, replace
-from enum import Enum
 from time import perf_counter
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.solution import Ending, RefinementStep
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Attempt", "Ending", "Problem", "Refinement", "Resolution", "Step", "refine"]
+__all__ = ["Attempt", "Problem", "Refinement", "Resolution", "refine"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -28,14 +28,6 @@ _LEAP = 8
 #: Highest degree a panel may reach; beyond it rounding grows and nothing converges further.
 _DEGREE_LIMIT = 40
 _MAX_ATTEMPTS = 12
-
-
-class Ending(Enum):
-    """How a refinement ended; the text says the cause and the remedy."""
-
-    CONVERGED = "The error estimate met the tolerance."
-    UNKNOWNS = "The next space would exceed max_unknowns. Raise max_unknowns, or loosen rtol."
-    ROUNDING = "Refinement no longer lowers the estimate: rounding is reached. Loosen rtol."
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,23 +75,13 @@ class Problem(Protocol[T_co]):
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
-    """One line of the p-refinement history."""
-
-    unknowns: int
-    highest_degree: int
-    error: float
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
 class Refinement(Generic[T]):
     """The best attempt, why it is the last one, and the history."""
 
     best: Attempt[T]
     resolution: Resolution
     ending: Ending
-    history: tuple[Step, ...]
+    history: tuple[RefinementStep, ...]
 
 
 def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refinement[T]:
@@ -119,13 +101,13 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     Refinement
     """
     resolution = problem.start()
-    history: list[Step] = []
+    history: list[RefinementStep] = []
     best: Refinement[T] | None = None
     stalled = 0
     while True:
         begin = perf_counter()
         attempt = problem.attempt(resolution)
-        step = Step(
+        step = RefinementStep(
             attempt.unknowns, max(resolution.degrees), attempt.error, perf_counter() - begin
         )
         history.append(step)

@@ -6,7 +6,7 @@ relative accuracy at the edge and at both ends of every zone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -82,12 +82,15 @@ class LogSeries:
         Panel width ``h``.
     power : float
         Endpoint weight.
+    root_tail : bool
+        The tail is a series in ``sqrt(d)``.
     """
 
     coefficients: Array
     tail: Array
     width: float
     power: float = 0.0
+    root_tail: bool = False
 
     def __call__(self, d: Array) -> Array:
         """Evaluate at distances `d` in [0, 1], any shape."""
@@ -103,7 +106,8 @@ class LogSeries:
         result = np.einsum("ik,ik->i", values, self.coefficients[own])
         deep = d < end
         if deep.any():
-            result[deep] = legendre.legval(2.0 * d[deep] / end - 1.0, self.tail)
+            ratio = np.sqrt(d[deep] / end) if self.root_tail else d[deep] / end
+            result[deep] = legendre.legval(2.0 * ratio - 1.0, self.tail)
         if self.power != 0.0:
             with np.errstate(divide="ignore"):
                 result *= d**self.power
@@ -116,8 +120,8 @@ class LogSeries:
 
     def times(self, factor: float) -> LogSeries:
         """Return the series multiplied by a number."""
-        return LogSeries(
-            self.coefficients * factor, self.tail * factor, self.width, self.power
+        return replace(
+            self, coefficients=self.coefficients * factor, tail=self.tail * factor
         )
 
 
@@ -198,6 +202,12 @@ class DiskSeries:
             value = value + self.weight(d)
         return np.asarray(scaled * value)
 
+    def times(self, factor: float) -> DiskSeries:
+        """Return the field multiplied by a number."""
+        series = None if self.series is None else self.series.times(factor)
+        weight = None if self.weight is None else self.weight.times(factor)
+        return DiskSeries(self.outer, series, weight)
+
 
 @dataclass(frozen=True, slots=True)
 class AnnulusSeries:
@@ -248,3 +258,7 @@ class ZonalField:
             if piece.field is not None and piece.factor != 0.0 and inside.any():
                 result[inside] = piece.factor * piece.field(s[inside], from_edge[inside])
         return result
+
+    def times(self, factor: float) -> ZonalField:
+        """Return the field multiplied by a number."""
+        return ZonalField(tuple(replace(p, factor=p.factor * factor) for p in self.pieces))

@@ -139,7 +139,8 @@ def coupled_pressure(
     if theta == 0.0:
         return smooth_pressure(s, from_edge=from_edge)
     at = position(s, from_edge)
-    weights, t, angle, _ = _inverse_transform(theta, at)
+    weights, t, artanh = _inverse_transform(at)
+    angle = 2.0 * theta * artanh
     integral = _sum(weights, np.cos(angle) + 2.0 * theta * (np.sin(angle) / t))
     return at.output(_amplitude(theta) * integral / np.sqrt(_nan_at_edge(at)))
 
@@ -179,12 +180,12 @@ def coupled_traction(
     at = position(s, from_edge)
     if theta == 0.0:
         return at.output(np.zeros_like(at.s))
-    weights, t, angle, m = _inverse_transform(theta, at)
+    weights, t, artanh = _inverse_transform(at)
     # sin ϑ − 2θ t cos ϑ = (sin ϑ − ϑ cos ϑ) + (ϑ − 2θt) cos ϑ, each of order t³ at the centre: the
     # first is ϑ² j₁(ϑ), the second is 2θ (artanh t − t) cos ϑ with artanh t − t = (t³/3) R_J.
-    slope = angle / t
-    first = slope**3 * _spherical_bessel_over_argument(angle)
-    second = 2.0 / 3.0 * theta * _cubic_rest(t, m) * np.cos(angle)
+    angle = 2.0 * theta * artanh
+    first = (angle / t) ** 3 * _bessel_ratio(angle)
+    second = 2.0 / 3.0 * theta * _cubic_rest(t, artanh) * np.cos(angle)
     integral = _sum(weights, first + second)
     return at.output(_amplitude(theta) * at.s * integral / np.sqrt(_nan_at_edge(at)))
 
@@ -195,40 +196,39 @@ def _amplitude(theta: float) -> float:
 
 
 def _nan_at_edge(at: Position) -> Array:
+    """Return y, but nan at the edge: neither field has a limit there."""
     return np.where(at.y > 0.0, at.y, np.nan)
 
 
 def _sum(weights: Array, integrand: Array) -> Array:
-    return np.asarray(integrand @ weights)
+    return np.asarray(np.sum(weights * integrand, axis=-1))
 
 
-def _inverse_transform(theta: float, at: Position) -> tuple[Array, Array, Array, Array]:
-    """Return weights, and t, ϑ(t) and 1 − t² at the nodes (last axis), of the integral over v."""
+def _inverse_transform(at: Position) -> tuple[Array, Array, Array]:
+    """Return weights, t and artanh t at the nodes (last axis) of the integral over v."""
     # v = tanh x spreads the logarithmic oscillation at v = 1; sech² x is below rounding at x = 20.
     x, weights = panel_rule(0.0, 20.0)
-    sech2 = np.cosh(x) ** -2.0
-    y = at.y[..., None]
-    m = y * sech2
+    inside = at.y > 0.0  # what the edge itself gets is thrown away
+    y, log_y = np.where(inside, at.y, 1.0)[..., None], np.where(inside, at.log_y, 0.0)[..., None]
     t = np.sqrt(at.s[..., None] ** 2 + y * np.tanh(x) ** 2)
-    with np.errstate(divide="ignore", invalid="ignore"):  # the edge itself, which becomes nan
-        far = np.log1p(t) - 0.5 * at.log_y[..., None] + np.log(np.cosh(x))
-        artanh = np.where(t < 0.5, np.arctanh(np.minimum(t, 0.5)), far)
-    return weights * sech2, t, 2.0 * theta * artanh, m
+    # 1 − t² = y sech² x, of which the logarithm is known where t is near 1
+    far = np.log1p(t) - 0.5 * log_y + np.log(np.cosh(x))
+    artanh = np.where(t < 0.5, np.arctanh(np.minimum(t, 0.5)), far)
+    return weights * np.cosh(x) ** -2.0, t, artanh
 
 
-def _spherical_bessel_over_argument(angle: Array) -> Array:
+def _bessel_ratio(angle: Array) -> Array:
     """Return j₁(ϑ)/ϑ = (sin ϑ − ϑ cos ϑ)/ϑ³, 1/3 at ϑ = 0."""
-    small = np.minimum(angle, 1.0)
+    small, large = np.minimum(angle, 1.0), np.maximum(angle, 1.0)
     series = special.hyp0f1(2.5, -0.25 * small * small) / 3.0
-    large = np.maximum(angle, 1.0)
     closed = (np.sin(large) - large * np.cos(large)) / large**3
     return np.asarray(np.where(angle < 1.0, series, closed))
 
 
-def _cubic_rest(t: Array, m: Array) -> Array:
-    """Return R_J(1, m, m, 1) = 3 (artanh t − t)/t³, where m = 1 − t²."""
-    near = np.minimum(m, 0.5)
-    with np.errstate(divide="ignore", invalid="ignore"):  # m = 0 at the edge only
-        far = 3.0 * (special.elliprc(1.0, near) - 1.0) / (1.0 - near)
-    inner = np.maximum(m, 0.5)
-    return np.asarray(np.where(m < 0.5, far, special.elliprj(1.0, inner, inner, 1.0)))
+def _cubic_rest(t: Array, artanh: Array) -> Array:
+    """Return 3 (artanh t − t)/t³, which is R_J(1, 1 − t², 1 − t², 1)."""
+    m = 1.0 - np.minimum(t, 0.7) ** 2
+    direct = np.maximum(t, 0.7)
+    return np.asarray(
+        np.where(t < 0.7, special.elliprj(1.0, m, m, 1.0), 3.0 * (artanh - direct) / direct**3)
+    )

@@ -211,8 +211,9 @@ def slip_displacement(
 def _slip_at(stick: StickRadius, f: float, shear: float, s: float, y: float, gap: float) -> float:
     """Return u at one radius s = c + gap: the integral is split where its scale changes."""
     near_stick = stick.radius * math.sqrt(2.0) > s
-    squared = gap * (s + stick.radius) if near_stick else 0.5 * s * s
-    total = _outer_integral(f, shear, s, y, squared)
+    # 1 − τ²/s² at the lower end of the outer part
+    extent = gap / s * (1.0 + stick.radius / s) if near_stick else 0.5
+    total = _outer_integral(f, shear, s, y, extent)
     if not near_stick:
         total += _inner_integral(stick, f, shear, s)
     return -s / (2.0 * math.pi**2) * total
@@ -227,17 +228,18 @@ def _density(f: float, shear: float, tau: Array, m: Array) -> Array:
     return np.asarray(smooth + f / 6.0 * cut * special.elliprd(0.0, 1.0, cut))
 
 
-def _outer_integral(f: float, shear: float, s: float, y: float, squared: float) -> float:
-    """Return the part with 0 < s² − τ² = w² < squared, on which τ ≥ s/√2."""
-    # D' grows like 1/(y + w²): w = √y sinh θ resolves that; the floor on y changes the result
-    # by less than rounding and keeps the interval finite at the edge itself.
-    floor = max(y, 1e-36 * squared, 1e-305)
-    theta, weights = panel_rule(0.0, math.asinh(math.sqrt(squared / floor)))
-    w = math.sqrt(floor) * np.sinh(theta)
-    tau = np.sqrt(s * s - w * w)
-    bracket = np.arctan2(w, tau) + tau * w / (s * s)
-    density = _density(f, shear, tau, floor + w * w) / (tau * tau)
-    return float(np.sum(weights * math.sqrt(floor) * np.cosh(theta) * w * density * bracket))
+def _outer_integral(f: float, shear: float, s: float, y: float, extent: float) -> float:
+    """Return the part with 0 < ω² < extent ≤ 1/2, where ω² = 1 − τ²/s²."""
+    # D' grows like 1/(1 − τ²) = 1/(y + s²ω²): ω = √y/s sinh θ resolves that. The floor on y changes
+    # the result by less than rounding and keeps the interval finite at the edge itself.
+    floor = max(y, 1e-36 * extent, 1e-305)
+    scale = math.sqrt(floor) / s if s > 0.5 else 1.0
+    theta, weights = panel_rule(0.0, math.asinh(math.sqrt(extent) / scale))
+    omega = scale * np.sinh(theta)
+    cosine = np.sqrt(1.0 - omega * omega)  # τ/s
+    bracket = np.arctan2(omega, cosine) + cosine * omega
+    density = _density(f, shear, s * cosine, floor + (s * omega) ** 2) / cosine**2
+    return float(np.sum(weights * scale * np.cosh(theta) * omega * density * bracket))
 
 
 def _inner_integral(stick: StickRadius, f: float, shear: float, s: float) -> float:

@@ -32,13 +32,13 @@ def approach_large_compliance(normal_compliance: float) -> float:
     Returns
     -------
     float
-        δ, dimensionless, under the load 1. The first neglected term is 7.935e-5/α², so that the
+        δ, dimensionless, under the load 1. The first neglected term is 7.9327e-5/α², so that the
         relative error is below 1e-4 for α = 1 already and reaches rounding at α ~ 1e4.
 
     Raises
     ------
     ValueError
-        If α is not finite and positive.
+        If α is not finite and positive, or so small that the series would not be positive.
 
     Notes
     -----
@@ -47,7 +47,8 @@ def approach_large_compliance(normal_compliance: float) -> float:
     """
     alpha = check_compliance(normal_compliance)
     third = (37.0 / 36.0 - 7.0 * float(special.zeta(3.0)) / 8.0) / (math.pi**3 * alpha)
-    return alpha / math.pi + 4.0 / (3.0 * math.pi**2) + third
+    value = alpha / math.pi + 4.0 / (3.0 * math.pi**2) + third
+    return _meaningful(value, alpha, "large")
 
 
 def edge_pressure_large_compliance(normal_compliance: float) -> float:
@@ -61,19 +62,20 @@ def edge_pressure_large_compliance(normal_compliance: float) -> float:
     Returns
     -------
     float
-        p(1), dimensionless. The first neglected term is 1.7027e-4/α³.
+        p(1), dimensionless. The first neglected term is 1.7028e-4/α³.
 
     Raises
     ------
     ValueError
-        If α is not finite and positive.
+        If α is not finite and positive, or so small that the series would not be positive.
 
     Notes
     -----
     It agrees with 2πα p(1)² = d(αδ)/dα and the series of δ, which loses its last term here.
     """
-    x = 1.0 / (math.pi * check_compliance(normal_compliance))
-    return (1.0 + x / 3.0 - x * x / 18.0) / math.pi
+    alpha = check_compliance(normal_compliance)
+    x = 1.0 / (math.pi * alpha)
+    return _meaningful((1.0 + x / 3.0 - x * x / 18.0) / math.pi, alpha, "large")
 
 
 def approach_small_compliance(normal_compliance: float) -> float:
@@ -93,10 +95,11 @@ def approach_small_compliance(normal_compliance: float) -> float:
     Raises
     ------
     ValueError
-        If α is not finite and positive.
+        If α is not finite and positive, or so large that the series would not be positive.
     """
     alpha = check_compliance(normal_compliance)
-    return 0.125 + alpha / (4.0 * math.pi) * (_logarithm(alpha) + 1.0)
+    value = 0.125 + alpha / (4.0 * math.pi) * (_logarithm(alpha) + 1.0)
+    return _meaningful(value, alpha, "small")
 
 
 def edge_pressure_small_compliance(normal_compliance: float) -> float:
@@ -105,8 +108,7 @@ def edge_pressure_small_compliance(normal_compliance: float) -> float:
     Parameters
     ----------
     normal_compliance : float
-        α of the roughness, dimensionless, finite and > 0; small enough for a positive radicand,
-        which every α below 3 is.
+        α of the roughness, dimensionless, finite and > 0.
 
     Returns
     -------
@@ -117,7 +119,7 @@ def edge_pressure_small_compliance(normal_compliance: float) -> float:
     Raises
     ------
     ValueError
-        If α is not finite and positive, or so large that the series makes no sense.
+        If α is not finite and positive, or so large that the series would not be positive.
 
     Notes
     -----
@@ -125,11 +127,16 @@ def edge_pressure_small_compliance(normal_compliance: float) -> float:
     """
     alpha = check_compliance(normal_compliance)
     radicand = 1.0 + 2.0 * alpha / math.pi * (2.0 * _logarithm(alpha) + 1.0)
-    if radicand <= 0.0:
-        raise ValueError(f"normal_compliance = {alpha!r}: must be small for this series, below 3")
-    return math.sqrt(radicand) / (4.0 * math.sqrt(math.pi * alpha))
+    return math.sqrt(_meaningful(radicand, alpha, "small")) / (4.0 * math.sqrt(math.pi * alpha))
 
 
 def _logarithm(alpha: float) -> float:
     """Return L = ln(1/α) + γ."""
     return float(np.euler_gamma) - math.log(alpha)
+
+
+def _meaningful(value: float, alpha: float, side: str) -> float:
+    """Return a value that is positive, as the quantity it stands for."""
+    if not value > 0.0:
+        raise ValueError(f"normal_compliance = {alpha!r}: must be {side} for this series")
+    return value

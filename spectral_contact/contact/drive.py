@@ -8,20 +8,24 @@ kappa = 1, as functions of ``y = 1 - s**2`` or ``1 - t**2``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.fields import LogSeries
+from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Drive", "sampled_series"]
+__all__ = ["EDGE", "Drive", "sampled_series"]
 
 Array = NDArray[np.float64]
+
+EDGE = Radius(1.0, 0.0)
 
 
 class Drive:
@@ -64,6 +68,32 @@ class Drive:
         if self._outer is not None:
             value = value + self._outer(y)
         return np.asarray(value)
+
+    def rise(self, radius: Radius) -> Callable[[Array], Array]:
+        """Return the function ``R(rest + square d) - R(rest)`` of ``d`` for a disk.
+
+        Where the difference would cancel, R is replaced by its Chebyshev interpolant, from which
+        the factor ``d`` is split off.
+        """
+        scale = radius.rest + self.contact.compliance
+        reach = min(0.1 * scale / radius.square, 1.0)
+        nodes = np.cos(np.pi * (np.arange(14) + 0.5) / 14.0)
+        samples = self.target(radius.rest + radius.square * reach * (1.0 + nodes) / 2.0)
+        fit = chebyshev.chebfit(nodes, samples, 13)
+        # T_k(x) - T_k(-1) = (x + 1) * quotient
+        fit[0] -= chebyshev.chebval(-1.0, fit)
+        quotient, _ = chebyshev.chebdiv(fit, [1.0, 1.0])
+        start = float(self.target(np.array(radius.rest)))
+
+        def function(d: Array) -> Array:
+            x = 2.0 * np.minimum(d / reach, 1.0) - 1.0
+            near = 2.0 * d / reach * chebyshev.chebval(x, quotient)
+            if reach == 1.0:
+                return np.asarray(near)
+            far = self.target(radius.rest + radius.square * d) - start
+            return np.where(d <= reach, near, far)
+
+        return function
 
     def load_outside(self, y: Array) -> Array:
         """Return ``1/2 int_0^y p dy``: 1/(2 pi) of the load between a radius and the edge."""

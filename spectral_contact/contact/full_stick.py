@@ -12,23 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import (
     ROUNDING,
     decay_rates,
-    panel_energies,
     series_of,
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields import DiskSeries, EdgeWeight, Radius
+from spectral_contact.fields import DiskSeries, EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators
 
-__all__ = ["EDGE", "FullStick", "solve_full_stick"]
+__all__ = ["FullStick", "solve_full_stick"]
 
 Array = NDArray[np.float64]
-
-EDGE = Radius(1.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,14 +85,16 @@ class _StickProblem:
         space = disk.tangential.space(resolution.degrees)
         nodes = disk.nodes
         target = self.drive.target(nodes.d)
-        solution = space.solve(compliance, target)
-        series = series_of(panels, solution.coefficients)
+        factored = space.factor(compliance)
+        solution = factored.solve(target)
+        change = factored.change(solution)
+        series = series_of(panels, solution)
         traction = DiskSeries(EDGE, series)
-        half_integral = disk.half_integral @ solution.coefficients
+        half_integral = disk.half_integral @ solution
         shear = 2.0 * pi * float((nodes.weights * np.sqrt(nodes.rest)) @ half_integral)
-        rates = decay_rates(resolution, solution.coefficients)
+        rates = decay_rates(resolution, solution)
         normal = self.drive.contact
-        energies = panel_energies(space, solution, compliance)
+        energies = change.energies
         # energy of the whole solution, int t^2 R^2 / pi at most: scale of the quadratic error
         scale = float((disk.tangential.weights * target) @ half_integral)
         # the functional is not the load itself: first order in the change, times its dual
@@ -104,7 +103,7 @@ class _StickProblem:
         if np.isfinite(normal.pressure_error):
             shear_error += 0.1 * normal.pressure_error
         if self.pointwise:
-            shares = share_of_change(resolution, solution.change, series)
+            shares = share_of_change(resolution, change.coefficients, series)
             indicators = shares * rates
             error = 3.0 * float(indicators.max()) + 20.0 * ROUNDING + 2.0 * normal.pressure_error
             traction_error = error

@@ -13,7 +13,6 @@ from spectral_contact.contact.resolution import (
     ROUNDING,
     decay_rates,
     load_vector,
-    panel_energies,
     series_of,
     share_of_change,
     starting_resolution,
@@ -87,19 +86,21 @@ class _NormalProblem:
             target = weight.deficit(disk.nodes.d)
             load = load_vector(panels, lambda d: 0.5 * weight(d))
             known = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
-        solution = space.solve(compliance, target, load)
-        half_integral = disk.half_integral @ solution.coefficients
+        factored = space.factor(compliance)
+        solution = factored.solve(target, load)
+        change = factored.change(solution)
+        half_integral = disk.half_integral @ solution
         # int p s ds = (2/pi) int F dt, for unit approach
         moment = 2.0 / pi * float(disk.nodes.weights @ half_integral) + known
         approach = 1.0 / (2.0 * pi * moment)
-        coefficients = solution.coefficients * approach
+        coefficients = solution * approach
         scaled = None if weight is None else weight.times(approach)
         pressure = PressureField(scaled, series_of(panels, coefficients))
-        rates = decay_rates(resolution, solution.coefficients)
-        energies = panel_energies(space, solution, compliance) / moment
+        rates = decay_rates(resolution, solution)
+        energies = change.energies / moment
         approach_error = float(energies @ rates**2) + ROUNDING
         if self.pointwise:
-            shares = share_of_change(resolution, solution.change * approach, pressure.at)
+            shares = share_of_change(resolution, change.coefficients * approach, pressure.at)
             indicators = shares * rates
             pressure_error = 3.0 * float(indicators.max()) + 20.0 * ROUNDING
             error = pressure_error

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from spectral_contact.adaptive import Resolution
 from spectral_contact.fields import LogSeries
 from spectral_contact.spectral.abel import TAIL_TERMS
-from spectral_contact.spectral.galerkin import GalerkinSolution, Space
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
@@ -19,7 +18,6 @@ __all__ = [
     "ROUNDING",
     "decay_rates",
     "load_vector",
-    "panel_energies",
     "series_of",
     "share_of_change",
     "starting_resolution",
@@ -31,12 +29,19 @@ Array = NDArray[np.float64]
 ROUNDING = 2e-15
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
 _WIDTH = 2.0
+#: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
+_ROOT_DEPTH = 7.0
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
 
 
 def starting_resolution(
-    layer: float, tolerance: float, *, rate: float = 1.0, power: float = 0.0
+    layer: float,
+    tolerance: float,
+    *,
+    rate: float = 1.0,
+    power: float = 0.0,
+    root_tail: bool = False,
 ) -> Resolution:
     """Return the first space for a solution that settles like ``exp(-rate x)`` past `layer`.
 
@@ -50,31 +55,34 @@ def starting_resolution(
         1 for ``y ln y`` terms at the boundary, 1/2 for square roots.
     power : float
         Endpoint weight of the basis, see `LogPanels`.
+    root_tail : bool
+        End in a tail of half-integer powers a little below `layer`.
     """
     digits = -log(tolerance)
-    depth = layer + (digits + 2.0) / rate
+    depth = layer + (_ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
     panels = 4 * ceil(depth / _WIDTH / 4.0)  # few distinct meshes, so that caches are shared
     top = _LEAST + ceil(0.42 * digits)
     x = _WIDTH * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
     degrees = np.maximum(np.ceil(top * missing).astype(int), _LEAST)
     capacity = 4 * ceil((top + 4) / 4)
-    mesh = LogPanels(panels, _WIDTH, capacity, power)
+    mesh = LogPanels(panels, _WIDTH, capacity, power, root_tail)
     return Resolution(mesh, tuple(degrees.tolist()))
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:
     """Return the panel coefficients as (panels, degree + 1); a view without the tail."""
-    return coefficients[:-TAIL_TERMS].reshape(panels.panels, panels.degree + 1)
+    return coefficients[: -panels.tail_terms].reshape(panels.panels, panels.degree + 1)
 
 
 def series_of(panels: LogPanels, coefficients: Array) -> LogSeries:
     """Return the function that the coefficients stand for."""
     return LogSeries(
         panel_table(panels, coefficients),
-        coefficients[-TAIL_TERMS:],
+        coefficients[-panels.tail_terms :],
         panels.width,
         panels.power,
+        panels.root_tail,
     )
 
 
@@ -107,17 +115,9 @@ def share_of_change(
     size = np.abs(field(d))
     least = np.minimum(size[1:], size[:-1])
     share = total / np.maximum(least, np.finfo(float).tiny)
-    tail = np.abs(change[-TAIL_TERMS:]).sum() * panels.end**panels.power
+    tail = np.abs(change[-panels.tail_terms :]).sum() * panels.end**panels.power
     share[-1] = max(share[-1], tail / max(size[-1], 1e-300))
     return np.asarray(share)
-
-
-def panel_energies(space: Space, solution: GalerkinSolution, compliance: float) -> Array:
-    """Return the energy of the change on every panel, the tail counted to the last one."""
-    terms = space.operator.panels.degree + 1
-    panel = np.minimum(np.arange(len(solution.change)) // terms, space.operator.panels.panels - 1)
-    diagonal = space.operator.gram.diagonal() + compliance * space.operator.mass.diagonal()
-    return np.bincount(panel, weights=diagonal * solution.change**2)
 
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:

@@ -22,12 +22,24 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
-__all__ = ["TAIL_TERMS", "beyond", "deeper", "deeper_blocks", "outer", "outer_blocks"]
+__all__ = [
+    "ROOT_TERMS",
+    "TAIL_TERMS",
+    "beyond",
+    "deeper",
+    "deeper_blocks",
+    "deeper_tail",
+    "outer",
+    "outer_blocks",
+    "tail_values",
+]
 
 Array = NDArray[np.float64]
 
-#: Legendre polynomials in the distance on the tail panel (degree 0, 1, 2).
+#: Tail polynomials in the distance (degree 0, 1, 2), where logarithms follow the constant.
 TAIL_TERMS = 3
+#: Tail polynomials in the square root of the distance, where half-integer powers follow.
+ROOT_TERMS = 9
 #: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
 _EXTRA = 12
 
@@ -127,23 +139,25 @@ def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> A
     return blocks
 
 
-def deeper_tail(d: Array, end: float, power: float = 0.0) -> Array:
-    """Return the `deeper` integral of the tail functions, shape (n, TAIL_TERMS).
+def tail_values(d: Array, end: float, terms: int, root: bool) -> Array:
+    """Evaluate the tail polynomials at ``0 <= d <= end``, shape ``d.shape + (terms,)``.
 
-    They are ``d**power`` times polynomials, `power` 0 or -1/2; exact to rounding.
+    Legendre polynomials in ``d / end``, or with `root` in its square root.
     """
-    if power == -0.5:  # d' = d sin(phi)**2 removes both square roots
-        g, w = gauss_rule(TAIL_TERMS + 7)
-        phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
-        source = d[:, None] * np.sin(phi * (1.0 + g) / 2.0) ** 2
-        return _panel(w * phi / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
-    g, w = gauss_rule(TAIL_TERMS + 1)
-    a = np.sqrt(np.maximum(d - end, 0.0))[:, None]
-    reach = np.minimum(d, end)[:, None]
-    span = reach / (a + np.sqrt(d)[:, None])
-    step = span * (1.0 + g) / 2.0
-    source = reach - step * (2.0 * a + step)  # d - (a + step)**2 without cancellation
-    return _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
+    ratio = d / end
+    return legendre_values(2.0 * (np.sqrt(ratio) if root else ratio) - 1.0, terms - 1)
+
+
+def deeper_tail(
+    d: Array, end: float, terms: int = TAIL_TERMS, power: float = 0.0, root: bool = False
+) -> Array:
+    """Return the `deeper` integral of ``d**power`` times the tail polynomials, (n, terms)."""
+    g, w = gauss_rule(terms + 9)
+    phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
+    sine = np.sin(phi * (1.0 + g) / 2.0)  # d' = d sin(phi)**2 removes both square roots
+    source = np.minimum(d[:, None] * sine**2, end)
+    values = w * phi / 2.0 * sine ** (1.0 + 2.0 * power) * d[:, None] ** (0.5 + power)
+    return np.asarray((values[:, None, :] @ tail_values(source, end, terms, root))[:, 0, :])
 
 
 def _outer_tail(d: Array, end: float) -> Array:

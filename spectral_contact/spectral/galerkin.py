@@ -22,12 +22,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import blas, lapack
 
-from spectral_contact.spectral.abel import TAIL_TERMS, deeper_blocks, deeper_tail, outer
+from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, tail_values
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels, Nodes
 
-__all__ = ["DiskOperators", "GalerkinOperator", "GalerkinSolution", "Space", "disk_operators"]
+__all__ = [
+    "Change",
+    "DiskOperators",
+    "Factored",
+    "GalerkinOperator",
+    "Space",
+    "disk_operators",
+]
 
 Array = NDArray[np.float64]
 
@@ -110,26 +117,18 @@ class GalerkinOperator:
 
 
 @dataclass(frozen=True, slots=True)
-class GalerkinSolution:
-    """Coefficients of one solve and what they say about its error.
+class Change:
+    """Difference of a solution to the one in the next coarser space.
 
     Attributes
     ----------
     coefficients : ndarray, shape (size,)
-        Zero outside the space.
-    change : ndarray, shape (size,)
-        Difference to the Galerkin solution with the top two degrees of every panel left out,
-        computed without cancellation.
-    misfit : ndarray, shape (nodes,)
-        ``target - half_integral @ coefficients``.
-    energy_change : float
-        Energy norm squared of `change`.
+    energies : ndarray, shape (panels,)
+        Diagonal part of its energy on every panel, the tail counted to the last.
     """
 
     coefficients: Array
-    change: Array
-    misfit: Array
-    energy_change: float
+    energies: Array
 
 
 class Space:
@@ -152,8 +151,9 @@ class Space:
             keep.append(np.arange(j * terms, j * terms + kept))
             shed.append(np.arange(j * terms + kept, j * terms + n + 1))
         tail = len(degrees) * terms
-        keep.append(np.arange(tail, tail + TAIL_TERMS - 1))
-        shed.append(np.arange(tail + TAIL_TERMS - 1, tail + TAIL_TERMS))
+        size = operator.panels.size
+        keep.append(np.arange(tail, size - 1))
+        shed.append(np.arange(size - 1, size))
         self.kept = sum(map(len, keep))
         #: basis functions of the space, those of the coarser space first
         self.index = np.concatenate(keep + shed)
@@ -166,61 +166,79 @@ class Space:
         """Number of unknowns."""
         return len(self.index)
 
-    def solve(
-        self, compliance: float, target: Array, load: Array | None = None
-    ) -> GalerkinSolution:
-        """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
+    def factor(self, compliance: float) -> Factored:
+        """Factor ``compliance * mass + gram`` on the space.
 
         Parameters
         ----------
         compliance : float
-            The regularisation c >= 0.
+            The regularisation, at least 0.
+        """
+        return Factored(self, compliance)
+
+
+class Factored:
+    """The regularised least-squares problem of a space, factored once for many targets."""
+
+    def __init__(self, space: Space, compliance: float) -> None:
+        self.space = space
+        self.compliance = compliance
+        matrix = space._gram if compliance == 0.0 else space._gram + compliance * space._mass
+        self.scale = 1.0 / np.sqrt(matrix.diagonal())
+        # the transposed view is Fortran-ordered, which LAPACK takes without a copy
+        self._scaled = (matrix * self.scale * self.scale[:, None]).T
+        self._factor, info = lapack.dpotrf(self._scaled, lower=1, clean=0)
+        if info != 0:
+            raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
+
+    def solve(self, target: Array, load: Array | None = None) -> Array:
+        """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
+
+        Parameters
+        ----------
         target : ndarray, shape (nodes,)
             What the half-integral should be.
         load : ndarray, shape (size,), optional
-            Inner products of the basis with a known part of the solution.
+            Inner products of the basis with a known part of the solution, the lift.
 
         Returns
         -------
-        GalerkinSolution
+        ndarray, shape (size,)
+            Coefficients, zero outside the space.
         """
-        op, index = self.operator, self.index
-        matrix = self._gram if compliance == 0.0 else self._gram + compliance * self._mass
-        scale = 1.0 / np.sqrt(matrix.diagonal())
-        # the transposed view is Fortran-ordered, which LAPACK takes without a copy
-        scaled = (matrix * scale * scale[:, None]).T
-        factor, info = lapack.dpotrf(scaled, lower=1, clean=0)
-        if info != 0:
-            raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
-        fixed = 0.0 if load is None else compliance * load[index]
-        coefficients = np.zeros(op.gram.shape[0])
+        op, index, scale = self.space.operator, self.space.index, self.scale
+        fixed = 0.0 if load is None else self.compliance * load[index]
+        coefficients = np.zeros(op.panels.size)
         values = np.zeros(len(index))
         misfit = target
-        for _ in range(2):  # solve, then correct with the half-integral residual
-            right = (op.weights * misfit) @ op.half_integral
-            residual = right[index] - fixed
-            if compliance != 0.0:
-                residual -= compliance * (self._mass @ values)
-            step, _ = lapack.dpotrs(factor, residual * scale, lower=1)
+        for correction in (False, True):
+            residual = ((op.weights * misfit) @ op.half_integral)[index] - fixed
+            if correction and self.compliance != 0.0:
+                residual -= self.compliance * (self.space._mass @ values)
+            step, _ = lapack.dpotrs(self._factor, residual * scale, lower=1)
             values += step * scale
             coefficients[index] = values
-            misfit = target - op.half_integral @ coefficients
-        return self._with_change(coefficients, misfit, scaled, factor, scale)
+            if not correction:
+                misfit = target - op.half_integral @ coefficients
+        return coefficients
 
-    def _with_change(
-        self, coefficients: Array, misfit: Array, scaled: Array, factor: Array, scale: Array
-    ) -> GalerkinSolution:
-        """Add the change that the last degrees made, from the same factorisation."""
-        k = self.kept
-        shed = coefficients[self.index[k:]] / scale[k:]
-        right = scaled[:k, k:] @ shed
-        step, _ = lapack.dpotrs(factor[:k, :k], right, lower=1)
+    def change(self, coefficients: Array) -> Change:
+        """Return what the top two degrees of every panel contribute to a solution.
+
+        It is the difference to the Galerkin solution without them, from the same factorisation
+        and without cancellation.
+        """
+        k, index, scale = self.space.kept, self.space.index, self.scale
+        shed = coefficients[index[k:]] / scale[k:]
+        right = self._scaled[:k, k:] @ shed
+        step, _ = lapack.dpotrs(self._factor[:k, :k], right, lower=1)
         change = np.zeros_like(coefficients)
-        change[self.index[:k]] = step * scale[:k]
-        change[self.index[k:]] = -shed * scale[k:]
-        # energy of the change: shed^T (Schur complement) shed
-        energy = float(shed @ (scaled[k:, k:] @ shed) - right @ step)
-        return GalerkinSolution(coefficients, change, misfit, abs(energy))
+        change[index[:k]] = step * scale[:k]
+        change[index[k:]] = -shed * scale[k:]
+        panels = self.space.operator.panels
+        panel = np.minimum(index // (panels.degree + 1), panels.panels - 1)
+        energies = np.bincount(panel, weights=(change[index] / scale) ** 2)
+        return Change(change, energies)
 
 
 def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) -> Array:
@@ -235,7 +253,9 @@ def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) 
     for i in range(1, p):
         rows = slice(i * count, (i + 1) * count)
         matrix[rows, i * terms : p * terms] = blocks[:, : (p - i) * terms] * root[rows]
-    matrix[:, p * terms :] = deeper_tail(nodes.d, panels.end, panels.power)
+    matrix[:, p * terms :] = deeper_tail(
+        nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
+    )
     return matrix
 
 
@@ -250,10 +270,11 @@ def _block_diagonal(panels: LogPanels, first: float, second: float) -> Array:
     for j in range(panels.panels):
         block = slice(j * terms, (j + 1) * terms)
         matrix[block, block] = np.exp(-j * h) * (one + np.exp(-j * h) * two)
-    g, w = gauss_rule(TAIL_TERMS + 1)
-    values = legendre_values(g, TAIL_TERMS - 1)
-    d = panels.end * (1.0 + g) / 2.0
-    weight = w * panels.end / 2.0 * (first + second * d)
+    g, w = gauss_rule(panels.tail_terms + 2)
+    v = (1.0 + g) / 2.0
+    d = panels.end * v**2
+    values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
+    weight = w * v * panels.end * (first + second * d)
     tail = slice(panels.panels * terms, None)
     matrix[tail, tail] = (values.T * weight) @ values
     return matrix

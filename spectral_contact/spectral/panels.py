@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.abel import ROOT_TERMS, TAIL_TERMS
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
 __all__ = ["LogPanels", "Nodes"]
@@ -49,12 +49,15 @@ class LogPanels:
     power : float
         Endpoint weight: the functions are ``d**power`` times polynomials. 0, or -1/2 for a
         traction that is singular at the edge.
+    root_tail : bool
+        The tail is polynomial in ``sqrt(d)``, for square roots at the boundary.
     """
 
     panels: int
     width: float
     degree: int
     power: float = 0.0
+    root_tail: bool = False
 
     @property
     def end(self) -> float:
@@ -64,7 +67,12 @@ class LogPanels:
     @property
     def size(self) -> int:
         """Number of coefficients, tail included."""
-        return self.panels * (self.degree + 1) + TAIL_TERMS
+        return self.panels * (self.degree + 1) + self.tail_terms
+
+    @property
+    def tail_terms(self) -> int:
+        """Number of tail polynomials."""
+        return ROOT_TERMS if self.root_tail else TAIL_TERMS
 
     def sampling(self, extra: int = 4) -> Array:
         """Return ``x`` of Gauss-Legendre sampling points on every panel, shape (panels, n)."""
@@ -73,7 +81,7 @@ class LogPanels:
 
     def tail_sampling(self) -> Array:
         """Return the distances of Gauss-Legendre sampling points on the tail, shape (n,)."""
-        g, _ = gauss_rule(TAIL_TERMS + 1)
+        g, _ = gauss_rule(self.tail_terms + 1)
         return self.end * (1.0 + g) / 2.0
 
     def half_line_nodes(self) -> tuple[Array, Array]:

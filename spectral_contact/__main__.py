@@ -1,0 +1,7 @@
+"""Run the command line: ``python -m spectral_contact``."""
+
+import sys
+
+from spectral_contact.cli import main
+
+sys.exit(main())

@@ -1,0 +1,326 @@
+r"""Partial slip with one central stick disk, equation (5.8) for the total traction.
+
+On the stick disk of radius c, with ``s = c sigma``, homogeneity gives the unit-disk equation with
+compliance ``beta / c`` and, in the half-integral, the target
+
+    R(c tau) - (f/kappa) int_c^1 p ds / sqrt(s^2 - c^2 tau^2).
+
+The total traction is the unknown, not the corrective one of (5.4), which is not smooth at the
+centre. Everything is for kappa = 1, so friction is ``f / kappa``.
+
+The radius makes the traction continuous, (5.9). Near the rim the target is small against its two
+parts, so it is split into its value at the rim, ``m``, and a rise that is computed without the
+subtraction. For a given radius the equation is linear in ``m``: continuity gives the ``m`` that
+the disk needs, and the radius is the root of ``R(c) - (f/kappa) P(c) - m``, which is as well
+conditioned as the smooth limit, where ``m = 0``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.resolution import (
+    ROUNDING,
+    decay_rates,
+    series_of,
+    share_of_change,
+    starting_resolution,
+)
+from spectral_contact.fields import DiskSeries, PressureField, Radius
+from spectral_contact.spectral.galerkin import Factored, disk_operators
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["OneDisk", "SlipSource", "solve_one_disk"]
+
+Array = NDArray[np.float64]
+
+#: Radii are searched between 1e-300 and 1 - 1e-300.
+_LARGEST_LOGIT = 1380.0
+
+
+@dataclass(frozen=True, slots=True)
+class OneDisk:
+    """Partial slip with one stick disk, for kappa = 1.
+
+    Attributes
+    ----------
+    radius : Radius
+        ``c*``.
+    traction : DiskSeries
+        ``q*/kappa`` on the stick disk.
+    total_shear : float
+        ``Q*/kappa`` of the whole contact.
+    traction_error, shear_error : float
+        Estimates of relative errors.
+    radius_error : float
+        Estimate of the relative error of ``c`` and of ``1 - c``, whichever is larger.
+    """
+
+    radius: Radius
+    traction: DiskSeries
+    total_shear: float
+    traction_error: float
+    shear_error: float
+    radius_error: float
+
+
+class SlipSource:
+    """Quadrature of a pressure over an annulus, graded to both ends.
+
+    Parameters
+    ----------
+    pressure : PressureField
+        ``p*``.
+    inner, outer : Radius
+        Ends of the annulus.
+    alpha : float
+        ``alpha*``, the width of the layer at the edge.
+    tolerance : float
+        Relative accuracy of the integrals.
+    """
+
+    def __init__(
+        self,
+        pressure: PressureField,
+        inner: Radius,
+        outer: Radius,
+        alpha: float,
+        tolerance: float,
+    ) -> None:
+        self.inner = inner
+        width = outer.square - inner.square if inner.square < 0.5 else inner.rest - outer.rest
+        half = width / 2.0
+        # square roots at the inner end; at the outer end a singular pressure is one, too
+        points = 4 + ceil(-0.35 * log(tolerance))
+        finest = (0.01 * tolerance) ** 2 * half
+        offsets, weights = _graded(half, min(half, inner.square) / half * finest, points)
+        depth, outer_weights = _graded(
+            half, min(half, alpha) * 0.01 * tolerance if alpha else finest, points
+        )
+        #: distance of the nodes from the inner end in s**2
+        self.above = np.concatenate([offsets, width - depth])
+        y = np.concatenate([inner.rest - offsets, outer.rest + depth])
+        z = np.concatenate([inner.square + offsets, outer.square - depth])
+        #: weights of ``p ds``; with s ds = dz/2
+        self._root = np.sqrt(self.above)
+        self.values = np.concatenate([weights, outer_weights]) * pressure.at(y) / (2.0 * np.sqrt(z))
+
+    @property
+    def at_rim(self) -> float:
+        """``int p ds / sqrt(s^2 - inner^2)``."""
+        return float((1.0 / self._root) @ self.values)
+
+    def fall(self, below: Array) -> Array:
+        """Return by how much the half-integral at ``inner**2 - below`` is less than at the rim."""
+        root = below[:, None] + self.above
+        np.sqrt(root, out=root)
+        kernel = root + self._root
+        kernel *= root
+        np.reciprocal(kernel, out=kernel)
+        return below * (kernel @ (self.values / self._root))
+
+
+def _graded(reach: float, finest: float, points: int) -> tuple[Array, Array]:
+    """Return nodes and weights on (0, reach), graded to 0 down to `finest`."""
+    # the far end of the annulus is a singularity ln 2 before the first panel: make that one short
+    panels = int(np.ceil((log(reach / finest) - 1.0) / 3.0))
+    start = np.concatenate([[0.0], 1.0 + 3.0 * np.arange(panels)])
+    width = np.concatenate([[1.0], np.full(panels, 3.0)])
+    g, w = gauss_rule(points)
+    nodes = reach * np.exp(-start[:, None] - width[:, None] * (1.0 + g) / 2.0)
+    return nodes.ravel(), (nodes * (w * width[:, None] / 2.0)).ravel()
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """The disk solved at one radius."""
+
+    radius: Radius
+    mismatch: float
+    coefficients: Array
+    factored: Factored
+    target: Array
+
+
+class _OneDiskProblem:
+    """Spaces for the stick disk; the radius is found anew in each of them."""
+
+    def __init__(self, drive: Drive, beta: float, friction: float, tolerance: float) -> None:
+        self.drive = drive
+        self.beta = beta
+        self.friction = friction
+        self.tolerance = tolerance
+        self.alpha = drive.contact.compliance
+        # the radius roughly, in small spaces
+        self.logit, self.slope = _bracketed_root(
+            lambda x: self._trial(self._resolution(x, 1e-3), x, 1e-3).mismatch
+        )
+
+    def _resolution(self, logit: float, tolerance: float) -> Resolution:
+        """Return the first space for a disk of this radius."""
+        radius = Radius.from_logit(logit)
+        scales = [1.0, max(self.alpha, radius.rest) / radius.square]
+        # without compliance the traction beyond the slip annulus is singular down to its width
+        scales.append((self.beta / radius.value) or radius.rest / radius.square)
+        return starting_resolution(-log(min(scales)), tolerance, root_tail=self.beta == 0.0)
+
+    def start(self) -> Resolution:
+        return self._resolution(self.logit, self.tolerance)
+
+    def _trial(self, resolution: Resolution, logit: float, tolerance: float) -> _Trial:
+        """Solve the disk of the given radius; the mismatch of the rim value decides."""
+        radius = Radius.from_logit(logit)
+        disk = disk_operators(resolution.panels)
+        factored = disk.tangential.space(resolution.degrees).factor(self.beta / radius.value)
+        source = SlipSource(self.drive.pressure, radius, EDGE, self.alpha, tolerance)
+        rise = self.drive.rise(radius)
+
+        def target(d: Array) -> Array:
+            return rise(d) + self.friction * source.fall(radius.square * d)
+
+        values = interpolate(resolution.panels, target)
+        coefficients = factored.solve(values)
+        rim = 0.0
+        if self.beta > 0.0:
+            unit = factored.solve(np.ones_like(values))
+            slipping = self.friction * float(self.drive.pressure.at(np.array(radius.rest)))
+            panels = resolution.panels
+            missing = slipping - series_of(panels, coefficients).limit
+            rim = missing / series_of(panels, unit).limit
+            coefficients = coefficients + rim * unit
+        drive = float(self.drive.target(np.array(radius.rest)))
+        mismatch = drive - self.friction * source.at_rim - rim
+        return _Trial(radius, mismatch, coefficients, factored, values + rim)
+
+    def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
+        quadrature = 0.01 * self.tolerance
+
+        def mismatch(logit: float) -> float:
+            return self._trial(resolution, logit, quadrature).mismatch
+
+        self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
+        trial = self._trial(resolution, self.logit, quadrature)
+        return self._assess(resolution, trial, self.slope)
+
+    def _assess(self, resolution: Resolution, trial: _Trial, slope: float) -> Attempt[OneDisk]:
+        """Turn the final trial into a solution with its errors."""
+        panels, radius, coefficients = resolution.panels, trial.radius, trial.coefficients
+        disk = disk_operators(panels)
+        series = series_of(panels, coefficients)
+        rates = decay_rates(resolution, coefficients)
+        change = trial.factored.change(coefficients)
+        normal = self.drive.contact
+        indicators = share_of_change(resolution, change.coefficients, series) * rates
+        noise = 20.0 * ROUNDING + 2.0 * normal.pressure_error
+        error = 3.0 * float(indicators.max()) + noise
+        half_integral = disk.half_integral @ coefficients
+        # an error of the rim value moves logit(c**2) by its share of the slope
+        drive = float(self.drive.target(np.array(radius.rest)))
+        rim = abs(trial.target[-1]) + drive * noise
+        shift = (3.0 * float(indicators[-1]) * abs(rim) + noise * drive) / abs(slope)
+        radius_error = shift * max(radius.rest, radius.square) / 2.0
+        moment = float((disk.nodes.weights * np.sqrt(disk.nodes.rest)) @ half_integral)
+        outside = float(self.drive.load_outside(np.array(radius.rest)))
+        shear = 2.0 * pi * (radius.square * moment + self.friction * outside)
+        scale = float((disk.tangential.weights * trial.target) @ half_integral)
+        # at the right radius the shear is stationary: the shift enters squared
+        shear_error = (
+            3.0 * float(change.energies @ rates**2) / abs(scale)
+            + 2.0 * shift**2
+            + 0.5 * normal.pressure_error
+            + 4.0 * ROUNDING
+        )
+        value = OneDisk(radius, DiskSeries(radius, series), shear, error, shear_error, radius_error)
+        unknowns = disk.tangential.space(resolution.degrees).unknowns
+        return Attempt(value, error, indicators, rates, unknowns)
+
+
+def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> Array:
+    """Return a function of ``d`` at the Galerkin nodes, sampled where it is cheap.
+
+    On every panel it is analytic in ``x``: a Legendre expansion from few samples serves the many
+    nodes. The tail is sampled at the nodes themselves.
+    """
+    count = 2 * panels.degree + 6
+    x = panels.sampling()
+    points = x.shape[1]
+    nodes = disk_operators(panels).nodes.d
+    tail = nodes[panels.panels * count :]
+    values = function(np.concatenate([np.exp(-x).ravel(), tail]))
+    expand = legendre_expansion_matrix(points, points - 1)
+    coefficients = values[: x.size].reshape(x.shape) @ expand.T
+    own = -np.log(nodes[: 2 * count]).reshape(2, count)
+    own[1] -= panels.width
+    basis = legendre_values(2.0 * own / panels.width - 1.0, points - 1)
+    first = basis[0] @ coefficients[0]
+    others = coefficients[1:] @ basis[1].T
+    return np.concatenate([first, others.ravel(), values[x.size :]])
+
+
+def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
+    """Return a rough root in logit(c**2), and the slope there; the function rises with c."""
+    low, high, step = -2.0, 2.0, 2.0
+    at_low, at_high = function(low), function(high)
+    while at_high < 0.0:
+        low, at_low, high, step = high, at_high, high + step, 2.0 * step
+        if high > _LARGEST_LOGIT:
+            raise ArithmeticError("slip annulus narrower than 1e-300")
+        at_high = function(high)
+    while at_low > 0.0:
+        high, at_high, low, step = low, at_low, low - step, 2.0 * step
+        if low < -_LARGEST_LOGIT:
+            raise ArithmeticError("stick radius below 1e-300")
+        at_low = function(low)
+    root = float(optimize.brentq(function, low, high, xtol=1e-3, rtol=1e-5))
+    return root, (function(root + 0.05) - function(root - 0.05)) / 0.1
+
+
+def _polished_root(
+    function: Callable[[float], float], guess: float, slope: float
+) -> tuple[float, float]:
+    """Secant from a good guess; return the root and the slope there."""
+    x, value = guess, function(guess)
+    for _ in range(20):
+        step = max(min(-value / slope, 2.0), -2.0)
+        # the next secant step would be the square of this one: below rounding
+        if abs(step) <= 1e-9 * max(1.0, abs(x)):
+            return x + step, slope
+        fresh = function(x + step)
+        slope = (fresh - value) / step
+        x, value = x + step, fresh
+    raise ArithmeticError("the stick radius did not settle")
+
+
+def solve_one_disk(
+    drive: Drive, beta: float, friction: float, tolerance: float, max_unknowns: int
+) -> Refinement[OneDisk]:
+    """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
+
+    Parameters
+    ----------
+    drive : Drive
+        Right-hand side, from the normal problem.
+    beta : float
+        ``beta*``, 0 or positive.
+    friction : float
+        ``f / kappa``, positive and below the critical value.
+    tolerance : float
+        Bound on the relative error of q/s, pointwise.
+    max_unknowns : int
+        Most unknowns of a space.
+
+    Returns
+    -------
+    Refinement
+        Whether the assumption holds is for the caller to check.
+    """
+    return refine(_OneDiskProblem(drive, beta, friction, tolerance), tolerance, max_unknowns)

@@ -1,0 +1,487 @@
+"""What a solve returns: values, fields, errors, the plan and the work; all of it immutable data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spectral_contact import checks
+from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.fields import DiskSeries, PressureField, Radius, ZonalField
+from spectral_contact.scene import Scene
+
+__all__ = [
+    "QUANTITIES",
+    "Ending",
+    "ErrorEstimates",
+    "PhysicalSolution",
+    "Plan",
+    "PlannedStep",
+    "RefinementStep",
+    "Solution",
+    "StepState",
+    "StepWork",
+    "Work",
+    "Zone",
+]
+
+#: Everything that can be asked of `solve`, in the order of a report.
+QUANTITIES = (
+    "approach",
+    "pressure",
+    "traction",
+    "slip",
+    "zones",
+    "stick_radius",
+    "total_shear",
+    "edge_ratio",
+    "critical_friction",
+)
+
+
+class Ending(Enum):
+    """How a refinement ended; the text says the cause and the remedy."""
+
+    CONVERGED = "The error estimate met the tolerance."
+    UNKNOWNS = "The next space would exceed max_unknowns. Raise max_unknowns, or loosen rtol."
+    ROUNDING = "Refinement no longer lowers the estimate: rounding is reached. Loosen rtol."
+    ZONES = "The slip zones found do not satisfy the friction law. Loosen rtol, or report the scene."
+
+
+class StepState(Enum):
+    """Whether a step of a plan runs."""
+
+    RUN = "run"
+    CONDITIONAL = "if needed"
+    SKIPPED = "skipped"
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStep:
+    """One step: its name, whether it runs, and why."""
+
+    name: str
+    state: StepState
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The steps a scene calls for, and why each quantity that is missing is missing.
+
+    Attributes
+    ----------
+    quantities : tuple of str
+        What will be there.
+    steps : tuple of PlannedStep
+        In the order in which they run.
+    missing : tuple of (str, str)
+        Quantities that will not be there, each with the reason.
+    """
+
+    quantities: tuple[str, ...]
+    steps: tuple[PlannedStep, ...]
+    missing: tuple[tuple[str, str], ...] = ()
+
+    def __str__(self) -> str:
+        width = max(len(step.name) for step in self.steps)
+        state = max(len(step.state.value) for step in self.steps)
+        return "\n".join(
+            f"{step.name:<{width}}  {step.state.value:<{state}}  {step.reason}"
+            for step in self.steps
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Zone:
+    """An annulus in which the surfaces stick or slip, dimensionless.
+
+    Attributes
+    ----------
+    kind : str
+        ``"stick"`` or ``"slip"``.
+    inner, outer : float
+        Its radii; every one to relative accuracy.
+    inner_from_edge, outer_from_edge : float
+        One minus the radii, to relative accuracy.
+    """
+
+    kind: str
+    inner: float
+    outer: float
+    inner_from_edge: float
+    outer_from_edge: float
+
+    @classmethod
+    def between(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
+        """Return the zone between two radii."""
+        return cls(kind, inner.value, outer.value, inner.from_edge, outer.from_edge)
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorEstimates:
+    """Estimates of relative errors; None where the quantity was not computed.
+
+    `pressure` is pointwise, the edge included; `traction` is that of q/s, pointwise; `slip` is
+    relative to its largest modulus; `zones` bounds the relative error of every boundary measured
+    from the centre and from the edge; `violation` is by how much the friction law is broken:
+    the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
+    the largest slip, whichever is larger.
+    """
+
+    approach: float | None = None
+    pressure: float | None = None
+    traction: float | None = None
+    slip: float | None = None
+    zones: float | None = None
+    stick_radius: float | None = None
+    total_shear: float | None = None
+    edge_ratio: float | None = None
+    critical_friction: float | None = None
+    violation: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RefinementStep:
+    """One line of the p-refinement history."""
+
+    unknowns: int
+    highest_degree: int
+    error: float
+    seconds: float = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class StepWork:
+    """The work of one step of the plan.
+
+    Attributes
+    ----------
+    name : str
+    unknowns : int
+        Of the space accepted; 0 where a closed form was enough.
+    degrees : tuple of int
+        Highest degree on every panel of it.
+    history : tuple of RefinementStep
+    ending : Ending
+    seconds : float
+        Wall-clock time; not part of equality.
+    """
+
+    name: str
+    unknowns: int
+    degrees: tuple[int, ...]
+    history: tuple[RefinementStep, ...]
+    ending: Ending
+    seconds: float = field(compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """All steps that ran."""
+
+    steps: tuple[StepWork, ...]
+
+    @property
+    def unknowns(self) -> int:
+        """Largest number of unknowns in one linear system."""
+        return max((step.unknowns for step in self.steps), default=0)
+
+    @property
+    def seconds(self) -> float:
+        """Wall-clock time of all steps."""
+        return sum(step.seconds for step in self.steps)
+
+    def __getitem__(self, name: str) -> StepWork:
+        for step in self.steps:
+            if step.name == name:
+                return step
+        raise KeyError(name)
+
+
+TractionField = ZonalField | DiskSeries | None
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Solution:
+    """The solution of a scene, dimensionless; SI values are in `physical`.
+
+    Built by `solve`. Immutable, comparable (wall-clock times do not count) and picklable; it is
+    stored and loaded by `save` and `load`.
+
+    Attributes
+    ----------
+    scene : Scene
+    rtol : float
+        The tolerance asked.
+    plan : Plan
+        What ran and what was skipped, each with its reason.
+    error : ErrorEstimates
+    converged : bool
+        Whether every estimate that `rtol` bounds is below it.
+    ending : Ending
+    work : Work
+    values : dict
+        Scalars and zones by name; use the properties.
+    pressure_field, traction_field, slip_field
+        Evaluators; use `pressure`, `traction` and `slip`.
+    """
+
+    scene: Scene
+    rtol: float
+    plan: Plan
+    error: ErrorEstimates
+    converged: bool
+    ending: Ending
+    work: Work
+    values: dict[str, Any]
+    pressure_field: PressureField | None = None
+    traction_field: TractionField = None
+    slip_field: TractionField = None
+
+    def _require(self, quantity: str) -> None:
+        if quantity not in self.plan.quantities:
+            reasons = dict(self.plan.missing)
+            raise NotComputedError(quantity, reasons.get(quantity, "it was not asked for"))
+
+    def _value(self, quantity: str) -> Any:
+        self._require(quantity)
+        return self.values[quantity]
+
+    @property
+    def approach(self) -> float:
+        """Approach ``delta* = a delta E / (4 (1 - nu^2) P)``, equation (3.4)."""
+        return float(self._value("approach"))
+
+    @property
+    def zones(self) -> tuple[Zone, ...]:
+        """Stick and slip zones from the centre to the edge; empty without friction."""
+        return tuple(self._value("zones"))
+
+    @property
+    def stick_radius(self) -> float | None:
+        """Outer radius ``c*`` of the central stick zone, (5.7); None without friction."""
+        value = self._value("stick_radius")
+        return None if value is None else float(value)
+
+    @property
+    def total_shear(self) -> float:
+        """Measure of shear ``Q* = 2 pi int q* s ds``, (4.3) and (5.8)."""
+        return float(self._value("total_shear"))
+
+    @property
+    def edge_ratio(self) -> float:
+        """Ratio ``q/p`` of full stick at the edge."""
+        return float(self._value("edge_ratio"))
+
+    @property
+    def critical_friction(self) -> float:
+        """Smallest friction coefficient without slip: the largest ``|q|/p`` of full stick."""
+        return float(self._value("critical_friction"))
+
+    def _field(
+        self,
+        evaluator: PressureField | TractionField,
+        quantity: str,
+        s: ArrayLike | None,
+        from_edge: ArrayLike | None,
+    ) -> Any:
+        self._require(quantity)
+        radius, distance = checks.radii(s, from_edge)
+        if evaluator is None:
+            return np.zeros(radius.shape)[()]
+        return np.asarray(evaluator(radius, distance))[()]
+
+    def pressure(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the pressure ``p* = a^2 p / P``.
+
+        Parameters
+        ----------
+        s : array_like, optional
+            Dimensionless radii in [0, 1], any shape.
+        from_edge : array_like, optional
+            Instead of `s`: distances ``1 - s``, accurate down to 1e-300.
+
+        Returns
+        -------
+        float or ndarray
+            Of the shape of the input; ``inf`` at the edge of a smooth surface.
+
+        Raises
+        ------
+        SceneError
+            For both or neither argument, or a radius outside [0, 1].
+        NotComputedError
+            If the pressure was not asked for.
+        """
+        return self._field(self.pressure_field, "pressure", s, from_edge)
+
+    def traction(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the traction ``q* = a^2 q / P``, positive outward on the half-space.
+
+        Parameters, return value and errors are those of `pressure`.
+        """
+        return self._field(self.traction_field, "traction", s, from_edge)
+
+    def slip(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate ``u_r* = u_r a E / (4 (1 - nu^2) P)``: zero in stick, inward (negative) in slip.
+
+        Parameters, return value and errors are those of `pressure`.
+        """
+        return self._field(self.slip_field, "slip", s, from_edge)
+
+    @property
+    def physical(self) -> PhysicalSolution:
+        """The same quantities in Pa, m and N.
+
+        Raises
+        ------
+        NotComputedError
+            If the scene was not made by `Scene.from_physical`.
+        """
+        return PhysicalSolution(self)
+
+    def save(self, path: str) -> None:
+        """Store the solution in one ``.npz`` or ``.json`` file, every value exactly.
+
+        Raises
+        ------
+        SolutionFileError
+            For another suffix, or a path that cannot be written.
+        """
+        from spectral_contact import storage
+
+        storage.save(self, path)
+
+    @classmethod
+    def load(cls, path: str) -> Solution:
+        """Load what `save` stored.
+
+        Raises
+        ------
+        SolutionFileError
+            For a file that is not there, not ours, damaged, or of another version.
+        """
+        from spectral_contact import storage
+
+        return storage.load(path)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Solution):
+            return NotImplemented
+        from spectral_contact import storage
+
+        return storage.comparable(self) == storage.comparable(other)
+
+    def __hash__(self) -> int:
+        return hash((self.scene, self.rtol, self.plan.quantities))
+
+    def __repr__(self) -> str:
+        known = ", ".join(
+            f"{name}={self.values[name]:.16g}"
+            for name in ("approach", "total_shear", "stick_radius")
+            if isinstance(self.values.get(name), float)
+        )
+        return f"<Solution {known} converged={self.converged}>"
+
+
+@dataclass(frozen=True, slots=True)
+class PhysicalSolution:
+    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N."""
+
+    solution: Solution
+
+    def __post_init__(self) -> None:
+        if self.solution.scene.physical is None:
+            raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
+
+    @property
+    def _nu(self) -> float:
+        return self.solution.scene.poisson_ratio
+
+    @property
+    def _data(self) -> Any:
+        return self.solution.scene.physical
+
+    @property
+    def load(self) -> float:
+        """Normal load P [N]."""
+        if self._data.load is not None:
+            return float(self._data.load)
+        return float(self._data.load_for(self.solution.approach, self._nu))
+
+    @property
+    def approach(self) -> float:
+        """Approach [m]."""
+        if self._data.approach is not None:
+            return float(self._data.approach)
+        return self.solution.approach * self._length
+
+    @property
+    def _length(self) -> float:
+        return float(self._data.displacement_scale(self.load, self._nu))
+
+    @property
+    def radius(self) -> float:
+        """Punch radius a [m]."""
+        return float(self._data.radius)
+
+    @property
+    def stick_radius(self) -> float | None:
+        """Outer radius of the central stick zone [m]; None without friction."""
+        value = self.solution.stick_radius
+        return None if value is None else value * self.radius
+
+    @property
+    def total_shear(self) -> float:
+        """Measure of shear Q [N]."""
+        return self.solution.total_shear * self.load
+
+    @property
+    def edge_ratio(self) -> float:
+        """Ratio q/p of full stick at the edge, dimensionless."""
+        return self.solution.edge_ratio
+
+    @property
+    def critical_friction(self) -> float:
+        """Smallest friction coefficient without slip, dimensionless."""
+        return self.solution.critical_friction
+
+    @property
+    def zones(self) -> tuple[Zone, ...]:
+        """Stick and slip zones, radii in m."""
+        a = self.radius
+        return tuple(
+            Zone(z.kind, z.inner * a, z.outer * a, z.inner_from_edge * a, z.outer_from_edge * a)
+            for z in self.solution.zones
+        )
+
+    def _scaled(
+        self, name: str, factor: float, r: ArrayLike | None, from_edge: ArrayLike | None
+    ) -> Any:
+        try:
+            inside = None if r is None else np.asarray(r, dtype=float) / self.radius
+            depth = None if from_edge is None else np.asarray(from_edge, dtype=float) / self.radius
+        except (TypeError, ValueError):
+            bad = r if r is not None else from_edge
+            raise SceneError("r", bad, f"real radii in [0, {self.radius}] m") from None
+        evaluate = getattr(self.solution, name)
+        value = evaluate(from_edge=depth) if inside is None else evaluate(inside, from_edge=depth)
+        return value * factor
+
+    def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
+        return self._scaled("pressure", self._data.pressure_scale(self.load), r, from_edge)
+
+    def traction(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the traction [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
+        return self._scaled("traction", self._data.pressure_scale(self.load), r, from_edge)
+
+    def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
+        return self._scaled("slip", self._length, r, from_edge)
+
