@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
@@ -345,7 +346,7 @@ class Solution:
         """
         return PhysicalSolution(self)
 
-    def save(self, path: str) -> None:
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Store the solution in one ``.npz`` or ``.json`` file, every value exactly.
 
         Raises
@@ -358,7 +359,7 @@ class Solution:
         storage.save(self, path)
 
     @classmethod
-    def load(cls, path: str) -> Solution:
+    def load(cls, path: str | os.PathLike[str]) -> Solution:
         """Load what `save` stored.
 
         Raises
@@ -369,6 +370,31 @@ class Solution:
         from spectral_contact import storage
 
         return storage.load(path)
+
+    def to_json(self) -> str:
+        """Return the solution as one line of strict JSON; its numbers are exact.
+
+        Raises
+        ------
+        SolutionFileError
+            If it holds NaN.
+        """
+        from spectral_contact import storage
+
+        return storage.to_json(self)
+
+    @classmethod
+    def from_json(cls, text: str) -> Solution:
+        """Return the solution that `to_json` wrote, equal to it bit for bit.
+
+        Raises
+        ------
+        SolutionFileError
+            If the text is not JSON, not ours, damaged, or of another version.
+        """
+        from spectral_contact import storage
+
+        return storage.from_json(text)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):

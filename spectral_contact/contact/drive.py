@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["EDGE", "Drive", "sampled_series"]
+__all__ = ["EDGE", "Drive"]
 
 Array = NDArray[np.float64]
 
@@ -95,6 +96,12 @@ class Drive:
 
         return function
 
+    def mean_inside(self, y: Array) -> Array:
+        """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""
+        g, w = gauss_rule(40)
+        points = 1.0 - (1.0 - y)[..., None] * (1.0 + g) / 2.0
+        return np.asarray(self.pressure.at(points) @ (w / 2.0))
+
     def load_outside(self, y: Array) -> Array:
         """Return ``1/2 int_0^y p dy``: 1/(2 pi) of the load between a radius and the edge."""
         value = np.zeros(np.shape(y))
@@ -104,16 +111,6 @@ class Drive:
         if self._load is not None:
             value = value + 0.5 * y * self._load(y)
         return np.asarray(value)
-
-
-def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
-    """Return the series through samples at the sampling points of the panels and the tail."""
-    tail_points = len(panels.tail_sampling())
-    inner = values[:-tail_points].reshape(panels.panels, -1)
-    points = inner.shape[1]
-    expand = legendre_expansion_matrix(points, points - 1)
-    expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
-    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)
 
 
 def _mean_outside(panels: LogPanels, series: LogSeries) -> LogSeries:

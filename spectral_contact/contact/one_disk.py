@@ -35,16 +35,24 @@ from spectral_contact.contact.resolution import (
     starting_resolution,
 )
 from spectral_contact.fields import DiskSeries, PressureField, Radius
+from spectral_contact.spectral.annulus import Points, gap
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["OneDisk", "SlipSource", "solve_one_disk"]
+__all__ = [
+    "NoStickDiskError",
+    "OneDisk",
+    "SlipSource",
+    "disk_resolution",
+    "interpolate",
+    "solve_one_disk",
+]
 
 Array = NDArray[np.float64]
 
-#: Radii are searched between 1e-300 and 1 - 1e-300.
-_LARGEST_LOGIT = 1380.0
+#: Stick radii are searched between 1e-130 and 1 - 1e-260: products of distances must not underflow.
+_LARGEST_LOGIT = 600.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +69,12 @@ class OneDisk:
         ``Q*/kappa`` of the whole contact.
     traction_error, shear_error : float
         Estimates of relative errors.
-    radius_error : float
-        Estimate of the relative error of ``c`` and of ``1 - c``, whichever is larger.
+    radius_error, edge_error : float
+        Estimates of the relative errors of ``c`` and of ``1 - c``.
+    parts : tuple
+        Quadrature of ``t^2 E dt`` over the disk, for the displacement outside it.
+    depth : float
+        ``-ln`` of the smallest scaled distance from the rim that was resolved.
     """
 
     radius: Radius
@@ -71,6 +83,13 @@ class OneDisk:
     traction_error: float
     shear_error: float
     radius_error: float
+    edge_error: float
+    parts: tuple[tuple[Points, Array], ...]
+    depth: float
+
+
+class NoStickDiskError(ArithmeticError):
+    """No radius makes the traction continuous: slip is not one annulus at the edge."""
 
 
 class SlipSource:
@@ -86,6 +105,8 @@ class SlipSource:
         ``alpha*``, the width of the layer at the edge.
     tolerance : float
         Relative accuracy of the integrals.
+    rim : Radius, optional
+        Rim of the stick disk; by default the inner end.
     """
 
     def __init__(
@@ -95,9 +116,9 @@ class SlipSource:
         outer: Radius,
         alpha: float,
         tolerance: float,
+        rim: Radius | None = None,
     ) -> None:
-        self.inner = inner
-        width = outer.square - inner.square if inner.square < 0.5 else inner.rest - outer.rest
+        width = gap(inner, outer)
         half = width / 2.0
         # square roots at the inner end; at the outer end a singular pressure is one, too
         points = 4 + ceil(-0.35 * log(tolerance))
@@ -106,8 +127,10 @@ class SlipSource:
         depth, outer_weights = _graded(
             half, min(half, alpha) * 0.01 * tolerance if alpha else finest, points
         )
-        #: distance of the nodes from the inner end in s**2
+        #: distance of the nodes from the rim in s**2
         self.above = np.concatenate([offsets, width - depth])
+        if rim is not None:
+            self.above += gap(rim, inner)
         y = np.concatenate([inner.rest - offsets, outer.rest + depth])
         z = np.concatenate([inner.square + offsets, outer.square - depth])
         #: weights of ``p ds``; with s ds = dz/2
@@ -167,11 +190,7 @@ class _OneDiskProblem:
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
         """Return the first space for a disk of this radius."""
-        radius = Radius.from_logit(logit)
-        scales = [1.0, max(self.alpha, radius.rest) / radius.square]
-        # without compliance the traction beyond the slip annulus is singular down to its width
-        scales.append((self.beta / radius.value) or radius.rest / radius.square)
-        return starting_resolution(-log(min(scales)), tolerance, root_tail=self.beta == 0.0)
+        return disk_resolution(Radius.from_logit(logit), self.alpha, self.beta, tolerance)
 
     def start(self) -> Resolution:
         return self._resolution(self.logit, self.tolerance)
@@ -227,7 +246,9 @@ class _OneDiskProblem:
         drive = float(self.drive.target(np.array(radius.rest)))
         rim = abs(trial.target[-1]) + drive * noise
         shift = (3.0 * float(indicators[-1]) * abs(rim) + noise * drive) / abs(slope)
-        radius_error = shift * max(radius.rest, radius.square) / 2.0
+        misfit = trial.target - half_integral
+        weights = radius.value**3 * disk.nodes.weights * disk.nodes.rest
+        points = Points(radius, -radius.square * disk.nodes.d)
         moment = float((disk.nodes.weights * np.sqrt(disk.nodes.rest)) @ half_integral)
         outside = float(self.drive.load_outside(np.array(radius.rest)))
         shear = 2.0 * pi * (radius.square * moment + self.friction * outside)
@@ -239,9 +260,27 @@ class _OneDiskProblem:
             + 0.5 * normal.pressure_error
             + 4.0 * ROUNDING
         )
-        value = OneDisk(radius, DiskSeries(radius, series), shear, error, shear_error, radius_error)
+        value = OneDisk(
+            radius,
+            DiskSeries(radius, series),
+            shear,
+            error,
+            shear_error,
+            shift * radius.rest / 2.0 + ROUNDING,
+            shift * radius.square + ROUNDING,
+            ((points, weights * misfit),),
+            panels.panels * panels.width,
+        )
         unknowns = disk.tangential.space(resolution.degrees).unknowns
         return Attempt(value, error, indicators, rates, unknowns)
+
+
+def disk_resolution(radius: Radius, alpha: float, beta: float, tolerance: float) -> Resolution:
+    """Return the first space for a stick disk: its layers are those of alpha, beta and the rim."""
+    scales = [1.0, max(alpha, radius.rest) / radius.square]
+    # without compliance the traction beyond the slip annulus is singular down to its width
+    scales.append((beta / radius.value) or radius.rest / radius.square)
+    return starting_resolution(-log(min(scales)), tolerance, root_tail=beta == 0.0)
 
 
 def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> Array:
@@ -257,13 +296,16 @@ def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> Array:
     tail = nodes[panels.panels * count :]
     values = function(np.concatenate([np.exp(-x).ravel(), tail]))
     expand = legendre_expansion_matrix(points, points - 1)
-    coefficients = values[: x.size].reshape(x.shape) @ expand.T
+    # any trailing axis of the values (several functions at once) is carried along
+    samples = values[: x.size].reshape(*x.shape, *values.shape[1:])
+    coefficients = np.einsum("kp,jp...->jk...", expand, samples)
     own = -np.log(nodes[: 2 * count]).reshape(2, count)
     own[1] -= panels.width
     basis = legendre_values(2.0 * own / panels.width - 1.0, points - 1)
-    first = basis[0] @ coefficients[0]
-    others = coefficients[1:] @ basis[1].T
-    return np.concatenate([first, others.ravel(), values[x.size :]])
+    first = np.tensordot(basis[0], coefficients[0], axes=1)
+    others = np.einsum("qk,jk...->jq...", basis[1], coefficients[1:])
+    flat = others.reshape(-1, *values.shape[1:])
+    return np.concatenate([first, flat, values[x.size :]])
 
 
 def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
@@ -271,14 +313,14 @@ def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
     low, high, step = -2.0, 2.0, 2.0
     at_low, at_high = function(low), function(high)
     while at_high < 0.0:
-        low, at_low, high, step = high, at_high, high + step, 2.0 * step
-        if high > _LARGEST_LOGIT:
-            raise ArithmeticError("slip annulus narrower than 1e-300")
+        low, at_low, high, step = high, at_high, min(high + step, _LARGEST_LOGIT), 2.0 * step
+        if low >= _LARGEST_LOGIT:
+            raise NoStickDiskError("no slip annulus wider than 1e-260")
         at_high = function(high)
     while at_low > 0.0:
-        high, at_high, low, step = low, at_low, low - step, 2.0 * step
-        if low < -_LARGEST_LOGIT:
-            raise ArithmeticError("stick radius below 1e-300")
+        high, at_high, low, step = low, at_low, max(low - step, -_LARGEST_LOGIT), 2.0 * step
+        if high <= -_LARGEST_LOGIT:
+            raise NoStickDiskError("no stick radius above 1e-130")
         at_low = function(low)
     root = float(optimize.brentq(function, low, high, xtol=1e-3, rtol=1e-5))
     return root, (function(root + 0.05) - function(root - 0.05)) / 0.1

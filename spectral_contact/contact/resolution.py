@@ -21,6 +21,7 @@ __all__ = [
     "series_of",
     "share_of_change",
     "starting_resolution",
+    "table_rates",
 ]
 
 Array = NDArray[np.float64]
@@ -87,12 +88,17 @@ def series_of(panels: LogPanels, coefficients: Array) -> LogSeries:
 
 
 def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
-    """Return by what factor a coefficient falls with one degree, panel by panel, in [0.02, 0.6].
+    """Return by what factor a coefficient falls with one degree, panel by panel."""
+    table = panel_table(resolution.panels, coefficients)
+    return table_rates(np.array(resolution.degrees), table)
+
+
+def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
+    """Return by what factor the rows of `table` fall with one degree, in [0.02, 0.6].
 
     Taken from the last two pairs, so that a parity pattern does not deceive it.
     """
-    table = np.abs(panel_table(resolution.panels, coefficients))
-    degrees = np.array(resolution.degrees)
+    table = np.abs(table)
     rows = np.arange(len(degrees))
     pairs = np.maximum(table[:, 1:], table[:, :-1])
     last = pairs[rows, np.maximum(degrees - 1, 0)]

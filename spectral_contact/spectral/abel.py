@@ -194,7 +194,7 @@ def deeper(d: Array, panels: int, width: float, degree: int) -> Array:
         blocks = deeper_blocks(to_end, panels - i, width, degree)
         matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * np.sqrt(d[rows])[:, None, None]
     tail = deeper_tail(d, np.exp(-panels * width))
-    return np.hstack([matrix.reshape(len(d), -1), tail])
+    return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), tail])
 
 
 def outer(d: Array, panels: int, width: float, degree: int) -> Array:
@@ -211,7 +211,7 @@ def outer(d: Array, panels: int, width: float, degree: int) -> Array:
         rows = np.flatnonzero(own == i)
         blocks = outer_blocks(np.maximum(x[rows] - i * width, 0.0), i + 1, width, degree)
         matrix[rows, : i + 1] = blocks[:, ::-1] * scale[: i + 1, None]
-    return np.hstack([matrix.reshape(len(d), -1), _outer_tail(d, end)])
+    return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end)])
 
 
 def _plain(e: Array, panels: int, width: float, degree: int) -> Array:
@@ -234,4 +234,4 @@ def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
     step = span * (1.0 + g) / 2.0
     source = step * (2.0 * a + step)
     tail = _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
-    return np.hstack([_plain(e, panels, width, degree).reshape(len(e), -1), tail])
+    return np.hstack([_plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1)), tail])

@@ -196,27 +196,28 @@ class Factored:
 
         Parameters
         ----------
-        target : ndarray, shape (nodes,)
-            What the half-integral should be.
+        target : ndarray, shape (nodes,) or (nodes, k)
+            What the half-integral should be; columns are targets of their own.
         load : ndarray, shape (size,), optional
             Inner products of the basis with a known part of the solution, the lift.
 
         Returns
         -------
-        ndarray, shape (size,)
+        ndarray, shape (size,) or (size, k)
             Coefficients, zero outside the space.
         """
         op, index, scale = self.space.operator, self.space.index, self.scale
         fixed = 0.0 if load is None else self.compliance * load[index]
-        coefficients = np.zeros(op.panels.size)
-        values = np.zeros(len(index))
+        coefficients = np.zeros((op.panels.size, *target.shape[1:]))
+        values = np.zeros((len(index), *target.shape[1:]))
         misfit = target
         for correction in (False, True):
-            residual = ((op.weights * misfit) @ op.half_integral)[index] - fixed
+            # transposed, so that one and many columns read alike
+            residual = ((op.weights * misfit.T) @ op.half_integral).T[index] - fixed
             if correction and self.compliance != 0.0:
                 residual -= self.compliance * (self.space._mass @ values)
-            step, _ = lapack.dpotrs(self._factor, residual * scale, lower=1)
-            values += step * scale
+            step, _ = lapack.dpotrs(self._factor, (residual.T * scale).T, lower=1)
+            values += (step.T * scale).T
             coefficients[index] = values
             if not correction:
                 misfit = target - op.half_integral @ coefficients

@@ -141,3 +141,24 @@ class LogPanels:
         values = legendre_values(g, self.degree)
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)
+
+    def distance_nodes(self, mirrored: bool) -> tuple[Array, Array]:
+        """Return Galerkin nodes ``d`` and weights of ``int_0^1 . dd``, panels then tail.
+
+        Parameters
+        ----------
+        mirrored : bool
+            Cluster at the shallow ends of the panels instead of the deep ones: there the
+            half-integrals of functions graded to an inner boundary have their square roots.
+        """
+        g, w = gauss_rule(2 * self.degree + 6)
+        v, h = (1.0 + g) / 2.0, self.width
+        start = h * np.arange(self.panels)[:, None]
+        x = start + h * v**2 if mirrored else start + h - h * v**2
+        d = np.exp(-x)
+        weights = d * (w * h * v)
+        tail = self.end * (1.0 - v**2 if mirrored else v**2)
+        return (
+            np.concatenate([d.ravel(), tail]),
+            np.concatenate([weights.ravel(), w * v * self.end]),
+        )

@@ -28,6 +28,11 @@ def _twenty_digits():
         yield
 
 
+def near(value, *, rel):
+    """Approximately equal in the relative sense alone: approx would allow 1e-12 besides."""
+    return pytest.approx(value, rel=rel, abs=0)
+
+
 def normal_kernel(eta, s, gap):
     hi = max(eta, s)
     return eta / hi * mp.elliprf(0, gap * (eta + s) / hi**2, 1)
@@ -97,21 +102,17 @@ def slipping(ratio):
 
 @pytest.mark.parametrize("s", [0.2, 0.95])
 def test_smooth_pressure_solves_the_normal_equation(s):
-    assert operator(normal_kernel, cf.smooth_pressure, s) == pytest.approx(
-        cf.smooth_approach(), rel=1e-14
-    )
+    assert operator(normal_kernel, cf.smooth_pressure, s) == near(cf.smooth_approach(), rel=1e-14)
 
 
 @pytest.mark.parametrize("s", [0.2, 0.95])
 def test_full_stick_traction_solves_the_tangential_equation(s):
-    assert operator(tangential_kernel, full_stick, s) == pytest.approx(
-        KAPPA * smooth_g(s), rel=1e-14
-    )
+    assert operator(tangential_kernel, full_stick, s) == near(KAPPA * smooth_g(s), rel=1e-14)
 
 
 def test_load_and_shear_are_the_moments_of_the_fields():
-    assert moment(cf.smooth_pressure) == pytest.approx(1.0, rel=1e-14)
-    assert moment(full_stick) == pytest.approx(cf.full_stick_shear(NU), rel=1e-14)
+    assert moment(cf.smooth_pressure) == near(1.0, rel=1e-14)
+    assert moment(full_stick) == near(cf.full_stick_shear(NU), rel=1e-14)
 
 
 @pytest.mark.parametrize("s", [1e-300, 1e-160, 1e-9, 0.99e-8, 1.01e-8, 1e-3, 0.499, 0.501, 0.9])
@@ -128,13 +129,13 @@ def test_smooth_fields_keep_their_digits_near_the_edge(d):
         y = mp.mpf(d) * (2 - mp.mpf(d))
         q = float(-KAPPA * mp.log(y) / (mp.pi**2 * (1 - mp.mpf(d)) * mp.sqrt(y)))
         p = float(1 / (2 * mp.pi * mp.sqrt(y)))
-    assert cf.full_stick_traction(NU, from_edge=d) == pytest.approx(q, rel=1e-15)
-    assert cf.smooth_pressure(from_edge=d) == pytest.approx(p, rel=1e-15)
+    assert cf.full_stick_traction(NU, from_edge=d) == near(q, rel=1e-15)
+    assert cf.smooth_pressure(from_edge=d) == near(p, rel=1e-15)
 
 
 # -- smooth, partial slip: c and Q -----------------------------------------------------------------
 
-RATIOS = [0.02, 0.0799, 0.0801, 0.3, 0.9999, 1.0001, 2.0, 5.0, 20.0, 29.9, 30.1, 60.0, 400.0]
+RATIOS = [0.02, 0.0799, 0.0801, 0.3, 0.9999, 1.0001, 1.2, 2.0, 5.0, 20.0, 29.9, 30.1, 60.0, 400.0]
 
 
 def exact_stick(ratio, near):
@@ -157,16 +158,17 @@ def exact_stick(ratio, near):
 def test_stick_radius_its_complement_and_shear(ratio):
     f = ratio * KAPPA
     stick = cf.stick_radius(NU, f)
+    # What an input wrong in its last bit does: d ln c = (2κ/f) d ln f, d ln(1−c) = −(πf/2κ) d ln f
+    bound_c, bound_e = 2 * EPS * max(1, 2 / ratio), 2 * EPS * max(1, math.pi * ratio / 2)
     with mp.workdps(600):
         c, e = exact_stick(mp.mpf(f) / mp.mpf(KAPPA), stick)
         shear = float(f * mp.ellipe(e * (1 + c)) + KAPPA * mp.log(e * (1 + c)))
         error_c, error_e = float(stick.radius / c - 1), float(stick.from_edge / e - 1)
-        assert stick.log_radius == pytest.approx(float(mp.log(c)), rel=6 * EPS)
-        assert stick.log_from_edge == pytest.approx(float(mp.log(e)), rel=6 * EPS)
-    # What an input wrong in its last bit does: d ln c = (2κ/f) d ln f, d ln(1−c) = −(πf/2κ) d ln f
-    assert abs(error_c) < 2 * EPS * max(1, 2 / ratio)
-    assert abs(error_e) < 2 * EPS * max(1, math.pi * ratio / 2)
-    assert cf.partial_slip_shear(NU, f) == pytest.approx(shear, rel=5 * EPS)
+        assert stick.log_radius == near(float(mp.log(c)), rel=6 * EPS if c < e else bound_e)
+        assert stick.log_from_edge == near(float(mp.log(e)), rel=6 * EPS if e < c else bound_c)
+    assert abs(error_c) < bound_c
+    assert abs(error_e) < bound_e
+    assert cf.partial_slip_shear(NU, f) == near(shear, rel=5 * EPS)
 
 
 @pytest.mark.parametrize(
@@ -177,27 +179,27 @@ def test_stick_radius_its_complement_and_shear(ratio):
     ],
 )
 def test_stick_radius_and_shear_of_the_theory_notes(ratio, c, shear):
-    assert cf.stick_radius(NU, ratio * KAPPA).radius == pytest.approx(c, rel=1e-15)
-    assert cf.partial_slip_shear(NU, ratio * KAPPA) / KAPPA == pytest.approx(shear, rel=1e-15)
+    assert cf.stick_radius(NU, ratio * KAPPA).radius == near(c, rel=1e-15)
+    assert cf.partial_slip_shear(NU, ratio * KAPPA) / KAPPA == near(shear, rel=1e-15)
 
 
 def test_stick_radius_beyond_the_range_of_doubles():
     nearly_frictionless = cf.stick_radius(NU, 0.001 * KAPPA)
     assert nearly_frictionless.radius == 0.0
-    assert nearly_frictionless.log_radius == pytest.approx(math.log(4) - 2000, rel=1e-15)
+    assert nearly_frictionless.log_radius == near(math.log(4) - 2000, rel=1e-15)
     nearly_stuck = cf.stick_radius(NU, 1000 * KAPPA)
     assert nearly_stuck.from_edge == 0.0
-    assert nearly_stuck.log_from_edge == pytest.approx(math.log(2) - 500 * math.pi, rel=1e-15)
+    assert nearly_stuck.log_from_edge == near(math.log(2) - 500 * math.pi, rel=1e-15)
     assert cf.partial_slip_shear(NU, 1e300) == cf.full_stick_shear(NU)
     assert cf.partial_slip_shear(NU, 1e-300) == pytest.approx(1e-300, rel=1e-15, abs=0)
 
 
 def test_conventions_of_no_friction_no_shear_and_full_stick():
     without = cf.stick_radius(NU, 0.0)
-    assert (without.radius, without.from_edge) == (0.0, 1.0)
+    assert without == cf.StickRadius(0.0, 1.0, -math.inf, 0.0)
     assert cf.partial_slip_shear(NU, 0.0) == 0.0
     for stuck in (cf.stick_radius(NU, math.inf), cf.stick_radius(0.5, 0.0)):
-        assert (stuck.radius, stuck.from_edge) == (1.0, 0.0)
+        assert stuck == cf.StickRadius(1.0, 0.0, 0.0, -math.inf)
     assert cf.partial_slip_shear(NU, math.inf) == cf.full_stick_shear(NU)
     assert cf.partial_slip_shear(0.5, 0.3) == 0.0
     assert cf.partial_slip_traction(0.5, 0.3, 0.9) == 0.0
@@ -221,7 +223,7 @@ def test_partial_slip_fields_solve_the_tangential_equation(ratio, s):
 def test_partial_slip_shear_is_the_moment_of_the_traction():
     f = 2 * KAPPA
     c = cf.stick_radius(NU, f).radius
-    assert moment(slipping(2.0), [c]) == pytest.approx(cf.partial_slip_shear(NU, f), rel=1e-14)
+    assert moment(slipping(2.0), [c]) == near(cf.partial_slip_shear(NU, f), rel=1e-14)
 
 
 def exact_stick_traction(ratio, c, s):
@@ -258,7 +260,7 @@ def test_stick_traction_meets_friction_at_the_stick_radius():
         at_limit = f * cf.smooth_pressure(from_edge=inside)
         gap = at_limit - cf.partial_slip_traction(NU, f, from_edge=inside)
         assert 0 < gap < 3 * math.sqrt(step)
-        assert cf.partial_slip_traction(NU, f, from_edge=outside) == pytest.approx(
+        assert cf.partial_slip_traction(NU, f, from_edge=outside) == near(
             f * cf.smooth_pressure(from_edge=outside), rel=1e-15
         )
 
@@ -303,6 +305,7 @@ def exact_slip(ratio, c, w2):
 @pytest.mark.parametrize(
     ("ratio", "where"),
     [
+        (0.05, {"s": 0.3}),
         (0.1, {"s": 2e-8}),
         (0.1, {"s": 0.5}),
         (0.9, {"s": 0.45}),
@@ -340,16 +343,16 @@ def test_slip_is_inward_vanishes_in_stick_and_is_free_without_friction():
 
 
 def test_lowest_eigenvalues():
-    assert cf.eigenvalue(0, 0) == pytest.approx(math.pi / 4, rel=1e-15)
-    assert cf.eigenvalue(1, 1) == pytest.approx(math.pi / 8, rel=1e-15)
+    assert cf.eigenvalue(0, 0) == near(math.pi / 4, rel=1e-15)
+    assert cf.eigenvalue(1, 1) == near(math.pi / 8, rel=1e-15)
 
 
 @pytest.mark.parametrize(("degree", "order"), [(2, 0), (1, 1), (6, 0), (7, 1)])
 def test_eigenpairs_of_the_integral_operators(degree, order):
     kernel = tangential_kernel if order else normal_kernel
     image = operator(kernel, lambda **where: cf.eigenfunction(degree, order, **where), 0.7)
-    assert image == pytest.approx(cf.eigenfunction_image(degree, order, 0.7), rel=1e-13)
-    assert image == pytest.approx(
+    assert image == near(cf.eigenfunction_image(degree, order, 0.7), rel=1e-13)
+    assert image == near(
         cf.eigenvalue(degree, order) * cf.eigenfunction(degree, order, 0.7) * math.sqrt(0.51),
         rel=1e-13,
     )
@@ -376,14 +379,14 @@ def test_eigenvalues_of_high_degree_obey_their_recurrence():
     for degree, order in [(10, 0), (11, 1), (10**6, 0), (10**9 + 1, 1)]:
         l, m = degree, order  # noqa: E741
         ratio = (l + m + 1) * (l - m + 1) / ((l + m + 2) * (l - m + 2))
-        assert cf.eigenvalue(l + 2, m) / cf.eigenvalue(l, m) == pytest.approx(ratio, rel=4e-16)
-        assert cf.eigenvalue(l, m) == pytest.approx(1 / (2 * l + 1), rel=1 / l**2)
+        assert cf.eigenvalue(l + 2, m) / cf.eigenvalue(l, m) == near(ratio, rel=4e-16)
+        assert cf.eigenvalue(l, m) == near(1 / (2 * l + 1), rel=1 / l**2)
 
 
 def test_edge_of_the_eigenfunctions():
     assert cf.eigenfunction(2, 0, 1.0) == -math.inf
     assert cf.eigenfunction(1, 1, 1.0) == math.inf
-    assert cf.eigenfunction(2, 0, from_edge=1e-300) == pytest.approx(-0.5 / math.sqrt(2e-300))
+    assert cf.eigenfunction(2, 0, from_edge=1e-300) == near(-0.5 / math.sqrt(2e-300), rel=1e-15)
 
 
 # -- series ----------------------------------------------------------------------------------------
@@ -408,34 +411,40 @@ def test_large_compliance_series_is_the_neumann_series():
         quadratic = (4 * first**2 - 2 * second) / mp.pi
         cubic = float((8 * first**3 - 8 * first * second + 2 * third) / mp.pi)
     exact = 10 / math.pi + float(2 * first / mp.pi) + float(quadratic) / 10
-    assert cf.approach_large_compliance(10.0) == pytest.approx(exact, rel=1e-15)
-    assert cubic == pytest.approx(7.9327e-5, rel=1e-5)  # as documented
+    assert cf.approach_large_compliance(10.0) == near(exact, rel=1e-15)
+    assert cubic == near(7.9327e-5, rel=1e-5)  # as documented
     # the first neglected term of p(1) follows from 2πα p(1)² = d(αδ)/dα
-    assert (2 / (27 * math.pi**4) - cubic) / 4 == pytest.approx(1.7028e-4, rel=1e-5)
+    assert (2 / (27 * math.pi**4) - cubic) / 4 == near(1.7028e-4, rel=1e-5)
+
+
+@pytest.mark.parametrize("alpha", [0.3, 1.0, 30.0])
+def test_large_compliance_series_obeys_the_edge_identity(alpha):
+    # 2πα p(1)² = d(αδ)/dα = 2α/π + 4/(3π²) + O(α⁻²), where the square of the three terms of p
+    # leaves just the two products that are of the order of neglected ones
+    p = cf.edge_pressure_large_compliance(alpha)
+    rest = -2 / (27 * math.pi**4 * alpha**2) + 1 / (162 * math.pi**5 * alpha**3)
+    expected = 2 * alpha / math.pi + 4 / (3 * math.pi**2) + rest
+    assert 2 * math.pi * alpha * p * p == near(expected, rel=1e-15)
 
 
 def test_large_compliance_series_errs_by_its_first_neglected_term():
     # δ and p(1) at α = 1 from the table of the theory notes
-    assert 0.452701390869753 - cf.approach_large_compliance(1.0) == pytest.approx(
-        7.9327e-5, rel=0.15
-    )
-    assert 0.35044541816021 - cf.edge_pressure_large_compliance(1.0) == pytest.approx(
-        1.7028e-4, rel=0.15
-    )
+    assert 0.452701390869753 - cf.approach_large_compliance(1.0) == near(7.9327e-5, rel=0.15)
+    assert 0.35044541816021 - cf.edge_pressure_large_compliance(1.0) == near(1.7028e-4, rel=0.15)
 
 
 def test_small_compliance_series_against_the_theory_notes():
-    assert cf.approach_small_compliance(1e-12) == pytest.approx(0.125000000002324, rel=5e-15)
-    assert cf.edge_pressure_small_compliance(1e-12) == pytest.approx(141047.39588952, rel=5e-14)
+    assert cf.approach_small_compliance(1e-12) == near(0.125000000002324, rel=5e-15)
+    assert cf.edge_pressure_small_compliance(1e-12) == near(141047.39588952, rel=5e-14)
     # the documented first neglected terms, at α = 0.01
     x = math.log(100) + float(np.euler_gamma)
     missing = 0.130089824705226 - cf.approach_small_compliance(0.01)
-    assert missing == pytest.approx(1e-4 * (2 * x * x + 2 * x + 1) / (4 * math.pi**2), rel=0.05)
+    assert missing == near(1e-4 * (2 * x * x + 2 * x + 1) / (4 * math.pi**2), rel=0.05)
     ratio = 1.463083969544 / cf.edge_pressure_small_compliance(0.01) - 1
-    assert ratio == pytest.approx(1e-4 * (6 * x * x + 2 * x + 1) / math.pi**2, rel=0.05)
+    assert ratio == near(1e-4 * (6 * x * x + 2 * x + 1) / math.pi**2, rel=0.05)
 
 
-@pytest.mark.parametrize("alpha", [1e-12, 1e-6, 1e-3])
+@pytest.mark.parametrize("alpha", [1e-12, 1e-6, 1e-3, 1.0])
 def test_small_compliance_series_obeys_the_edge_identity(alpha):
     # 2πα p(1)² = d(αδ)/dα, with the derivative of α²(ln(1/α) + γ + 1)/(4π) taken by mpmath
     def added(a):
@@ -444,13 +453,16 @@ def test_small_compliance_series_obeys_the_edge_identity(alpha):
     with mp.workdps(40):
         expected = float(mp.mpf(1) / 8 + mp.diff(added, mp.mpf(alpha), h=mp.mpf(10) ** -25))
     p = cf.edge_pressure_small_compliance(alpha)
-    assert 2 * math.pi * alpha * p * p == pytest.approx(expected, rel=1e-14)
+    assert 2 * math.pi * alpha * p * p == near(expected, rel=1e-14)
 
 
 def test_small_compliance_limits():
+    assert cf.approach_small_compliance(1.0) == near(
+        1 / 8 + (1 + float(mp.euler)) / (4 * math.pi), rel=1e-15
+    )
     assert cf.approach_small_compliance(1e-300) == 0.125
     p = cf.edge_pressure_small_compliance(1e-300)
-    assert p == pytest.approx(1 / (4 * math.sqrt(math.pi * 1e-300)), rel=1e-15)
+    assert p == near(1 / (4 * math.sqrt(math.pi * 1e-300)), rel=1e-15)
 
 
 # -- coupled ---------------------------------------------------------------------------------------
@@ -464,8 +476,8 @@ def test_small_compliance_limits():
     ],
 )
 def test_coupled_approach_and_shear_of_the_theory_notes(nu, approach, shear):
-    assert cf.coupled_approach(nu) == pytest.approx(approach, rel=3e-16)
-    assert cf.coupled_shear(nu) == pytest.approx(shear, rel=1e-15)
+    assert cf.coupled_approach(nu) == near(approach, rel=5e-16)
+    assert cf.coupled_shear(nu) == near(shear, rel=1e-15)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])
@@ -482,11 +494,11 @@ def test_coupled_fields_solve_the_coupled_equations(nu):
     beyond = integrate(lambda e, d, r: at(q, e, d), s, start=s)
     load_beyond = integrate(lambda e, d, r: at(p, e, d) * e, s, start=s)
     approach = operator(normal_kernel, p, s) - kappa * float(beyond)
-    assert approach == pytest.approx(cf.coupled_approach(nu), rel=1e-13)
+    assert approach == near(cf.coupled_approach(nu), rel=1e-13)
     g = (1 / (2 * math.pi) - float(load_beyond)) / s
-    assert operator(tangential_kernel, q, s) == pytest.approx(kappa * g, rel=1e-13)
-    assert moment(p) == pytest.approx(1.0, rel=1e-13)
-    assert moment(q) == pytest.approx(cf.coupled_shear(nu), rel=1e-13)
+    assert operator(tangential_kernel, q, s) == near(kappa * g, rel=1e-13)
+    assert moment(p) == near(1.0, rel=1e-13)
+    assert moment(q) == near(cf.coupled_shear(nu), rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -523,7 +535,7 @@ def test_coupled_fields_are_integrated_to_rounding(where):
 def test_coupled_traction_is_proportional_to_the_radius_at_the_centre():
     assert cf.coupled_traction(0.0, 0.0) == 0.0
     slope = cf.coupled_traction(0.0, 1e-9) / 1e-9
-    assert cf.coupled_traction(0.0, 1e-200) / 1e-200 == pytest.approx(slope, rel=1e-15)
+    assert cf.coupled_traction(0.0, 1e-200) / 1e-200 == near(slope, rel=1e-15)
 
 
 def test_coupled_fields_tend_to_the_uncoupled_as_the_solid_becomes_incompressible():
@@ -531,7 +543,7 @@ def test_coupled_fields_tend_to_the_uncoupled_as_the_solid_becomes_incompressibl
     nu = 0.5 - 1e-9
     np.testing.assert_allclose(cf.coupled_pressure(nu, s), cf.smooth_pressure(s), rtol=1e-14)
     np.testing.assert_allclose(cf.coupled_traction(nu, s), cf.full_stick_traction(nu, s), rtol=1e-8)
-    assert cf.coupled_shear(nu) == pytest.approx(cf.full_stick_shear(nu), rel=1e-8)
+    assert cf.coupled_shear(nu) == near(cf.full_stick_shear(nu), rel=1e-8)
     assert cf.coupled_approach(0.5) == cf.smooth_approach()
     assert cf.coupled_shear(0.5) == 0.0
     np.testing.assert_array_equal(cf.coupled_pressure(0.5, s), cf.smooth_pressure(s))
@@ -547,7 +559,7 @@ def test_coupled_fields_change_sign_and_have_no_limit_at_the_edge():
 
 
 def test_oscillation_exponent():
-    assert cf.oscillation_exponent(0.0) == pytest.approx(math.log(3) / (2 * math.pi), rel=1e-15)
+    assert cf.oscillation_exponent(0.0) == near(math.log(3) / (2 * math.pi), rel=1e-15)
     assert cf.oscillation_exponent(0.5) == 0.0
 
 
@@ -573,7 +585,7 @@ def test_fields_keep_the_shape_of_their_argument(field):
     # Coordinates are exact here, bar one; the two ways to give a point must agree.
     np.testing.assert_allclose(field(from_edge=1 - s), values, rtol=1e-12, atol=0)
     assert type(field(s=0.25)) is float
-    assert field(s=0.25) == pytest.approx(values[0, 2], rel=4 * EPS)
+    assert field(s=0.25) == near(values[0, 2], rel=4 * EPS)
     assert field(s=[0.25]).shape == (1,)
     assert field(s=np.empty(0)).shape == (0,)
     assert field(s=np.array(0)) == pytest.approx(values[0, 0], rel=4 * EPS, abs=0)

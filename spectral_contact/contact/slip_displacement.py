@@ -1,0 +1,204 @@
+r"""Radial displacement in slip, and the checks of the friction law.
+
+With ``E = kappa R - G``, what the half-integral lacks to satisfy full stick, the displacement is
+
+    -u(s) = kappa g - T q - beta q = (1/(pi s)) int_0^s t^2 E dt / sqrt(s^2 - t^2) - beta q,
+
+zero in stick by the tangential equation. Everything is for kappa = 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.resolution import starting_resolution
+from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
+from spectral_contact.spectral.annulus import Annulus, Points, gap, sampled_series
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = [
+    "Slipping",
+    "Stuck",
+    "annulus_between",
+    "free_displacement",
+    "slip_displacement",
+    "slip_misfit",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Stuck:
+    """A stick zone: quadrature of ``t^2 E dt`` over it, point sets with their weighted values."""
+
+    outer: Radius
+    parts: tuple[tuple[Points, Array], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Slipping:
+    """A slip zone: the annulus, the sign of its traction, and E at its sampling points."""
+
+    annulus: Annulus
+    sign: int
+    misfit: tuple[Array, Array]
+
+
+def annulus_between(
+    inner: Radius, outer: Radius, layers: tuple[float, float], tolerance: float, rate: float = 1.0
+) -> Annulus:
+    """Return panels for a function that settles below the given layers at either end.
+
+    Parameters
+    ----------
+    inner, outer : Radius
+    layers : tuple of float
+        Width in ``s**2`` of the thinnest feature at the inner and outer end.
+    tolerance : float
+        Relative accuracy.
+    rate : float
+        Decay of the outer end, as in `starting_resolution`.
+    """
+    half = gap(inner, outer) / 2.0
+    digits = -np.log(tolerance)
+    degree = 4 + int(np.ceil(0.55 * digits))
+    depths = (
+        max(np.log(half / layers[0]), 0.0) + 0.6 * digits + 3.0,
+        max(np.log(half / layers[1]), 0.0) + (digits + 3.0) / rate,
+    )
+    first, second = (LogPanels(int(np.ceil(d)), 1.0, degree) for d in depths)
+    return Annulus(inner, outer, first, second)
+
+
+def slip_displacement(
+    stuck: list[Stuck], zones: list[Slipping], pressure: PressureField, beta: float, friction: float
+) -> tuple[list[AnnulusSeries], list[Array], float]:
+    """Return the displacement on every slip zone.
+
+    Parameters
+    ----------
+    stuck, zones : list
+        The zones of both kinds, each ordered outward.
+    pressure : PressureField
+    beta, friction : float
+        ``beta*`` and ``f / kappa``.
+
+    Returns
+    -------
+    fields : list of AnnulusSeries
+        ``u / kappa``, a field for every slip zone.
+    samples : list of ndarray
+        Its values times the sign of the traction: negative where slip opposes traction.
+    largest : float
+        Largest modulus.
+    """
+    fields, samples = [], []
+    for zone in zones:
+        annulus = zone.annulus
+        expansion = annulus.expand(
+            tuple(  # type: ignore[arg-type]
+                np.sqrt(f.sampling().z) * e
+                for f, e in zip(annulus.families, zone.misfit, strict=True)
+            )
+        )
+        parts = []
+        for family in annulus.families:
+            points = family.sampling()
+            total = annulus.inner_integral(points) @ expansion
+            for inner in stuck:
+                total += _from_stuck(inner, points)
+            for inner_zone in zones:
+                if inner_zone is zone:
+                    break
+                total += _from_slipping(inner_zone, points)
+            s = np.sqrt(points.z)
+            traction = zone.sign * friction * pressure.at(points.y)
+            parts.append(beta * traction - total / (pi * s))
+        series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
+        fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
+        samples.append(zone.sign * np.concatenate(parts))
+    return fields, samples, max(float(np.abs(v).max()) for v in samples)
+
+
+def _from_stuck(zone: Stuck, points: Points) -> Array:
+    """Integrate over a stick zone that lies inside `points`; zero for one outside."""
+    total = np.zeros(len(points.offset))
+    if float(np.min(points.before(zone.outer))) > 0.0:
+        return total
+    for sources, values in zone.parts:
+        # s^2 - t^2 through the anchor they share or the gap between anchors
+        distance = points.before(sources.anchor)
+        total += (1.0 / np.sqrt(sources.offset[None, :] * -1.0 - distance[:, None])) @ values
+    return total
+
+
+def _from_slipping(zone: Slipping, points: Points) -> Array:
+    """Integrate over a slip zone that lies inside `points`."""
+    annulus = zone.annulus
+    values = [
+        np.sqrt(f.sampling().z) * e for f, e in zip(annulus.families, zone.misfit, strict=True)
+    ]
+    return np.asarray(annulus.inner_integral(points) @ annulus.expand((values[0], values[1])))
+
+
+def free_displacement(drive: Drive, kappa: float, tolerance: float) -> DiskSeries:
+    """Return ``-kappa g``, the displacement without any traction.
+
+    ``g = (1/s) int_0^s eta p deta`` is ``s`` times a function of ``y``, sampled here.
+    """
+    rate = 0.5 if drive.contact.compliance == 0.0 else 1.0
+    layer = -np.log(drive.contact.compliance or 1.0)
+    resolution = starting_resolution(max(layer, 0.0), tolerance / 10.0, rate=rate)
+    panels = resolution.panels
+    d = np.concatenate([np.exp(-panels.sampling()).ravel(), panels.tail_sampling()])
+    inside = 1.0 / (2.0 * pi) - drive.load_outside(d)
+    # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
+    values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)
+    return DiskSeries(EDGE, sampled_series(panels, -kappa * values))
+
+
+def slip_misfit(
+    drive: Drive,
+    annuli: list[Annulus],
+    signs: list[int],
+    friction: float,
+    others: list[Callable[[Points], Array]],
+) -> list[tuple[Array, Array]]:
+    """Return ``E = R - G`` at the sampling points of slip zones.
+
+    Parameters
+    ----------
+    drive : Drive
+    annuli : list of Annulus
+        The slip zones.
+    signs : list of int
+        Signs of their tractions.
+    friction : float
+        ``f / kappa``.
+    others : list of callable
+        Further contributions to G, as functions of `Points`.
+    """
+    expansions = [
+        a.expand(tuple(drive.pressure.at(f.sampling().y) / np.sqrt(f.sampling().z) for f in a.families))
+        for a in annuli
+    ]
+    result = []
+    for annulus in annuli:
+        values = []
+        for family in annulus.families:
+            points = family.sampling()
+            e = drive.target(points.y)
+            for other, sign, expansion in zip(annuli, signs, expansions, strict=True):
+                e = e - sign * friction * (other.half_integral(points) @ expansion)
+            for other_field in others:
+                e = e - other_field(points)
+            values.append(e)
+        result.append((values[0], values[1]))
+    return result

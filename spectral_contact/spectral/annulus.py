@@ -1,0 +1,211 @@
+"""Functions on an annulus: two families of logarithmic panels, one to each end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.spectral.abel import beyond, deeper, outer, tail_values
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Annulus", "Family", "Points", "gap", "sampled_series"]
+
+Array = NDArray[np.float64]
+
+
+def gap(a: Radius, b: Radius) -> float:
+    """Return ``b**2 - a**2`` without cancellation."""
+    difference = a.from_edge - b.from_edge if a.value >= 0.5 else b.value - a.value
+    return difference * (a.value + b.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Radii given by ``s**2 = anchor**2 + offset``, so that differences keep their digits."""
+
+    anchor: Radius
+    offset: Array
+
+    def before(self, boundary: Radius) -> Array:
+        """Return ``boundary**2 - s**2``."""
+        return gap(self.anchor, boundary) - self.offset
+
+    @property
+    def z(self) -> Array:
+        """Return ``s**2``."""
+        return self.anchor.square + self.offset
+
+    @property
+    def y(self) -> Array:
+        """Return ``1 - s**2``."""
+        return self.anchor.rest - self.offset
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """Panels in the logarithm of the distance to one end of an annulus.
+
+    Attributes
+    ----------
+    boundary : Radius
+        The end.
+    sign : int
+        +1 if the annulus lies above (outside) the boundary, -1 if below.
+    reach : float
+        Extent in ``s**2``.
+    panels : LogPanels
+    """
+
+    boundary: Radius
+    sign: int
+    reach: float
+    panels: LogPanels
+
+    def points(self, d: Array) -> Points:
+        """Return the points at scaled distances `d` in [0, 1]."""
+        return Points(self.boundary, self.sign * self.reach * d)
+
+    def sampling(self) -> Points:
+        """Return the sampling points: panels, then tail."""
+        p = self.panels
+        return self.points(np.concatenate([np.exp(-p.sampling()).ravel(), p.tail_sampling()]))
+
+    def nodes(self) -> tuple[Points, Array]:
+        """Return Galerkin nodes and the weights of ``ds**2`` there."""
+        d, weights = self.panels.distance_nodes(mirrored=self.sign > 0)
+        return self.points(d), self.reach * weights
+
+    def half_integral(self, points: Points) -> Array:
+        """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)``, shape (points, size)."""
+        p, e = self.panels, points.before(self.boundary) / self.reach
+        matrix = np.zeros((len(e), p.size))
+        if self.sign < 0:
+            rows = e > 0.0
+            matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree)
+        else:
+            rows = e >= 0.0
+            matrix[rows] = beyond(e[rows], p.panels, p.width, p.degree)
+            rows = (e < 0.0) & (e >= -1.0)
+            matrix[rows] = outer(-e[rows], p.panels, p.width, p.degree)
+        return matrix * np.sqrt(self.reach)
+
+    def inner_integral(self, points: Points) -> Array:
+        """Return ``1/2 int_{z < s^2} psi dz / sqrt(s^2 - z)``, shape (points, size)."""
+        p, e = self.panels, points.before(self.boundary) / self.reach
+        matrix = np.zeros((len(e), p.size))
+        if self.sign < 0:
+            rows = e <= 0.0
+            matrix[rows] = beyond(-e[rows], p.panels, p.width, p.degree)
+            rows = (e > 0.0) & (e <= 1.0)
+            matrix[rows] = outer(e[rows], p.panels, p.width, p.degree)
+        else:
+            rows = e < 0.0
+            matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)
+        return matrix * np.sqrt(self.reach)
+
+    def sources(self) -> tuple[Points, Array]:
+        """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
+        p = self.panels
+        x, w = p.half_line_nodes()
+        g, _ = gauss_rule(x.shape[1])
+        values = legendre_values(g, p.degree)
+        gt, wt = gauss_rule(p.tail_terms + 3)
+        tail = p.end * (1.0 + gt) / 2.0
+        matrix = np.zeros((x.size + len(gt), p.size))
+        for j in range(p.panels):
+            rows = slice(j * x.shape[1], (j + 1) * x.shape[1])
+            columns = slice(j * (p.degree + 1), (j + 1) * (p.degree + 1))
+            matrix[rows, columns] = values * (w[j] * np.exp(-x[j]))[:, None]
+        basis = tail_values(tail, p.end, p.tail_terms, p.root_tail)
+        matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
+        points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
+        return points, 0.5 * self.reach * matrix
+
+    def mass(self) -> Array:
+        """Return ``int psi psi s^3 ds``, the mass matrix for ``q = s psi``."""
+        points, matrix = self.sources()
+        plain = matrix / (0.5 * self.reach)
+        # the sources carry the weight once; divide it out of one factor
+        weight = np.zeros(len(points.offset))
+        x, w = self.panels.half_line_nodes()
+        weight[: x.size] = (w * np.exp(-x)).ravel()
+        _, wt = gauss_rule(self.panels.tail_terms + 3)
+        weight[x.size :] = wt * self.panels.end / 2.0
+        values = plain / weight[:, None]
+        return np.asarray((values.T * (0.5 * self.reach * weight * points.z)) @ values)
+
+    def table(self, coefficients: Array) -> Array:
+        """Return panel coefficients as (panels, degree + 1)."""
+        p = self.panels
+        return coefficients[: -p.tail_terms].reshape(p.panels, p.degree + 1)
+
+    def series(self, coefficients: Array) -> LogSeries:
+        """Return the function of the scaled distance that the coefficients stand for."""
+        p = self.panels
+        return LogSeries(self.table(coefficients), coefficients[-p.tail_terms :], p.width)
+
+    def expand(self, values: Array) -> Array:
+        """Return coefficients, of the size of the basis, through values at the sampling points."""
+        series = sampled_series(self.panels, values)
+        p = self.panels
+        table = series.coefficients[:, : p.degree + 1]
+        return np.concatenate([table.ravel(), series.tail[: p.tail_terms]])
+
+
+@dataclass(frozen=True)
+class Annulus:
+    """An annulus with a family of panels to each end.
+
+    Attributes
+    ----------
+    inner, outer : Radius
+    toward_inner, toward_outer : LogPanels
+        Panels of the two halves.
+    """
+
+    inner: Radius
+    outer: Radius
+    toward_inner: LogPanels
+    toward_outer: LogPanels
+
+    @cached_property
+    def families(self) -> tuple[Family, Family]:
+        """The two halves: above the inner end, below the outer end."""
+        half = gap(self.inner, self.outer) / 2.0
+        return (
+            Family(self.inner, 1, half, self.toward_inner),
+            Family(self.outer, -1, half, self.toward_outer),
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients of both halves."""
+        return self.toward_inner.size + self.toward_outer.size
+
+    def half_integral(self, points: Points) -> Array:
+        """Return the half-integrals of both families, shape (points, size)."""
+        return np.hstack([f.half_integral(points) for f in self.families])
+
+    def inner_integral(self, points: Points) -> Array:
+        """Return the `inner_integral` of both families, shape (points, size)."""
+        return np.hstack([f.inner_integral(points) for f in self.families])
+
+    def expand(self, function_values: tuple[Array, Array]) -> Array:
+        """Return coefficients through values at the sampling points of both families."""
+        pairs = zip(self.families, function_values, strict=True)
+        return np.concatenate([f.expand(v) for f, v in pairs])
+
+
+def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
+    """Return the series through samples at the sampling points of the panels and the tail."""
+    tail_points = len(panels.tail_sampling())
+    inner = values[:-tail_points].reshape(panels.panels, -1)
+    points = inner.shape[1]
+    expand = legendre_expansion_matrix(points, points - 1)
+    expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
+    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)
