@@ -503,7 +503,9 @@ def _digits(value: float | None, error: float | None) -> str:
         return f"{value:.1e}" if value else "0"
     if error == 0.0:
         return repr(value).removesuffix(".0")
-    return f"{value:.{min(max(math.ceil(-math.log10(error)) + 1, 2), 17)}g}"
+    # an estimate of NaN or infinity vouches for no digit
+    digits = math.ceil(-math.log10(error)) + 1 if error < 0.1 else 2
+    return f"{value:.{min(digits, 17)}g}"
 
 
 def _estimate(error: float | None) -> str:

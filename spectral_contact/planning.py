@@ -7,15 +7,19 @@ from collections.abc import Iterable
 
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
-from spectral_contact.solution import QUANTITIES, Plan, PlannedStep, StepState
+from spectral_contact.solution import (
+    FULL_STICK,
+    NORMAL,
+    PARTIAL_SLIP,
+    QUANTITIES,
+    SLIP_FIELD,
+    ZONE_SEARCH,
+    Plan,
+    PlannedStep,
+    StepState,
+)
 
-__all__ = ["FULL_STICK", "NORMAL", "PARTIAL_SLIP", "SLIP_FIELD", "ZONE_SEARCH", "plan"]
-
-NORMAL = "normal contact"
-FULL_STICK = "full stick"
-PARTIAL_SLIP = "partial slip"
-ZONE_SEARCH = "zone search"
-SLIP_FIELD = "slip displacement"
+__all__ = ["plan"]
 
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})

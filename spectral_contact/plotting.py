@@ -91,22 +91,26 @@ def graded_radii(solution: Solution, count: int = 200) -> Radii:
     ----------
     solution : Solution
     count : int
-        About how many: a quarter evenly from the centre and a quarter evenly to the edge, half of
-        them graded into the edge layer; and ten more for every zone.
+        About how many: half of them evenly to s = 0.9, half graded into the edge layer, and up to
+        eleven more in every zone.
 
     Returns
     -------
     Radii
         From s = 0 to s = 1, both included, with every zone boundary.
     """
-    even = np.linspace(0.0, 0.5, max(count // 4, 2), endpoint=False)
-    inner = [even]
+    even = max(count // 4, 2)
+    inner = [np.linspace(0.0, 0.5, even, endpoint=False)]
     layer = np.geomspace(_depth(solution), 0.1, max(count // 2, 2))
-    outer = [np.zeros(1), layer, 0.5 - even]
+    outer = [np.zeros(1), layer, np.linspace(0.5, 0.1, even, endpoint=False)]
     for zone in _zones(solution):
-        # a zone on both sides of 1/2 is resolved by the even radii, save for its boundaries
-        inner.append(np.linspace(zone.inner, min(zone.outer, 0.5), 11))
-        outer.append(np.linspace(zone.outer_from_edge, min(zone.inner_from_edge, 0.5), 11))
+        if zone.outer < 0.5:
+            inner.append(np.linspace(zone.inner, zone.outer, 11))
+        elif zone.inner >= 0.5:
+            outer.append(np.linspace(zone.outer_from_edge, zone.inner_from_edge, 11))
+        else:  # resolved by the even radii, save for its boundaries
+            inner.append(np.array([zone.inner]))
+            outer.append(np.array([zone.outer_from_edge]))
     s, depth = np.unique(np.concatenate(inner)), np.unique(np.concatenate(outer))[::-1]
     return Radii(s[s < 0.5], depth[depth <= 0.5])
 
@@ -367,7 +371,12 @@ def _zone_patches(solution: Solution) -> list[Any]:
 def _estimates(solution: Solution) -> list[tuple[str, float]]:
     """Return the estimates there are, in the order of a report."""
     found = [(one.name, getattr(solution.error, one.name)) for one in fields(ErrorEstimates)]
-    return [(name.replace("_", " "), error) for name, error in found if error is not None]
+    # no digit is known from 1 on; NaN is taken for that, too
+    return [
+        (name.replace("_", " "), error if error < 1.0 else 1.0)
+        for name, error in found
+        if error is not None
+    ]
 
 
 def _draw_errors(axes: Axes, solution: Solution) -> None:
@@ -376,7 +385,7 @@ def _draw_errors(axes: Axes, solution: Solution) -> None:
     for row, (name, error) in enumerate(estimates):
         exact = error <= floor
         axes.plot(
-            [floor if exact else min(error, 1.0)],
+            [floor if exact else error],
             [row],
             "o",
             color=_BLUE,
@@ -399,7 +408,7 @@ def _draw_errors(axes: Axes, solution: Solution) -> None:
         color=_VERMILION,
     )
     axes.set_xscale("log")
-    largest = max([solution.rtol, *(min(error, 1.0) for _, error in estimates)])
+    largest = max([solution.rtol, *(error for _, error in estimates)])
     axes.set_xlim(floor, 30.0 * largest)
     axes.set_ylim(len(estimates) - 0.5, -0.5)
     axes.set_yticks(range(len(estimates)), [name for name, _ in estimates])

@@ -16,7 +16,12 @@ from spectral_contact.fields import DiskSeries, PressureField, Radius, ZonalFiel
 from spectral_contact.scene import Scene
 
 __all__ = [
+    "FULL_STICK",
+    "NORMAL",
+    "PARTIAL_SLIP",
     "QUANTITIES",
+    "SLIP_FIELD",
+    "ZONE_SEARCH",
     "Ending",
     "ErrorEstimates",
     "PhysicalSolution",
@@ -42,6 +47,13 @@ QUANTITIES = (
     "edge_ratio",
     "critical_friction",
 )
+
+#: Names of the steps, in plans and in records of work.
+NORMAL = "normal contact"
+FULL_STICK = "full stick"
+PARTIAL_SLIP = "partial slip"
+ZONE_SEARCH = "zone search"
+SLIP_FIELD = "slip displacement"
 
 
 class Ending(Enum):

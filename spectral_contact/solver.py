@@ -14,9 +14,14 @@ from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import PressureField, Radius
-from spectral_contact.planning import FULL_STICK, NORMAL, PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, plan
+from spectral_contact.planning import plan
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
+    FULL_STICK,
+    NORMAL,
+    PARTIAL_SLIP,
+    SLIP_FIELD,
+    ZONE_SEARCH,
     Ending,
     ErrorEstimates,
     Plan,

@@ -76,8 +76,8 @@ class Drive:
         Where the difference would cancel, R is replaced by its Chebyshev interpolant, from which
         the factor ``d`` is split off.
         """
-        scale = radius.rest + self.contact.compliance
-        reach = min(0.1 * scale / radius.square, 1.0)
+        # R is singular at the edge, however weakly
+        reach = min(0.2 * radius.rest / radius.square, 1.0)
         nodes = np.cos(np.pi * (np.arange(14) + 0.5) / 14.0)
         samples = self.target(radius.rest + radius.square * reach * (1.0 + nodes) / 2.0)
         fit = chebyshev.chebfit(nodes, samples, 13)

@@ -12,6 +12,7 @@ from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     ROUNDING,
     decay_rates,
+    expected_error,
     load_vector,
     series_of,
     share_of_change,
@@ -101,8 +102,8 @@ class _NormalProblem:
         approach_error = float(energies @ rates**2) + ROUNDING
         if self.pointwise:
             shares = share_of_change(resolution, change.coefficients * approach, pressure.at)
-            indicators = shares * rates
-            pressure_error = 3.0 * float(indicators.max()) + 20.0 * ROUNDING
+            indicators = expected_error(shares, rates)
+            pressure_error = float(indicators.max()) + 20.0 * ROUNDING
             error = pressure_error
         else:
             indicators, rates = energies * rates**2, rates**2

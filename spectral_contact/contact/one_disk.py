@@ -30,6 +30,8 @@ from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import (
     ROUNDING,
     decay_rates,
+    expected_error,
+    panel_table,
     series_of,
     share_of_change,
     starting_resolution,
@@ -238,24 +240,25 @@ class _OneDiskProblem:
         rates = decay_rates(resolution, coefficients)
         change = trial.factored.change(coefficients)
         normal = self.drive.contact
-        indicators = share_of_change(resolution, change.coefficients, series) * rates
+        shares = share_of_change(resolution, change.coefficients, series)
+        indicators = expected_error(shares, rates)
         noise = 20.0 * ROUNDING + 2.0 * normal.pressure_error
-        error = 3.0 * float(indicators.max()) + noise
+        error = float(indicators.max()) + noise
         half_integral = disk.half_integral @ coefficients
         # an error of the rim value moves logit(c**2) by its share of the slope
         drive = float(self.drive.target(np.array(radius.rest)))
         rim = abs(trial.target[-1]) + drive * noise
-        shift = (3.0 * float(indicators[-1]) * abs(rim) + noise * drive) / abs(slope)
+        shift = (float(indicators[-1]) * abs(rim) + noise * drive) / abs(slope)
+        outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
+        shear = radius.square * float(disk.shear_moments @ coefficients) + outside
         misfit = trial.target - half_integral
         weights = radius.value**3 * disk.nodes.weights * disk.nodes.rest
         points = Points(radius, -radius.square * disk.nodes.d)
-        moment = float((disk.nodes.weights * np.sqrt(disk.nodes.rest)) @ half_integral)
-        outside = float(self.drive.load_outside(np.array(radius.rest)))
-        shear = 2.0 * pi * (radius.square * moment + self.friction * outside)
-        scale = float((disk.tangential.weights * trial.target) @ half_integral)
+        moved = panel_table(panels, disk.shear_moments * change.coefficients)
+        left = expected_error(np.abs(moved).sum(axis=1), rates)
         # at the right radius the shear is stationary: the shift enters squared
         shear_error = (
-            3.0 * float(change.energies @ rates**2) / abs(scale)
+            radius.square * float(left.sum()) / abs(shear)
             + 2.0 * shift**2
             + 0.5 * normal.pressure_error
             + 4.0 * ROUNDING

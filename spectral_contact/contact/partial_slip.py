@@ -26,8 +26,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_misfit,
 )
 from spectral_contact.fields import Radius, ZonalField, ZonePiece
-from spectral_contact.planning import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
-from spectral_contact.solution import Zone
+from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, Zone
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zones import ZonesSolution

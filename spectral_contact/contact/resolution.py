@@ -16,6 +16,8 @@ from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
     "ROUNDING",
+    "SAFETY",
+    "expected_error",
     "decay_rates",
     "load_vector",
     "series_of",
@@ -28,6 +30,9 @@ Array = NDArray[np.float64]
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
+#: The error of a space is estimated as SAFETY * change * rate**1.5: dropping two degrees makes a
+#: change of some rate**-2 times the error; the rest is reserve (measured in validation/honesty.py).
+SAFETY = 3.0
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
 _WIDTH = 2.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
@@ -62,11 +67,14 @@ def starting_resolution(
     digits = -log(tolerance)
     depth = layer + (_ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
     panels = 4 * ceil(depth / _WIDTH / 4.0)  # few distinct meshes, so that caches are shared
-    top = _LEAST + ceil(0.42 * digits)
+    top: Array = np.full(panels, _LEAST + ceil(0.43 * digits))
     x = _WIDTH * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
+    if layer > 1.0:  # the bend of a thin layer takes more, measured 4 degrees at 1e-12
+        nearness = np.clip(2.0 - np.abs(x + _WIDTH / 2.0 - layer) / (1.2 * _WIDTH), 0.0, 1.0)
+        top = top + 0.15 * digits * nearness
     degrees = np.maximum(np.ceil(top * missing).astype(int), _LEAST)
-    capacity = 4 * ceil((top + 4) / 4)
+    capacity = 4 * ceil((int(degrees.max()) + 3) / 4)
     mesh = LogPanels(panels, _WIDTH, capacity, power, root_tail)
     return Resolution(mesh, tuple(degrees.tolist()))
 
@@ -94,7 +102,7 @@ def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
 
 
 def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
-    """Return by what factor the rows of `table` fall with one degree, in [0.02, 0.6].
+    """Return by what factor the rows of `table` fall with one degree, in [0.05, 0.6].
 
     Taken from the last two pairs, so that a parity pattern does not deceive it.
     """
@@ -105,7 +113,12 @@ def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
     before = pairs[rows, np.maximum(degrees - 3, 0)]
     with np.errstate(divide="ignore", invalid="ignore"):
         rate = np.sqrt(last / before)
-    return np.clip(np.where(degrees >= 4, np.nan_to_num(rate, nan=0.6), 0.3), 0.02, 0.6)
+    return np.clip(np.where(degrees >= 4, np.nan_to_num(rate, nan=0.6), 0.3), 0.05, 0.6)
+
+
+def expected_error(change: Array, rates: Array) -> Array:
+    """Return the estimate of the error left on every panel, from the change of two degrees."""
+    return np.asarray(SAFETY * change * rates**1.5)
 
 
 def share_of_change(

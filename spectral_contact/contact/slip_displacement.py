@@ -68,12 +68,14 @@ def annulus_between(
     """
     half = gap(inner, outer) / 2.0
     digits = -np.log(tolerance)
-    degree = 4 + int(np.ceil(0.55 * digits))
+    # the far end of the annulus is a singularity ln 2 before the first panel
+    degree = 4 * int(np.ceil((4.0 + 0.8 * digits) / 4.0))
     depths = (
         max(np.log(half / layers[0]), 0.0) + 0.6 * digits + 3.0,
         max(np.log(half / layers[1]), 0.0) + (digits + 3.0) / rate,
     )
-    first, second = (LogPanels(int(np.ceil(d)), 1.0, degree) for d in depths)
+    # few distinct depths, so that caches are shared between scenes
+    first, second = (LogPanels(3 * int(np.ceil(d / 6.0)), 2.0, degree) for d in depths)
     return Annulus(inner, outer, first, second)
 
 
@@ -108,10 +110,11 @@ def slip_displacement(
                 for f, e in zip(annulus.families, zone.misfit, strict=True)
             )
         )
+        own = annulus.own_transforms[1] @ expansion
         parts = []
-        for family in annulus.families:
+        for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
             points = family.sampling()
-            total = annulus.inner_integral(points) @ expansion
+            total = own[start : start + len(points.offset)]
             for inner in stuck:
                 total += _from_stuck(inner, points)
             for inner_zone in zones:
@@ -192,11 +195,16 @@ def slip_misfit(
     result = []
     for annulus in annuli:
         values = []
-        for family in annulus.families:
+        for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
             points = family.sampling()
             e = drive.target(points.y)
             for other, sign, expansion in zip(annuli, signs, expansions, strict=True):
-                e = e - sign * friction * (other.half_integral(points) @ expansion)
+                if other is annulus:
+                    rows = slice(start, start + len(points.offset))
+                    half = annulus.own_transforms[0][rows]
+                else:
+                    half = other.half_integral(points)
+                e = e - sign * friction * (half @ expansion)
             for other_field in others:
                 e = e - other_field(points)
             values.append(e)

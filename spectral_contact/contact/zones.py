@@ -20,6 +20,7 @@ from spectral_contact.contact.one_disk import SlipSource, disk_resolution, inter
 from spectral_contact.contact.resolution import (
     ROUNDING,
     decay_rates,
+    expected_error,
     series_of,
     share_of_change,
     table_rates,
@@ -141,7 +142,8 @@ class _ZonesProblem:
             for panels in (zone.toward_inner, zone.toward_outer):
                 # what varies at depth x falls like exp(-x) at the least
                 missing = np.linspace(1.5, 0.0, panels.panels)
-                degrees += [ceil(3.0 + panels.degree * min(m, 1.0)) for m in missing]
+                rest = [ceil(3.0 + 0.55 * panels.degree * min(m, 1.0)) for m in missing[1:]]
+                degrees += [panels.degree, *rest]
         self._panel_counts = [(z.toward_inner.panels, z.toward_outer.panels) for z in zones]
         return Resolution(disk.panels, tuple(degrees))
 
@@ -234,7 +236,7 @@ class _ZonesProblem:
         """Return the stick annuli with, for each, kept and all used columns of the full basis."""
         annuli, indices, start = [], [], 0
         for k, pair in zip(self._stick_annuli(), degrees, strict=True):
-            panels = [LogPanels(len(d), 1.0, max(d)) for d in pair]
+            panels = [LogPanels(len(d), 2.0, max(d)) for d in pair]
             annulus = Annulus(radii[k - 1], self._outer(radii, k), panels[0], panels[1])
             kept, used = [], []
             for p, d in zip(panels, pair, strict=True):
@@ -466,9 +468,10 @@ class _ZonesProblem:
                 rates.append(table_rates(np.array(degree), table))
                 halves.append(family.series(full[part]))
             fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1]))
-        rate, indicators = np.concatenate(rates), np.concatenate(shares) * np.concatenate(rates)
+        rate = np.concatenate(rates)
+        indicators = expected_error(np.concatenate(shares), rate)
         noise = 20.0 * ROUNDING + 2.0 * self.drive.contact.pressure_error
-        error = 3.0 * float(indicators.max()) + noise
+        error = float(indicators.max()) + noise
         half_integral = disk.half_integral @ trial.disk
         misfit = trial.target - half_integral
         value = ZonesSolution(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.abel import beyond, deeper, outer, tail_values
+from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
@@ -195,10 +196,52 @@ class Annulus:
         """Return the `inner_integral` of both families, shape (points, size)."""
         return np.hstack([f.inner_integral(points) for f in self.families])
 
+    @property
+    def sampling_split(self) -> int:
+        """Number of sampling points of the inner family."""
+        p = self.toward_inner
+        return p.sampling().size + len(p.tail_sampling())
+
+    @property
+    def own_transforms(self) -> tuple[Array, Array]:
+        """The two integrals above at the annulus's own sampling points, inner family first.
+
+        In scaled distances they depend on the panels alone, so they are assembled once (cached).
+        """
+        key = (self.toward_inner, self.toward_outer)
+        half, inner = _TRANSFORMS.get(key, lambda: _unit_transforms(*key))
+        scale = np.sqrt(gap(self.inner, self.outer) / 2.0)
+        return half * scale, inner * scale
+
     def expand(self, function_values: tuple[Array, Array]) -> Array:
         """Return coefficients through values at the sampling points of both families."""
         pairs = zip(self.families, function_values, strict=True)
         return np.concatenate([f.expand(v) for f, v in pairs])
+
+
+_TRANSFORMS: BoundedCache[tuple[LogPanels, LogPanels], tuple[Array, Array]] = BoundedCache(
+    "annulus transforms", 12
+)
+
+
+def _unit_transforms(first: LogPanels, second: LogPanels) -> tuple[Array, Array]:
+    """Return the transforms for halves of unit reach.
+
+    With ``d`` the distance of a point from the end of its own half, its distance from the other
+    end is ``2 - d``.
+    """
+    d = [
+        np.concatenate([np.exp(-p.sampling()).ravel(), p.tail_sampling()]) for p in (first, second)
+    ]
+    args = [(p.panels, p.width, p.degree) for p in (first, second)]
+    none = [np.zeros((len(a), b.size)) for a, b in ((d[1], first), (d[0], second))]
+    half = np.block(
+        [[outer(d[0], *args[0]), deeper(2.0 - d[0], *args[1])], [none[0], deeper(d[1], *args[1])]]
+    )
+    inner = np.block(
+        [[deeper(d[0], *args[0]), none[1]], [deeper(2.0 - d[1], *args[0]), outer(d[1], *args[1])]]
+    )
+    return half, inner
 
 
 def sampled_series(panels: LogPanels, values: Array) -> LogSeries:

@@ -78,6 +78,12 @@ class DiskOperators:
         return GalerkinOperator(self.panels, self.half_integral, weights, mass)
 
     @cached_property
+    def shear_moments(self) -> Array:
+        """Vector of ``2 pi int q s ds = 2 pi int t F dt`` for ``q = s phi``, (4.3)."""
+        t = np.sqrt(self.nodes.rest)
+        return np.asarray(2.0 * np.pi * ((self.nodes.weights * t) @ self.half_integral))
+
+    @cached_property
     def outer_matrix(self) -> Array:
         """Matrix of the `outer` integral at the sampling points (panels, then tail)."""
         p = self.panels

@@ -1,0 +1,120 @@
+"""The shape of the library: layers, exports, imports, size of the modules, silence."""
+
+import ast
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import spectral_contact
+
+REPOSITORY = Path(__file__).parents[2]
+PACKAGE = Path(spectral_contact.__file__).parent
+LONGEST_MODULE = 450
+
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+
+
+def dotted(path):
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def is_public(path):
+    return not any(part.startswith("_") for part in path.relative_to(PACKAGE).with_suffix("").parts)
+
+
+NAMES = {dotted(path): path for path in SOURCES}
+PUBLIC = [name for name, path in NAMES.items() if is_public(path) or path.name == "__init__.py"]
+
+
+def exports(name):
+    return importlib.import_module(name).__all__
+
+
+def defined(tree):
+    """Return the public functions and classes that a module defines itself."""
+    kinds = ast.FunctionDef, ast.ClassDef
+    return {node.name for node in tree.body if isinstance(node, kinds) and node.name[0] != "_"}
+
+
+def imported_between_modules():
+    """Return (importer, module, name) of every import of a name from a module of the package."""
+    return [
+        (dotted(path), node.module, alias.name)
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.level == 0 and node.module in NAMES
+        for alias in node.names
+        if f"{node.module}.{alias.name}" not in NAMES
+    ]
+
+
+def sorting_key(name):
+    """Constants, then classes, then functions: the order that ruff's RUF022 keeps."""
+    rank = 0 if name.isupper() else 1 if name[0].isupper() else 2
+    return rank, name
+
+
+def python(code):
+    """Run code in a fresh interpreter, and return what it prints."""
+    command = [sys.executable, "-c", code]
+    run = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return run.stdout
+
+
+def test_the_import_contracts_hold():
+    pytest.importorskip("importlinter", reason="part of the extra: dev")
+    code = (
+        "from importlinter.cli import lint_imports; raise SystemExit(lint_imports(no_cache=True))"
+    )
+    assert "0 broken" in python(code)
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_exports_exist_are_sorted_and_complete(name):
+    names = list(exports(name))
+    assert names == sorted(set(names), key=sorting_key)
+    module = importlib.import_module(name)
+    assert [one for one in names if not hasattr(module, one)] == []
+    assert defined(TREES[NAMES[name]]) - set(names) == set()
+
+
+def test_modules_import_from_each_other_only_what_is_exported():
+    private = [
+        found
+        for found in imported_between_modules()
+        if found[1] in PUBLIC and found[2] not in exports(found[1])
+    ]
+    assert private == []
+
+
+@pytest.mark.parametrize("absent", ["matplotlib", "mpmath", "spectral_contact.closed_forms"])
+def test_the_import_of_the_library_does_not_import(absent):
+    loaded = python("import sys, spectral_contact; print(*sys.modules)").split()
+    assert "spectral_contact.solver" in loaded
+    assert absent not in loaded
+
+
+def test_the_library_is_silent():
+    """Results are returned and progress is logged: only the command line prints."""
+    prints = [
+        f"{dotted(path)}:{node.lineno}"
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and getattr(node.func, "id", None) == "print"
+    ]
+    assert [place for place in prints if not place.startswith("spectral_contact.cli:")] == []
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=dotted)
+def test_modules_fit_a_sitting(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_MODULE
+
+
+def test_every_module_says_what_it_is_for():
+    assert [dotted(path) for path, tree in TREES.items() if not ast.get_docstring(tree)] == []
