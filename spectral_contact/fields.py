@@ -118,6 +118,12 @@ class LogSeries:
         """Value at ``d = 0``; infinite where the tail is singular."""
         return np.inf if self.power < 0.0 else float(legendre.legval(-1.0, self.tail))
 
+    def minus(self, other: LogSeries) -> LogSeries:
+        """Return the difference of two series on the same panels."""
+        return replace(
+            self, coefficients=self.coefficients - other.coefficients, tail=self.tail - other.tail
+        )
+
     def times(self, factor: float) -> LogSeries:
         """Return the series multiplied by a number."""
         return replace(

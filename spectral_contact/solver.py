@@ -278,8 +278,7 @@ class _Run:
         self.values.update(
             edge_ratio=kappa * stick.edge_ratio, critical_friction=kappa * stick.critical
         )
-        ratio_error = stick.traction_error + drive.contact.pressure_error
-        self.errors.update(edge_ratio=ratio_error, critical_friction=ratio_error)
+        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
         if self.scene.friction != 0.0:
             self.values["total_shear"] = kappa * stick.total_shear
             self.errors["total_shear"] = stick.shear_error

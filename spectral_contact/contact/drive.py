@@ -9,6 +9,7 @@ kappa = 1, as functions of ``y = 1 - s**2`` or ``1 - t**2``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -50,6 +51,11 @@ class Drive:
             self._outer = sampled_series(panels, 2.0 * values / np.sqrt(1.0 - d))
             assert contact.pressure.series is not None
             self._load = _mean_outside(panels, contact.pressure.series)
+
+    @cached_property
+    def change(self) -> Drive | None:
+        """The drive of the pressure's last change, to see how its error propagates."""
+        return None if self.contact.change is None else Drive(self.contact.change)
 
     def target(self, y: Array) -> Array:
         """Return R at ``1 - t**2 = y``; infinite at the edge of a smooth surface."""

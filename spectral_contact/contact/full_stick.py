@@ -15,8 +15,10 @@ from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import (
     ROUNDING,
+    SAFETY,
     decay_rates,
     expected_error,
+    panel_of,
     panel_table,
     series_of,
     share_of_change,
@@ -50,6 +52,8 @@ class FullStick:
         ``y = 1 - s**2`` where it is reached.
     traction_error, shear_error : float
         Estimates of relative errors; of the traction, of q/s pointwise.
+    edge_error, critical_error : float
+        Estimates of the relative errors of the two ratios.
     """
 
     compliance: float
@@ -60,6 +64,8 @@ class FullStick:
     critical_at: float
     traction_error: float
     shear_error: float
+    edge_error: float
+    critical_error: float
 
 
 class _StickProblem:
@@ -94,23 +100,49 @@ class _StickProblem:
         shear = float(disk.shear_moments @ solution)
         rates = decay_rates(resolution, solution)
         normal = self.drive.contact
-        energies = change.energies
-        # not superconvergent: 1 is no multiple of s at the centre, so the dual solution is rough
-        moved = np.abs(panel_table(panels, disk.shear_moments * change.coefficients)).sum(axis=1)
-        shear_shares = expected_error(moved / abs(shear), rates)
-        shear_error = float(shear_shares.sum()) + 2.0 * normal.approach_error + 4.0 * ROUNDING
-        shear_error += 0.1 * normal.pressure_error
+        # the change that the pressure's last degrees make
+        moved = np.zeros_like(solution)
+        if self.drive.change is not None:
+            moved = factored.solve(self.drive.change.target(nodes.d))
+        shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
+        own = float(rates[np.argmax(shares)])
+        propagated = SAFETY * normal.rate**2
+        rounding = 20.0 * ROUNDING
+        traction_error = float(shares.max()) + rounding
+        traction_error += propagated * float(share_of_change(panels, moved, series).max())
+        # the shear superconverges, as far as its dual, rough at the centre, is resolved
+        moments = disk.shear_moments
+        shear_error = SAFETY * own * float(abs(moments @ change.coefficients)) / shear
+        shear_error += propagated * float(abs(moments @ moved)) / shear + 4.0 * ROUNDING
         if self.pointwise:
-            shares = share_of_change(resolution, change.coefficients, series)
-            indicators = expected_error(shares, rates)
-            error = float(indicators.max()) + 20.0 * ROUNDING + 2.0 * normal.pressure_error
-            traction_error = error
+            indicators, error = shares, traction_error
         else:
-            indicators = shear_shares
-            traction_error, error = inf, shear_error
+            moved_by = np.abs(panel_table(panels, moments * change.coefficients)).sum(axis=1)
+            indicators, error = expected_error(moved_by / shear, rates), shear_error
         edge, critical, where = _ratios(self.drive, traction, panels.panels * panels.width)
+
+        parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, series))]
+        if normal.panels is not None and normal.change is not None:
+            pressure = share_of_change(
+                normal.panels, normal.change.coefficients, self.drive.pressure.at
+            )
+            parts.append((normal.panels, propagated * pressure))
+
+        def ratio_error(y: float) -> float:
+            """Estimate the error of q/p at one place: what its panels contribute."""
+            return rounding + sum(float(share[panel_of(p, y)]) for p, share in parts)
+
         stick = FullStick(
-            compliance, traction, shear, edge, critical, where, traction_error, shear_error
+            compliance,
+            traction,
+            shear,
+            edge,
+            critical,
+            where,
+            traction_error,
+            shear_error,
+            ratio_error(0.0) if 0.0 < edge < inf else rounding,
+            ratio_error(where) if critical < inf else rounding,
         )
         return Attempt(stick, error, indicators, rates, space.unknowns)
 
@@ -142,7 +174,8 @@ def solve_full_stick(
     if compliance == 0.0 and drive.contact.compliance == 0.0:
         traction = DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True))
         shear = _smooth_shear(drive)
-        return FullStick(0.0, traction, shear, inf, inf, 0.0, 4.0 * ROUNDING, 4.0 * ROUNDING)
+        error = 4.0 * ROUNDING
+        return FullStick(0.0, traction, shear, inf, inf, 0.0, error, error, error, error)
     return refine(_StickProblem(drive, compliance, tolerance, goal), tolerance, max_unknowns)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, pi, sqrt
 
 import numpy as np
@@ -50,6 +50,11 @@ class NormalContact:
         Its coefficients, for the transforms of the tangential problem.
     approach_error, pressure_error : float
         Estimates of the relative errors; of the pressure, pointwise.
+    change : NormalContact or None
+        What the top two degrees of every panel contribute, as a contact of its own: everything
+        tangential is linear in the pressure, so this shows how its error propagates.
+    rate : float
+        By what factor one more degree lowers the change.
     """
 
     compliance: float
@@ -59,6 +64,22 @@ class NormalContact:
     coefficients: Array
     approach_error: float
     pressure_error: float
+    change: NormalContact | None = None
+    rate: float = 0.0
+
+    @property
+    def coarser(self) -> NormalContact:
+        """The contact without its last change."""
+        change = self.change
+        if change is None or self.pressure.series is None or change.pressure.series is None:
+            return self
+        series = self.pressure.series.minus(change.pressure.series)
+        return replace(
+            self,
+            pressure=PressureField(self.pressure.weight, series),
+            coefficients=self.coefficients - change.coefficients,
+            change=None,
+        )
 
 
 class _NormalProblem:
@@ -100,11 +121,17 @@ class _NormalProblem:
         rates = decay_rates(resolution, solution)
         energies = change.energies / moment
         approach_error = float(energies @ rates**2) + ROUNDING
+        worst = 0.0
+        moved: NormalContact | None = None
         if self.pointwise:
-            shares = share_of_change(resolution, change.coefficients * approach, pressure.at)
+            shares = share_of_change(panels, change.coefficients * approach, pressure.at)
             indicators = expected_error(shares, rates)
             pressure_error = float(indicators.max()) + 20.0 * ROUNDING
             error = pressure_error
+            worst = float(rates[np.argmax(indicators)])
+            lost = change.coefficients * approach
+            field = PressureField(None, series_of(panels, lost))
+            moved = NormalContact(compliance, approach, field, panels, lost, 0.0, 0.0)
         else:
             indicators, rates = energies * rates**2, rates**2
             pressure_error, error = np.inf, approach_error
@@ -116,6 +143,8 @@ class _NormalProblem:
             coefficients,
             approach_error,
             pressure_error,
+            moved,
+            worst,
         )
         return Attempt(contact, error, indicators, rates, space.unknowns)
 

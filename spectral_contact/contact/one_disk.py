@@ -29,9 +29,9 @@ from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import (
     ROUNDING,
+    SAFETY,
     decay_rates,
     expected_error,
-    panel_table,
     series_of,
     share_of_change,
     starting_resolution,
@@ -77,6 +77,8 @@ class OneDisk:
         Quadrature of ``t^2 E dt`` over the disk, for the displacement outside it.
     depth : float
         ``-ln`` of the smallest scaled distance from the rim that was resolved.
+    stray : float
+        Estimate of the largest error of E.
     """
 
     radius: Radius
@@ -88,6 +90,7 @@ class OneDisk:
     edge_error: float
     parts: tuple[tuple[Points, Array], ...]
     depth: float
+    stray: float
 
 
 class NoStickDiskError(ArithmeticError):
@@ -123,11 +126,11 @@ class SlipSource:
         width = gap(inner, outer)
         half = width / 2.0
         # square roots at the inner end; at the outer end a singular pressure is one, too
-        points = 4 + ceil(-0.35 * log(tolerance))
-        finest = (0.01 * tolerance) ** 2 * half
+        points = 3 + ceil(-0.35 * log(tolerance))
+        finest = max(1e-3 * tolerance, 1e-17) ** 2 * half
         offsets, weights = _graded(half, min(half, inner.square) / half * finest, points)
         depth, outer_weights = _graded(
-            half, min(half, alpha) * 0.01 * tolerance if alpha else finest, points
+            half, min(half, alpha) * max(1e-3 * tolerance, 1e-17) if alpha else finest, points
         )
         #: distance of the nodes from the rim in s**2
         self.above = np.concatenate([offsets, width - depth])
@@ -174,6 +177,7 @@ class _Trial:
     coefficients: Array
     factored: Factored
     target: Array
+    unit: float
 
 
 class _OneDiskProblem:
@@ -197,30 +201,43 @@ class _OneDiskProblem:
     def start(self) -> Resolution:
         return self._resolution(self.logit, self.tolerance)
 
+    def _factored(self, resolution: Resolution, radius: Radius) -> Factored:
+        disk = disk_operators(resolution.panels)
+        return disk.tangential.space(resolution.degrees).factor(self.beta / radius.value)
+
     def _trial(self, resolution: Resolution, logit: float, tolerance: float) -> _Trial:
         """Solve the disk of the given radius; the mismatch of the rim value decides."""
         radius = Radius.from_logit(logit)
-        disk = disk_operators(resolution.panels)
-        factored = disk.tangential.space(resolution.degrees).factor(self.beta / radius.value)
-        source = SlipSource(self.drive.pressure, radius, EDGE, self.alpha, tolerance)
-        rise = self.drive.rise(radius)
+        return self._at(self.drive, resolution, radius, self._factored(resolution, radius), tolerance)
+
+    def _at(
+        self,
+        drive: Drive,
+        resolution: Resolution,
+        radius: Radius,
+        factored: Factored,
+        tolerance: float,
+    ) -> _Trial:
+        """Solve for a drive, which may be the change of one: all is linear in the pressure."""
+        panels = resolution.panels
+        source = SlipSource(drive.pressure, radius, EDGE, self.alpha, tolerance)
+        rise = drive.rise(radius)
+        at_rim = np.array(radius.rest)
 
         def target(d: Array) -> Array:
             return rise(d) + self.friction * source.fall(radius.square * d)
 
-        values = interpolate(resolution.panels, target)
+        values = interpolate(panels, target)
         coefficients = factored.solve(values)
-        rim = 0.0
+        rim = unit = 0.0
         if self.beta > 0.0:
-            unit = factored.solve(np.ones_like(values))
-            slipping = self.friction * float(self.drive.pressure.at(np.array(radius.rest)))
-            panels = resolution.panels
-            missing = slipping - series_of(panels, coefficients).limit
-            rim = missing / series_of(panels, unit).limit
-            coefficients = coefficients + rim * unit
-        drive = float(self.drive.target(np.array(radius.rest)))
-        mismatch = drive - self.friction * source.at_rim - rim
-        return _Trial(radius, mismatch, coefficients, factored, values + rim)
+            response = factored.solve(np.ones_like(values))
+            unit = series_of(panels, response).limit
+            slipping = self.friction * float(drive.pressure.at(at_rim))
+            rim = (slipping - series_of(panels, coefficients).limit) / unit
+            coefficients = coefficients + rim * response
+        mismatch = float(drive.target(at_rim)) - self.friction * source.at_rim - rim
+        return _Trial(radius, mismatch, coefficients, factored, values + rim, unit)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
         quadrature = 0.01 * self.tolerance
@@ -230,49 +247,58 @@ class _OneDiskProblem:
 
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
         trial = self._trial(resolution, self.logit, quadrature)
-        return self._assess(resolution, trial, self.slope)
+        return self._assess(resolution, trial)
 
-    def _assess(self, resolution: Resolution, trial: _Trial, slope: float) -> Attempt[OneDisk]:
+    def _stationary(self, radius: Radius, shift: float) -> float:
+        """Return the change of shear with the radius: at the right one only of second order."""
+        width = shift * radius.rest
+        return width**2 / min(radius.rest, self.beta or radius.rest)
+
+    def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
         """Turn the final trial into a solution with its errors."""
         panels, radius, coefficients = resolution.panels, trial.radius, trial.coefficients
-        disk = disk_operators(panels)
+        disk, normal = disk_operators(panels), self.drive.contact
         series = series_of(panels, coefficients)
         rates = decay_rates(resolution, coefficients)
-        change = trial.factored.change(coefficients)
-        normal = self.drive.contact
-        shares = share_of_change(resolution, change.coefficients, series)
-        indicators = expected_error(shares, rates)
-        noise = 20.0 * ROUNDING + 2.0 * normal.pressure_error
-        error = float(indicators.max()) + noise
-        half_integral = disk.half_integral @ coefficients
-        # an error of the rim value moves logit(c**2) by its share of the slope
-        drive = float(self.drive.target(np.array(radius.rest)))
-        rim = abs(trial.target[-1]) + drive * noise
-        shift = (float(indicators[-1]) * abs(rim) + noise * drive) / abs(slope)
+        change = trial.factored.change(coefficients).coefficients
+        indicators = expected_error(share_of_change(panels, change, series), rates)
+        own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
+        error = float(indicators.max()) + 20.0 * ROUNDING
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(disk.shear_moments @ coefficients) + outside
-        misfit = trial.target - half_integral
+        lost = SAFETY * own * radius.square * abs(float(disk.shear_moments @ change))
+        # what moves the rim value moves the radius: first the disk's own change, then the pressure's
+        shift = stray = 0.0
+        if trial.unit > 0.0:
+            shift = SAFETY * own * abs(series_of(panels, change).limit / trial.unit)
+        if self.drive.change is not None:
+            moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
+            share = float(share_of_change(panels, moved.coefficients, series).max())
+            error += propagated * share
+            shift += propagated * abs(moved.mismatch)
+            outside = float(self.drive.change.load_outside(np.array(radius.rest)))
+            part = radius.square * float(disk.shear_moments @ moved.coefficients)
+            lost += propagated * abs(part + 2.0 * pi * self.friction * outside)
+            strays = moved.target - disk.half_integral @ moved.coefficients
+            stray = propagated * float(np.abs(strays).max())
+        # rounding, and what the source quadrature leaves out
+        noise = 8.0 * ROUNDING + 1e-5 * self.tolerance
+        shift += noise * float(self.drive.target(np.array(radius.rest)))
+        shift /= abs(self.slope)
+        misfit = trial.target - disk.half_integral @ coefficients
+        stray = SAFETY * own * float(np.abs(disk.half_integral @ change).max()) + stray
         weights = radius.value**3 * disk.nodes.weights * disk.nodes.rest
-        points = Points(radius, -radius.square * disk.nodes.d)
-        moved = panel_table(panels, disk.shear_moments * change.coefficients)
-        left = expected_error(np.abs(moved).sum(axis=1), rates)
-        # at the right radius the shear is stationary: the shift enters squared
-        shear_error = (
-            radius.square * float(left.sum()) / abs(shear)
-            + 2.0 * shift**2
-            + 0.5 * normal.pressure_error
-            + 4.0 * ROUNDING
-        )
         value = OneDisk(
             radius,
             DiskSeries(radius, series),
             shear,
             error,
-            shear_error,
+            lost / shear + self._stationary(radius, shift) + 10.0 * ROUNDING,
             shift * radius.rest / 2.0 + ROUNDING,
             shift * radius.square + ROUNDING,
-            ((points, weights * misfit),),
+            ((Points(radius, -radius.square * disk.nodes.d), weights * misfit),),
             panels.panels * panels.width,
+            stray,
         )
         unknowns = disk.tangential.space(resolution.degrees).unknowns
         return Attempt(value, error, indicators, rates, unknowns)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.one_disk import NoStickDiskError, OneDisk, solve_one_disk
+from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     Stuck,
@@ -153,7 +154,7 @@ def _one_disk_outcome(
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
     excess = stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
-    slip_error = displacement_error(error, largest)
+    slip_error = displacement_error(drive, EDGE, disk.stray, beta, friction, largest)
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
     consistent = excess <= 10.0 * error and float(samples[0].max()) <= slip_error * largest
     return PartialSlip(
@@ -164,7 +165,7 @@ def _one_disk_outcome(
         error,
         disk.shear_error,
         disk.radius_error,
-        disk.edge_error,
+        max(disk.radius_error, disk.edge_error),
         slip_error,
         violation,
         consistent,
@@ -172,12 +173,20 @@ def _one_disk_outcome(
     )
 
 
-def displacement_error(error: float, largest: float) -> float:
+def displacement_error(
+    drive: Drive, outermost: Radius, stray: float, beta: float, friction: float, largest: float
+) -> float:
     """Return the error of the displacement relative to its largest modulus.
 
-    Every term of ``kappa g - T q - beta q`` is at most ``g <= 1/(2 pi)`` and carries `error`.
+    An error e of E moves it by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) = e s/4``, one of
+    the pressure by beta f p times its own; 1/(2 pi) bounds every term for the rounding.
     """
-    return (2.0 * error + 2e-14) / (2.0 * np.pi) / max(largest, 1e-300)
+    direct = 0.0
+    if beta > 0.0:  # p is largest at the outermost slip end, bounded by its layer at the edge
+        y = max(outermost.rest, drive.contact.compliance)
+        largest_p = float(drive.pressure.at(np.array(min(y, 1.0))))
+        direct = beta * friction * largest_p * drive.contact.pressure_error
+    return (stray / 4.0 + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
 
 
 def stick_excess(
@@ -216,7 +225,10 @@ def _zones_outcome(
             traction.append(ZonePiece(outer, pressure, state * friction))
             displacement.append(ZonePiece(outer, next(slips)))
     error = max(solved.traction_error, drive.contact.pressure_error)
-    slip_error = displacement_error(error, largest)
+    outermost = max(
+        (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
+    )
+    slip_error = displacement_error(drive, outermost, solved.stray, beta, friction, largest)
     wrong = max(float(v.max()) for v in samples)
     return PartialSlip(
         tuple(zones),

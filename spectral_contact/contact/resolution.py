@@ -20,6 +20,8 @@ __all__ = [
     "expected_error",
     "decay_rates",
     "load_vector",
+    "panel_of",
+    "panel_table",
     "series_of",
     "share_of_change",
     "starting_resolution",
@@ -32,7 +34,7 @@ Array = NDArray[np.float64]
 ROUNDING = 2e-15
 #: The error of a space is estimated as SAFETY * change * rate**1.5: dropping two degrees makes a
 #: change of some rate**-2 times the error; the rest is reserve (measured in validation/honesty.py).
-SAFETY = 3.0
+SAFETY = 4.5
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
 _WIDTH = 2.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
@@ -121,14 +123,18 @@ def expected_error(change: Array, rates: Array) -> Array:
     return np.asarray(SAFETY * change * rates**1.5)
 
 
+def panel_of(panels: LogPanels, y: float) -> int:
+    """Return the panel that holds the distance `y`; the last one holds the tail."""
+    return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
+
+
 def share_of_change(
-    resolution: Resolution, change: Array, field: Callable[[Array], Array]
+    panels: LogPanels, change: Array, field: Callable[[Array], Array]
 ) -> Array:
     """Return the change on every panel relative to the least `field` there, tail included last.
 
     The sum of the moduli of Legendre coefficients bounds the change on the whole panel.
     """
-    panels = resolution.panels
     d = np.exp(-panels.width * np.arange(panels.panels + 1))
     total = np.abs(panel_table(panels, change)).sum(axis=1) * d[1:] ** panels.power
     size = np.abs(field(d))

@@ -8,7 +8,8 @@ eliminated exactly. What remains is one dense system for the annuli, with contin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from math import ceil, pi
 
 import numpy as np
@@ -19,6 +20,7 @@ from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.one_disk import SlipSource, disk_resolution, interpolate
 from spectral_contact.contact.resolution import (
     ROUNDING,
+    SAFETY,
     decay_rates,
     expected_error,
     series_of,
@@ -63,6 +65,8 @@ class ZonesSolution:
     traction_error, shear_error : float
     boundary_errors : tuple of (float, float)
         Relative errors of every boundary from the centre and from the edge.
+    stray : float
+        Estimate of the largest error of E.
     """
 
     radii: tuple[Radius, ...]
@@ -76,6 +80,7 @@ class ZonesSolution:
     traction_error: float
     shear_error: float
     boundary_errors: tuple[tuple[float, float], ...]
+    stray: float
 
 
 @dataclass(slots=True)
@@ -88,7 +93,7 @@ class _Trial:
     target: Array
     disk: Array
     annuli: list[Annulus]
-    indices: list[tuple[Array, Array]]
+    indices: list[Array]
     matrix: Array
     outer: Array
     grid: list[tuple[int, Points, Array, Array]]
@@ -124,7 +129,10 @@ class _ZonesProblem:
         last = outer.from_edge == 0.0
         smooth_edge = last and self.alpha == 0.0
         free = self.beta if state == 0 else min(self.beta, 1.0)
-        layer = self.alpha if last and self.alpha > 0.0 else free
+        if last:
+            layer = self.alpha or free
+        else:  # the pressure has its layer beyond the end
+            layer = min(free, max(self.alpha, outer.rest))
         return annulus_between(
             inner, outer, (free, layer), tolerance, 0.5 if smooth_edge and state == 0 else 1.0
         )
@@ -145,7 +153,8 @@ class _ZonesProblem:
                 rest = [ceil(3.0 + 0.55 * panels.degree * min(m, 1.0)) for m in missing[1:]]
                 degrees += [panels.degree, *rest]
         self._panel_counts = [(z.toward_inner.panels, z.toward_outer.panels) for z in zones]
-        return Resolution(disk.panels, tuple(degrees))
+        panels = replace(disk.panels, degree=max(disk.panels.degree, *degrees))
+        return Resolution(panels, tuple(degrees))
 
     def start(self) -> Resolution:
         return self._resolution(self.tolerance)
@@ -182,8 +191,8 @@ class _ZonesProblem:
         rim = radii[0]
         disk = disk_operators(panels)
         factored = disk.tangential.space(disk_space.degrees).factor(self.beta / rim.value)
-        annuli, indices = self._stick_spaces(radii, degrees)
-        columns = np.concatenate([i for _, i in indices]) if indices else np.zeros(0, dtype=int)
+        annuli, indices = self._stick_spaces(radii, degrees, panels.degree)
+        columns = np.concatenate(indices) if indices else np.zeros(0, dtype=int)
         # disk targets: what does not depend on the annuli, the rim value, every annulus function
         fixed = self._fixed_target(panels, radii, quadrature)
         falls, at_rim = self._annulus_falls(panels, rim, annuli, columns)
@@ -231,26 +240,22 @@ class _ZonesProblem:
         )
 
     def _stick_spaces(
-        self, radii: tuple[Radius, ...], degrees: list[list[tuple[int, ...]]]
-    ) -> tuple[list[Annulus], list[tuple[Array, Array]]]:
-        """Return the stick annuli with, for each, kept and all used columns of the full basis."""
+        self, radii: tuple[Radius, ...], degrees: list[list[tuple[int, ...]]], capacity: int
+    ) -> tuple[list[Annulus], list[Array]]:
+        """Return the stick annuli and, for each, the columns of the full basis in use."""
         annuli, indices, start = [], [], 0
         for k, pair in zip(self._stick_annuli(), degrees, strict=True):
-            panels = [LogPanels(len(d), 2.0, max(d)) for d in pair]
+            panels = [LogPanels(len(d), 2.0, capacity) for d in pair]
             annulus = Annulus(radii[k - 1], self._outer(radii, k), panels[0], panels[1])
-            kept, used = [], []
+            used = []
             for p, d in zip(panels, pair, strict=True):
                 terms = p.degree + 1
                 for j, n in enumerate(d):
-                    first = start + j * terms
-                    used.append(np.arange(first, first + n + 1))
-                    kept.append(np.arange(first, first + n - 1))
-                tail = np.arange(start + p.panels * terms, start + p.size)
-                used.append(tail)
-                kept.append(tail[:-1])
+                    used.append(np.arange(start + j * terms, start + j * terms + n + 1))
+                used.append(np.arange(start + p.panels * terms, start + p.size))
                 start += p.size
             annuli.append(annulus)
-            indices.append((np.concatenate(kept), np.concatenate(used)))
+            indices.append(np.concatenate(used))
         return annuli, indices
 
     def _slip_annuli(self, radii: tuple[Radius, ...], tolerance: float) -> list[Annulus]:
@@ -363,7 +368,7 @@ class _ZonesProblem:
         self,
         radii: tuple[Radius, ...],
         annuli: list[Annulus],
-        indices: list[tuple[Array, Array]],
+        indices: list[Array],
         outer: Array,
         balance: float,
     ) -> Array:
@@ -386,11 +391,11 @@ class _ZonesProblem:
         return np.array(values)
 
     def _full(
-        self, annuli: list[Annulus], indices: list[tuple[Array, Array]], outer: Array
+        self, annuli: list[Annulus], indices: list[Array], outer: Array
     ) -> Array:
         """Return the coefficients on the full bases of the annuli."""
         full = np.zeros(sum(a.size for a in annuli))
-        full[np.concatenate([i for _, i in indices])] = outer
+        full[np.concatenate(indices)] = outer
         return full
 
     # the boundaries
@@ -447,69 +452,74 @@ class _ZonesProblem:
         return self._assess(resolution, trial)
 
     def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[ZonesSolution]:
+        """Turn the final trial into a solution; the next coarser one shows its errors."""
         disk_space, degrees = self._split(resolution)
         panels, rim = disk_space.panels, trial.radii[0]
-        disk = disk_operators(panels)
         series = series_of(panels, trial.disk)
-        change = trial.factored.change(trial.disk)
+        full, full_coarse, coarse = self._coarser(resolution, trial)
         rates = [decay_rates(disk_space, trial.disk)]
-        shares = [share_of_change(disk_space, change.coefficients, series)]
-        full = self._full(trial.annuli, trial.indices, trial.outer)
-        shed = self._annulus_change(trial)
+        shares = [share_of_change(panels, trial.disk - coarse.disk, series)]
         fields, start = [], 0
         for annulus, pair in zip(trial.annuli, degrees, strict=True):
             halves = []
             for family, degree in zip(annulus.families, pair, strict=True):
                 part = slice(start, start + family.panels.size)
                 start += family.panels.size
-                table, moved = family.table(full[part]), family.table(shed[part])
-                size = np.abs(table[:, 0])
-                shares.append(np.abs(moved).sum(axis=1) / size)
+                table = family.table(full[part])
+                moved = np.abs(table - family.table(full_coarse[part])).sum(axis=1)
+                shares.append(moved / np.abs(table[:, 0]))
                 rates.append(table_rates(np.array(degree), table))
                 halves.append(family.series(full[part]))
             fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1]))
         rate = np.concatenate(rates)
         indicators = expected_error(np.concatenate(shares), rate)
-        noise = 20.0 * ROUNDING + 2.0 * self.drive.contact.pressure_error
-        error = float(indicators.max()) + noise
-        half_integral = disk.half_integral @ trial.disk
-        misfit = trial.target - half_integral
+        worst = SAFETY * float(rate[np.argmax(indicators)]) ** 2
+        error = float(indicators.max()) + 20.0 * ROUNDING
+        misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
+        stray = max(float(np.abs(a - b).max()) for a, b in zip(misfit, misfit_coarse, strict=True))
+        shear = self._shear(trial, full)
+        lost = abs(shear - self._shear(coarse, full_coarse))
         value = ZonesSolution(
             trial.radii,
             self.states,
             DiskSeries(rim, series),
             tuple(fields),
-            self._shear(trial, half_integral, full),
-            self._stuck(trial, misfit, full),
+            shear,
+            self._stuck(trial, misfit),
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            0.5 * error,
-            self._boundary_errors(trial, error),
+            worst * lost / shear + 1e-6 * self.tolerance + 10.0 * ROUNDING,
+            self._boundary_errors(trial, worst * np.abs(coarse.mismatch - trial.mismatch)),
+            worst * stray,
         )
         unknowns = len(trial.outer) + len(trial.factored.scale)
         return Attempt(value, error, indicators, rate, unknowns)
 
-    def _annulus_change(self, trial: _Trial) -> Array:
-        """Return what the top two degrees of every panel contribute on the annuli."""
-        kept = np.concatenate([k for k, _ in trial.indices])
-        used = np.concatenate([u for _, u in trial.indices])
-        is_kept = np.append(np.isin(used, kept), True)
-        shed = ~is_kept
-        values = np.append(trial.outer, 0.0)
-        right = trial.matrix[np.ix_(is_kept, shed)] @ values[shed]
-        step = _scaled_solve(trial.matrix[np.ix_(is_kept, is_kept)], right)
-        change = np.zeros(len(values))
-        change[is_kept], change[shed] = step, -values[shed]
-        full = np.zeros(sum(a.size for a in trial.annuli))
-        full[used] = change[:-1]
-        return full
+    def _coarser(self, resolution: Resolution, trial: _Trial) -> tuple[Array, Array, _Trial]:
+        """Solve at the same boundaries with two degrees less everywhere, the pressure's too."""
+        problem = copy(self)
+        problem.drive = Drive(self.drive.contact.coarser)
+        degrees = tuple(n - 2 if n > 3 else max(n - 1, 1) for n in resolution.degrees)
+        coarse = problem._trial(
+            replace(resolution, degrees=degrees), self.logits, 0.01 * self.tolerance
+        )
+        return (
+            self._full(trial.annuli, trial.indices, trial.outer),
+            self._full(coarse.annuli, coarse.indices, coarse.outer),
+            coarse,
+        )
 
-    def _shear(self, trial: _Trial, half_integral: Array, full: Array) -> float:
+    def _misfit(self, trial: _Trial, full: Array) -> list[Array]:
+        """Return E at the disk nodes, then on the outer grid."""
+        disk = disk_operators(trial.factored.space.operator.panels)
+        inner = trial.target - disk.half_integral @ trial.disk
+        return [inner, *(t - self._others(trial, p, full) for _, p, _, t in trial.grid)]
+
+    def _shear(self, trial: _Trial, full: Array) -> float:
         """Return ``2 pi int q s ds`` over all zones."""
-        rim = trial.radii[0]
-        nodes = disk_operators(trial.factored.space.operator.panels).nodes
-        moment = rim.square * float((nodes.weights * np.sqrt(nodes.rest)) @ half_integral)
+        disk = disk_operators(trial.factored.space.operator.panels)
+        moment = trial.radii[0].square * float(disk.shear_moments @ trial.disk) / (2.0 * pi)
         start = 0
         for annulus in trial.annuli:
             for family in annulus.families:
@@ -527,16 +537,15 @@ class _ZonesProblem:
     def _others(self, trial: _Trial, points: Points, full: Array) -> Array:
         return np.hstack([a.half_integral(points) for a in trial.annuli]) @ full
 
-    def _stuck(self, trial: _Trial, misfit: Array, full: Array) -> list[Stuck]:
+    def _stuck(self, trial: _Trial, misfit: list[Array]) -> list[Stuck]:
         rim = trial.radii[0]
         nodes = disk_operators(trial.factored.space.operator.panels).nodes
         weights = rim.value**3 * nodes.weights * nodes.rest
-        points = Points(rim, -rim.square * nodes.d)
-        stuck = [Stuck(rim, ((points, weights * misfit),))]
+        stuck = [Stuck(rim, ((Points(rim, -rim.square * nodes.d), weights * misfit[0]),))]
         for k in self._stick_annuli():
             parts = tuple(
-                (p, pi * w * (target - self._others(trial, p, full)))
-                for zone, p, w, target in trial.grid
+                (p, pi * w * e)
+                for (zone, p, w, _), e in zip(trial.grid, misfit[1:], strict=True)
                 if zone == k
             )
             stuck.append(Stuck(self._outer(trial.radii, k), parts))
@@ -553,14 +562,16 @@ class _ZonesProblem:
         )
         return [Slipping(a, s, e) for a, s, e in zip(trial.slips, signs, misfit, strict=True)]
 
-    def _boundary_errors(self, trial: _Trial, error: float) -> tuple[tuple[float, float], ...]:
-        """Return what relative errors of q and p move the boundaries by."""
+    def _boundary_errors(self, trial: _Trial, errors: Array) -> tuple[tuple[float, float], ...]:
+        """Return what errors of the conditions move the boundaries by."""
         counts = self._panel_counts
         self._panel_counts = self._coarse_counts
         base = self._trial(self.coarse, self.logits, _COARSE).mismatch
         jacobian = self._differences(self.coarse, self.logits, base, _COARSE)
         self._panel_counts = counts
-        shift = np.abs(np.linalg.inv(jacobian)).sum(axis=1) * 2.0 * error
+        # the conditions themselves hold to rounding and to the source quadrature
+        errors = errors + 20.0 * ROUNDING + 1e-5 * self.tolerance
+        shift = np.abs(np.linalg.inv(jacobian)) @ errors
         return tuple(
             (float(d * r.rest) / 2.0 + ROUNDING, float(d * r.square) + ROUNDING)
             for d, r in zip(shift, trial.radii, strict=True)
