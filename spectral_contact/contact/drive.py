@@ -29,6 +29,11 @@ Array = NDArray[np.float64]
 
 EDGE = Radius(1.0, 0.0)
 
+#: Chebyshev points and the matrix from values there to Chebyshev coefficients.
+_NODES = np.cos(np.pi * (np.arange(14) + 0.5) / 14.0)
+_FIT = np.cos(np.outer(np.arange(14), np.arccos(_NODES))) * (2.0 / 14.0)
+_FIT[0] /= 2.0
+
 
 class Drive:
     """The functions R and g of a pressure, and the load outside a radius.
@@ -76,31 +81,30 @@ class Drive:
             value = value + self._outer(y)
         return np.asarray(value)
 
-    def rise(self, radius: Radius) -> Callable[[Array], Array]:
-        """Return the function ``R(rest + square d) - R(rest)`` of ``d`` for a disk.
+    def rise(self, radius: Radius) -> tuple[float, Callable[[Array], Array]]:
+        """Return R near the rim of a disk, less its value there, without the subtraction.
 
-        Where the difference would cancel, R is replaced by its Chebyshev interpolant, from which
-        the factor ``d`` is split off.
+        Returns
+        -------
+        reach : float
+            The distance ``d`` up to which the function holds.
+        function : callable
+            ``R(rest + square d) - R(rest)`` for ``d <= reach``: the Chebyshev interpolant of R,
+            from which the factor ``d`` is split off.
         """
         # R is singular at the edge, however weakly
         reach = min(0.2 * radius.rest / radius.square, 1.0)
-        nodes = np.cos(np.pi * (np.arange(14) + 0.5) / 14.0)
-        samples = self.target(radius.rest + radius.square * reach * (1.0 + nodes) / 2.0)
-        fit = chebyshev.chebfit(nodes, samples, 13)
-        # T_k(x) - T_k(-1) = (x + 1) * quotient
+        samples = self.target(radius.rest + radius.square * reach * (1.0 + _NODES) / 2.0)
+        fit = _FIT @ samples
         fit[0] -= chebyshev.chebval(-1.0, fit)
+        # T_k(x) - T_k(-1) = (x + 1) * quotient
         quotient, _ = chebyshev.chebdiv(fit, [1.0, 1.0])
-        start = float(self.target(np.array(radius.rest)))
 
         def function(d: Array) -> Array:
-            x = 2.0 * np.minimum(d / reach, 1.0) - 1.0
-            near = 2.0 * d / reach * chebyshev.chebval(x, quotient)
-            if reach == 1.0:
-                return np.asarray(near)
-            far = self.target(radius.rest + radius.square * d) - start
-            return np.where(d <= reach, near, far)
+            x = 2.0 * d / reach - 1.0
+            return np.asarray((x + 1.0) * chebyshev.chebval(x, quotient))
 
-        return function
+        return reach, function
 
     def mean_inside(self, y: Array) -> Array:
         """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""

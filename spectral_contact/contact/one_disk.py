@@ -48,6 +48,7 @@ __all__ = [
     "SlipSource",
     "disk_resolution",
     "interpolate",
+    "rim_target",
     "solve_one_disk",
 ]
 
@@ -147,6 +148,13 @@ class SlipSource:
         """``int p ds / sqrt(s^2 - inner^2)``."""
         return float((1.0 / self._root) @ self.values)
 
+    def half_integral(self, below: Array) -> Array:
+        """Return ``int p ds / sqrt(s^2 - t^2)`` where ``rim**2 - t**2 = below``."""
+        root = below[:, None] + self.above
+        np.sqrt(root, out=root)
+        np.reciprocal(root, out=root)
+        return np.asarray(root @ self.values)
+
     def fall(self, below: Array) -> Array:
         """Return by how much the half-integral at ``inner**2 - below`` is less than at the rim."""
         root = below[:, None] + self.above
@@ -221,23 +229,21 @@ class _OneDiskProblem:
         """Solve for a drive, which may be the change of one: all is linear in the pressure."""
         panels = resolution.panels
         source = SlipSource(drive.pressure, radius, EDGE, self.alpha, tolerance)
-        rise = drive.rise(radius)
         at_rim = np.array(radius.rest)
-
-        def target(d: Array) -> Array:
-            return rise(d) + self.friction * source.fall(radius.square * d)
-
+        balance, target = rim_target(
+            drive, radius, [(self.friction, source)], keep=self.beta > 0.0
+        )
         values = interpolate(panels, target)
         coefficients = factored.solve(values)
-        rim = unit = 0.0
+        rim, unit = -balance, 0.0
         if self.beta > 0.0:
             response = factored.solve(np.ones_like(values))
             unit = series_of(panels, response).limit
             slipping = self.friction * float(drive.pressure.at(at_rim))
             rim = (slipping - series_of(panels, coefficients).limit) / unit
             coefficients = coefficients + rim * response
-        mismatch = float(drive.target(at_rim)) - self.friction * source.at_rim - rim
-        return _Trial(radius, mismatch, coefficients, factored, values + rim, unit)
+            values = values + rim
+        return _Trial(radius, -rim, coefficients, factored, values, unit)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
         quadrature = 0.01 * self.tolerance
@@ -248,11 +254,6 @@ class _OneDiskProblem:
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
         trial = self._trial(resolution, self.logit, quadrature)
         return self._assess(resolution, trial)
-
-    def _stationary(self, radius: Radius, shift: float) -> float:
-        """Return the change of shear with the radius: at the right one only of second order."""
-        width = shift * radius.rest
-        return width**2 / min(radius.rest, self.beta or radius.rest)
 
     def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
         """Turn the final trial into a solution with its errors."""
@@ -293,7 +294,7 @@ class _OneDiskProblem:
             DiskSeries(radius, series),
             shear,
             error,
-            lost / shear + self._stationary(radius, shift) + 10.0 * ROUNDING,
+            lost / shear + 2.0 * shift**2 * radius.rest + 10.0 * ROUNDING,
             shift * radius.rest / 2.0 + ROUNDING,
             shift * radius.square + ROUNDING,
             ((Points(radius, -radius.square * disk.nodes.d), weights * misfit),),
@@ -302,6 +303,49 @@ class _OneDiskProblem:
         )
         unknowns = disk.tangential.space(resolution.degrees).unknowns
         return Attempt(value, error, indicators, rates, unknowns)
+
+
+def rim_target(
+    drive: Drive, radius: Radius, sources: list[tuple[float, SlipSource]], *, keep: bool
+) -> tuple[float, Callable[[Array], Array]]:
+    """Return the target of a stick disk at its rim, and on the disk.
+
+    Parameters
+    ----------
+    drive : Drive
+    radius : Radius
+        The rim.
+    sources : list of (float, SlipSource)
+        Slip zones outside, each with its sign times ``f / kappa``.
+    keep : bool
+        Whether the function includes the balance. It does not where the target must vanish at
+        the rim, at zero compliance.
+
+    Returns
+    -------
+    balance : float
+        ``R(c) - (f/kappa) P(c)``.
+    function : callable
+        The target as a function of ``d = 1 - s**2/c**2``. Near the rim it is built from differences
+        that do not cancel; beyond, from the parts, whose noise falls with their size.
+    """
+    at_rim = float(drive.target(np.array(radius.rest)))
+    balance = at_rim - sum(factor * source.at_rim for factor, source in sources)
+    reach, rise = drive.rise(radius)
+    at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
+
+    def function(d: Array) -> Array:
+        near = d <= reach
+        value = np.empty_like(d)
+        below = radius.square * d
+        value[near] = rise(d[near]) + at_start
+        value[~near] = drive.target(radius.rest + below[~near]) - at_end
+        for factor, source in sources:
+            value[near] += factor * source.fall(below[near])
+            value[~near] -= factor * source.half_integral(below[~near])
+        return value
+
+    return balance, function
 
 
 def disk_resolution(radius: Radius, alpha: float, beta: float, tolerance: float) -> Resolution:

@@ -147,14 +147,14 @@ def _one_disk_outcome(
     misfit = slip_misfit(drive, [annulus], [1], friction, [])
     slipping = Slipping(annulus, 1, misfit[0])
     stuck = Stuck(radius, disk.parts)
-    fields, samples, largest = slip_displacement([stuck], [slipping], pressure, beta, friction)
+    fields, samples, largest, unresolved = slip_displacement([stuck], [slipping], pressure, beta, friction)
     traction = ZonalField(
         (ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction))
     )
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
     excess = stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
-    slip_error = displacement_error(drive, EDGE, disk.stray, beta, friction, largest)
+    slip_error = displacement_error(drive, EDGE, disk.stray + 4.0 * unresolved, beta, friction, largest)
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
     consistent = excess <= 10.0 * error and float(samples[0].max()) <= slip_error * largest
     return PartialSlip(
@@ -208,7 +208,7 @@ def _zones_outcome(
 ) -> PartialSlip:
     """Add displacement and checks to the solution on any zones."""
     pressure = drive.pressure
-    fields, samples, largest = slip_displacement(
+    fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, solved.slipping, pressure, beta, friction
     )
     bounds = (_CENTRE, *solved.radii, EDGE)
@@ -228,7 +228,7 @@ def _zones_outcome(
     outermost = max(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
-    slip_error = displacement_error(drive, outermost, solved.stray, beta, friction, largest)
+    slip_error = displacement_error(drive, outermost, solved.stray + 4.0 * unresolved, beta, friction, largest)
     wrong = max(float(v.max()) for v in samples)
     return PartialSlip(
         tuple(zones),

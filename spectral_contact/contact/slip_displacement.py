@@ -81,7 +81,7 @@ def annulus_between(
 
 def slip_displacement(
     stuck: list[Stuck], zones: list[Slipping], pressure: PressureField, beta: float, friction: float
-) -> tuple[list[AnnulusSeries], list[Array], float]:
+) -> tuple[list[AnnulusSeries], list[Array], float, float]:
     """Return the displacement on every slip zone.
 
     Parameters
@@ -100,8 +100,10 @@ def slip_displacement(
         Its values times the sign of the traction: negative where slip opposes traction.
     largest : float
         Largest modulus.
+    unresolved : float
+        What the last coefficients of the sampled series leave out.
     """
-    fields, samples = [], []
+    fields, samples, unresolved = [], [], 0.0
     for zone in zones:
         annulus = zone.annulus
         expansion = annulus.expand(
@@ -125,9 +127,13 @@ def slip_displacement(
             traction = zone.sign * friction * pressure.at(points.y)
             parts.append(beta * traction - total / (pi * s))
         series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
+        weighted = [np.sqrt(f.sampling().z) * e for f, e in zip(annulus.families, zone.misfit, strict=True)]
+        for family, e, u in zip(annulus.families, weighted, series, strict=True):
+            inner_error = family.unresolved(sampled_series(family.panels, e)) / 4.0
+            unresolved = max(unresolved, inner_error + family.unresolved(u))
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * np.concatenate(parts))
-    return fields, samples, max(float(np.abs(v).max()) for v in samples)
+    return fields, samples, max(float(np.abs(v).max()) for v in samples), unresolved
 
 
 def _from_stuck(zone: Stuck, points: Points) -> Array:

@@ -17,7 +17,12 @@ from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
-from spectral_contact.contact.one_disk import SlipSource, disk_resolution, interpolate
+from spectral_contact.contact.one_disk import (
+    SlipSource,
+    disk_resolution,
+    interpolate,
+    rim_target,
+)
 from spectral_contact.contact.resolution import (
     ROUNDING,
     SAFETY,
@@ -194,7 +199,9 @@ class _ZonesProblem:
         annuli, indices = self._stick_spaces(radii, degrees, panels.degree)
         columns = np.concatenate(indices) if indices else np.zeros(0, dtype=int)
         # disk targets: what does not depend on the annuli, the rim value, every annulus function
-        fixed = self._fixed_target(panels, radii, quadrature)
+        sources = self._sources(radii, quadrature)
+        _, function = rim_target(self.drive, rim, sources, keep=True)
+        fixed = interpolate(panels, function)
         falls, at_rim = self._annulus_falls(panels, rim, annuli, columns)
         targets = np.column_stack([fixed, np.ones_like(fixed), falls])
         responses = factored.solve(targets)
@@ -218,12 +225,7 @@ class _ZonesProblem:
         unknown = _scaled_solve(system, vector)
         outer, m = unknown[:size], unknown[size]
         combination = np.concatenate([[1.0, m], outer])
-        balance = (
-            float(self.drive.target(np.array(rim.rest)))
-            - self._slip_at_rim(radii, quadrature)
-            - float(at_rim @ outer)
-            - m
-        )
+        balance = -float(at_rim @ outer) - m
         mismatch = self._mismatch(radii, annuli, indices, outer, balance)
         return _Trial(
             radii,
@@ -267,30 +269,22 @@ class _ZonesProblem:
 
     def _sources(
         self, radii: tuple[Radius, ...], tolerance: float
-    ) -> list[tuple[int, SlipSource]]:
+    ) -> list[tuple[float, SlipSource]]:
         return [
-            (state, SlipSource(self.drive.pressure, radii[k - 1], self._outer(radii, k), self.alpha, tolerance, rim=radii[0]))
+            (
+                state * self.friction,
+                SlipSource(
+                    self.drive.pressure,
+                    radii[k - 1],
+                    self._outer(radii, k),
+                    self.alpha,
+                    tolerance,
+                    rim=radii[0],
+                ),
+            )
             for k, state in enumerate(self.states)
             if state != 0
         ]
-
-    def _fixed_target(
-        self, panels: LogPanels, radii: tuple[Radius, ...], tolerance: float
-    ) -> Array:
-        """Return R minus the slip zones at the disk nodes, less its value at the rim."""
-        rise = self.drive.rise(radii[0])
-        sources = self._sources(radii, tolerance)
-
-        def function(d: Array) -> Array:
-            value = rise(d)
-            for sign, source in sources:
-                value = value + sign * self.friction * source.fall(radii[0].square * d)
-            return value
-
-        return interpolate(panels, function)
-
-    def _slip_at_rim(self, radii: tuple[Radius, ...], tolerance: float) -> float:
-        return sum(s * self.friction * source.at_rim for s, source in self._sources(radii, tolerance))
 
     def _annulus_falls(
         self, panels: LogPanels, rim: Radius, annuli: list[Annulus], columns: Array
@@ -413,7 +407,8 @@ class _ZonesProblem:
             x = x + step
             fresh = self._trial(resolution, x, quadrature)
             change = fresh.mismatch - trial.mismatch - self.jacobian @ step
-            self.jacobian = self.jacobian + np.outer(change, step) / float(step @ step)
+            if size > 0.0:
+                self.jacobian = self.jacobian + np.outer(change, step) / float(step @ step)
             previous, trial = size, fresh
             if size <= settle or (size <= 1e-7 and np.abs(trial.mismatch).max() <= 1e-14):
                 break
@@ -473,7 +468,7 @@ class _ZonesProblem:
             fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1]))
         rate = np.concatenate(rates)
         indicators = expected_error(np.concatenate(shares), rate)
-        worst = SAFETY * float(rate[np.argmax(indicators)]) ** 2
+        worst = SAFETY * float(rate[np.argmax(indicators)]) ** 1.5
         error = float(indicators.max()) + 20.0 * ROUNDING
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
         stray = max(float(np.abs(a - b).max()) for a, b in zip(misfit, misfit_coarse, strict=True))

@@ -150,6 +150,11 @@ class Family:
         p = self.panels
         return LogSeries(self.table(coefficients), coefficients[-p.tail_terms :], p.width)
 
+    @staticmethod
+    def unresolved(series: LogSeries) -> float:
+        """Return the largest of the last three coefficients of any panel."""
+        return float(np.abs(series.coefficients[:, -3:]).max())
+
     def expand(self, values: Array) -> Array:
         """Return coefficients, of the size of the basis, through values at the sampling points."""
         series = sampled_series(self.panels, values)
