@@ -6,11 +6,13 @@ relative accuracy at the edge and at both ends of every zone.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
+
+from spectral_contact.legendre import legendre_rows, legendre_sum
 
 __all__ = [
     "AnnulusSeries",
@@ -96,27 +98,44 @@ class LogSeries:
         """Evaluate at distances `d` in [0, 1], any shape."""
         shape = np.shape(d)
         d = np.ravel(d)
+        if d.size == 1:
+            return np.full(shape, self._one(float(d[0])))
         panels = len(self.coefficients)
         end = float(np.exp(-panels * self.width))
-        x = -np.log(np.maximum(d, end * 1e-2))
-        own = np.minimum((np.maximum(x, 0.0) / self.width).astype(int), panels - 1)
-        local = 2.0 * (x / self.width - own) - 1.0
-        degree = self.coefficients.shape[1] - 1
-        values = legendre.legvander(np.clip(local, -1.0, 1.0), degree)
-        result = np.einsum("ik,ik->i", values, self.coefficients[own])
+        x = -np.log(np.maximum(d, end * 1e-2)) / self.width
+        own = np.clip(x.astype(int), 0, panels - 1)
+        local = np.clip(2.0 * (x - own) - 1.0, -1.0, 1.0)
+        values = legendre_rows(local, self.coefficients.shape[1] - 1)
+        result = np.einsum("ki,ik->i", values, self.coefficients[own])
         deep = d < end
         if deep.any():
             ratio = np.sqrt(d[deep] / end) if self.root_tail else d[deep] / end
-            result[deep] = legendre.legval(2.0 * ratio - 1.0, self.tail)
+            result[deep] = self.tail @ legendre_rows(2.0 * ratio - 1.0, len(self.tail) - 1)
         if self.power != 0.0:
             with np.errstate(divide="ignore"):
                 result *= d**self.power
         return np.asarray(result.reshape(shape))
 
+    def _one(self, d: float) -> float:
+        """Evaluate at one distance."""
+        panels = len(self.coefficients)
+        end = math.exp(-panels * self.width)
+        if d < end:
+            ratio = math.sqrt(d / end) if self.root_tail else d / end
+            value = legendre_sum(2.0 * ratio - 1.0, self.tail.tolist())
+        else:
+            x = -math.log(d) / self.width
+            own = min(max(int(x), 0), panels - 1)
+            local = min(max(2.0 * (x - own) - 1.0, -1.0), 1.0)
+            value = legendre_sum(local, self.coefficients[own].tolist())
+        if self.power == 0.0:
+            return value
+        return value * d**self.power if d > 0.0 else math.copysign(math.inf, value)
+
     @property
     def limit(self) -> float:
         """Value at ``d = 0``; infinite where the tail is singular."""
-        return np.inf if self.power < 0.0 else float(legendre.legval(-1.0, self.tail))
+        return np.inf if self.power < 0.0 else legendre_sum(-1.0, self.tail.tolist())
 
     def minus(self, other: LogSeries) -> LogSeries:
         """Return the difference of two series on the same panels."""

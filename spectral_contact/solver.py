@@ -290,10 +290,11 @@ class _Run:
         """Stop at full stick above the critical friction; else find the zones."""
         scene = self.scene
         assert scene.friction is not None
-        if scene.friction >= self.values["critical_friction"]:
+        critical = self.values["critical_friction"]
+        if scene.friction >= critical:
             self._all_stick()
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
-            reason = f"friction is not below the critical {self.values['critical_friction']:.6g}"
+            reason = f"friction is not below the critical {critical:.6g}"
             self._skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
             return
         from spectral_contact.contact.partial_slip import solve_partial_slip
@@ -326,7 +327,7 @@ class _Run:
         )
         self.values.update(
             zones=solved.zones,
-            stick_radius=solved.zones[0].outer,
+            stick_radius=solved.zones[0].outer if solved.zones[0].kind == "stick" else 0.0,
             total_shear=kappa * solved.total_shear,
         )
         self.errors.update(

@@ -109,7 +109,7 @@ class _NormalProblem:
             load = load_vector(panels, lambda d: 0.5 * weight(d))
             known = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
         factored = space.factor(compliance)
-        solution = factored.solve(target, load)
+        solution = factored.solve(target, load, correct=self.pointwise and weight is None)
         change = factored.change(solution)
         half_integral = disk.half_integral @ solution
         # int p s ds = (2/pi) int F dt, for unit approach

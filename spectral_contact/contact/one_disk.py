@@ -54,8 +54,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Stick radii are searched between 1e-130 and 1 - 1e-260: products of distances must not underflow.
-_LARGEST_LOGIT = 600.0
+#: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves no traction to find.
+_LEAST_LOGIT, _LARGEST_LOGIT = -300.0, 100.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,18 @@ class OneDisk:
 
 
 class NoStickDiskError(ArithmeticError):
-    """No radius makes the traction continuous: slip is not one annulus at the edge."""
+    """No radius in the range searched makes the traction continuous.
+
+    Attributes
+    ----------
+    at_centre : bool
+        Whether the root lies below the range: the stick disk is smaller than 1e-65. Else the
+        slip annulus is narrower than that, or slip is not one annulus at the edge.
+    """
+
+    def __init__(self, at_centre: bool) -> None:
+        super().__init__("no stick disk in the range searched")
+        self.at_centre = at_centre
 
 
 class SlipSource:
@@ -127,7 +138,7 @@ class SlipSource:
         width = gap(inner, outer)
         half = width / 2.0
         # square roots at the inner end; at the outer end a singular pressure is one, too
-        points = 3 + ceil(-0.35 * log(tolerance))
+        points = 3 + ceil(-0.28 * log(tolerance))
         finest = max(1e-3 * tolerance, 1e-17) ** 2 * half
         offsets, weights = _graded(half, min(half, inner.square) / half * finest, points)
         depth, outer_weights = _graded(
@@ -191,16 +202,60 @@ class _Trial:
 class _OneDiskProblem:
     """Spaces for the stick disk; the radius is found anew in each of them."""
 
-    def __init__(self, drive: Drive, beta: float, friction: float, tolerance: float) -> None:
+    def __init__(
+        self,
+        drive: Drive,
+        beta: float,
+        friction: float,
+        tolerance: float,
+        guess: float | None = None,
+    ) -> None:
         self.drive = drive
         self.beta = beta
         self.friction = friction
         self.tolerance = tolerance
         self.alpha = drive.contact.compliance
-        # the radius roughly, in small spaces
-        self.logit, self.slope = _bracketed_root(
-            lambda x: self._trial(self._resolution(x, 1e-3), x, 1e-3).mismatch
-        )
+        if guess is not None:  # in a space that sees a narrow annulus
+            space = self._resolution(guess, tolerance)
+            ends = [self._trial(space, guess + h, 0.01 * tolerance).mismatch for h in (-0.05, 0.05)]
+            self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
+            return
+        # the radius roughly: of the smooth surface, then in small spaces
+        smooth, slope = _bracketed_root(self._smooth_mismatch)
+        self.logit, self.slope = smooth, slope
+        if beta > 0.0:
+            # with compliance c grows like 2 beta f/kappa at first
+            rough = 2.0 * beta * friction / (1.0 + 2.0 * beta * friction)
+            start = max(smooth, 2.0 * log(rough) - log(1.0 - rough**2))
+            self.logit, self.slope = self._rough_root(start)
+
+    def _smooth_mismatch(self, logit: float) -> float:
+        """Return ``R(c) - (f/kappa) P(c)``, zero without tangential compliance."""
+        radius = Radius.from_logit(logit)
+        source = SlipSource(self.drive.pressure, radius, EDGE, self.alpha, 1e-3)
+        return float(self.drive.target(np.array(radius.rest))) - self.friction * source.at_rim
+
+    def _rough_root(self, start: float) -> tuple[float, float]:
+        """Return the radius with compliance, roughly, and the slope there."""
+
+        def mismatch(logit: float) -> float:
+            return self._trial(self._resolution(logit, 1e-3), logit, 1e-3).mismatch
+
+        x, value = start, mismatch(start)
+        slope = (mismatch(start + 0.3) - value) / 0.3
+        for _ in range(8):  # the secant mostly settles; else bracket
+            step = max(min(-value / slope, 3.0), -3.0)
+            if not _LEAST_LOGIT < x + step < _LARGEST_LOGIT:
+                break
+            fresh = mismatch(x + step)
+            if fresh != value:
+                slope = (fresh - value) / step
+            x, value = x + step, fresh
+            if slope <= 0.0:
+                break
+            if abs(step) < 1e-3 * max(1.0, abs(x)):
+                return x, slope
+        return _bracketed_root(mismatch)
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
         """Return the first space for a disk of this radius."""
@@ -216,7 +271,8 @@ class _OneDiskProblem:
     def _trial(self, resolution: Resolution, logit: float, tolerance: float) -> _Trial:
         """Solve the disk of the given radius; the mismatch of the rim value decides."""
         radius = Radius.from_logit(logit)
-        return self._at(self.drive, resolution, radius, self._factored(resolution, radius), tolerance)
+        factored = self._factored(resolution, radius)
+        return self._at(self.drive, resolution, radius, factored, tolerance, correct=False)
 
     def _at(
         self,
@@ -225,6 +281,8 @@ class _OneDiskProblem:
         radius: Radius,
         factored: Factored,
         tolerance: float,
+        *,
+        correct: bool,
     ) -> _Trial:
         """Solve for a drive, which may be the change of one: all is linear in the pressure."""
         panels = resolution.panels
@@ -234,10 +292,13 @@ class _OneDiskProblem:
             drive, radius, [(self.friction, source)], keep=self.beta > 0.0
         )
         values = interpolate(panels, target)
-        coefficients = factored.solve(values)
         rim, unit = -balance, 0.0
-        if self.beta > 0.0:
-            response = factored.solve(np.ones_like(values))
+        if self.beta == 0.0:
+            coefficients = factored.solve(values, correct=correct)
+        else:
+            targets = np.column_stack([values, np.ones_like(values)])
+            both = factored.solve(targets, correct=correct)
+            coefficients, response = both[:, 0], both[:, 1]
             unit = series_of(panels, response).limit
             slipping = self.friction * float(drive.pressure.at(at_rim))
             rim = (slipping - series_of(panels, coefficients).limit) / unit
@@ -252,7 +313,9 @@ class _OneDiskProblem:
             return self._trial(resolution, logit, quadrature).mismatch
 
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
-        trial = self._trial(resolution, self.logit, quadrature)
+        radius = Radius.from_logit(self.logit)
+        factored = self._factored(resolution, radius)
+        trial = self._at(self.drive, resolution, radius, factored, quadrature, correct=True)
         return self._assess(resolution, trial)
 
     def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
@@ -273,7 +336,9 @@ class _OneDiskProblem:
         if trial.unit > 0.0:
             shift = SAFETY * own * abs(series_of(panels, change).limit / trial.unit)
         if self.drive.change is not None:
-            moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
+            moved = self._at(
+                self.drive.change, resolution, radius, trial.factored, 1e-3, correct=False
+            )
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share
             shift += propagated * abs(moved.mismatch)
@@ -388,12 +453,12 @@ def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
     while at_high < 0.0:
         low, at_low, high, step = high, at_high, min(high + step, _LARGEST_LOGIT), 2.0 * step
         if low >= _LARGEST_LOGIT:
-            raise NoStickDiskError("no slip annulus wider than 1e-260")
+            raise NoStickDiskError(at_centre=False)
         at_high = function(high)
     while at_low > 0.0:
-        high, at_high, low, step = low, at_low, max(low - step, -_LARGEST_LOGIT), 2.0 * step
-        if high <= -_LARGEST_LOGIT:
-            raise NoStickDiskError("no stick radius above 1e-130")
+        high, at_high, low, step = low, at_low, max(low - step, _LEAST_LOGIT), 2.0 * step
+        if high <= _LEAST_LOGIT:
+            raise NoStickDiskError(at_centre=True)
         at_low = function(low)
     root = float(optimize.brentq(function, low, high, xtol=1e-3, rtol=1e-5))
     return root, (function(root + 0.05) - function(root - 0.05)) / 0.1
@@ -410,13 +475,23 @@ def _polished_root(
         if abs(step) <= 1e-9 * max(1.0, abs(x)):
             return x + step, slope
         fresh = function(x + step)
+        if fresh == value:
+            return x + step, slope
         slope = (fresh - value) / step
         x, value = x + step, fresh
-    raise ArithmeticError("the stick radius did not settle")
+        if not _LEAST_LOGIT < x < _LARGEST_LOGIT:
+            raise NoStickDiskError(at_centre=x < 0.0)
+    return x, slope  # as near as its conditioning lets it; the error estimate shows it
 
 
 def solve_one_disk(
-    drive: Drive, beta: float, friction: float, tolerance: float, max_unknowns: int
+    drive: Drive,
+    beta: float,
+    friction: float,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    guess: float | None = None,
 ) -> Refinement[OneDisk]:
     """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
 
@@ -432,10 +507,15 @@ def solve_one_disk(
         Bound on the relative error of q/s, pointwise.
     max_unknowns : int
         Most unknowns of a space.
+    guess : float, optional
+        First guess of ``ln(c**2/(1 - c**2))``; by default it is searched for.
 
     Returns
     -------
     Refinement
         Whether the assumption holds is for the caller to check.
     """
-    return refine(_OneDiskProblem(drive, beta, friction, tolerance), tolerance, max_unknowns)
+    if beta == 0.0 and friction > _LARGEST_LOGIT:  # 1 - c falls like exp(-pi f/(2 kappa))
+        raise NoStickDiskError(at_centre=False)
+    problem = _OneDiskProblem(drive, beta, friction, tolerance, guess)
+    return refine(problem, tolerance, max_unknowns)

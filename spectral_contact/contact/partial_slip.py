@@ -27,6 +27,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_misfit,
 )
 from spectral_contact.fields import Radius, ZonalField, ZonePiece
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, Zone
 
 if TYPE_CHECKING:
@@ -38,6 +39,10 @@ Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
 
 _CENTRE = Radius(0.0, 1.0)
+
+#: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
+#: square root of what the friction lacks, 1e-13 at best.
+UNRESOLVED_SLIP = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +61,8 @@ class PartialSlip:
         Whether the violation is within the errors.
     searched : bool
         Whether one stick disk was not enough.
+    wrong_below : float
+        ``y = 1 - s**2`` below which slip at the edge has the wrong sense; 0 if nowhere.
     """
 
     zones: tuple[Zone, ...]
@@ -70,6 +77,7 @@ class PartialSlip:
     violation: float
     consistent: bool
     searched: bool
+    wrong_below: float = 0.0
 
 
 def solve_partial_slip(
@@ -105,44 +113,140 @@ def solve_partial_slip(
     -------
     PartialSlip
     """
-    begin, guess = perf_counter(), None
-    result: PartialSlip | None = None
-    # on a smooth surface with tangential compliance p is infinite at the edge and q is not
-    if drive.contact.compliance > 0.0 or beta == 0.0:
-        try:
-            refinement = solve_one_disk(drive, beta, friction, tolerance, max_unknowns)
-        except NoStickDiskError:
-            pass
-        else:
-            disk: OneDisk = record(PARTIAL_SLIP, refinement, begin)
-            guess, begin = disk.radius, perf_counter()
-            outcome = _one_disk_outcome(drive, disk, beta, friction, tolerance)
-            result = record(SLIP_FIELD, outcome, begin)
-            if outcome.consistent:
-                return outcome
-    from spectral_contact.contact.zone_search import search_zones
-    from spectral_contact.contact.zones import solve_zones
+    run = _Search(drive, stick, beta, friction, tolerance, max_unknowns, record)
+    return run.outcome()
 
-    begin = perf_counter()
-    layout = search_zones(drive, stick, beta, friction, guess)
-    if result is not None and layout.states == (0, 1):
-        return result  # nothing better was found: the violation stands, flagged
-    zones: ZonesSolution = record(
-        ZONE_SEARCH, solve_zones(drive, beta, friction, layout, tolerance, max_unknowns), begin
+
+@dataclass(slots=True)
+class _Search:
+    """One stick disk first; then what the active set finds; the least violation wins."""
+
+    drive: Drive
+    stick: FullStick
+    beta: float
+    friction: float
+    tolerance: float
+    max_unknowns: int
+    record: Record
+
+    def outcome(self) -> PartialSlip:
+        """Return the first outcome that satisfies the friction law."""
+        found: list[PartialSlip] = []
+        # on a smooth surface with tangential compliance p is infinite at the edge and q is not:
+        # it sticks for y < (f beta/kappa)^2, as long as that is a number
+        smooth = self.drive.contact.compliance == 0.0 and self.beta > 0.0
+        if not smooth or (self.friction * self.beta) ** 2 < 1e-80:
+            try:
+                found.append(self._one_disk(None))
+            except NoStickDiskError as missing:
+                if missing.at_centre:
+                    return _all_slip(self.drive, self.beta, self.friction, self.tolerance)
+                if self.beta == 0.0:
+                    return _no_slip(self.drive, self.stick)
+            if found and (found[0].consistent or self.beta == 0.0 or smooth):
+                return found[0]
+        found += self._searched(found[0] if found else None)
+        if not found:  # slip about to start, thinner than its own conditioning
+            return _no_slip(self.drive, self.stick)
+        return min(found, key=lambda outcome: outcome.violation)
+
+    def _one_disk(self, guess: float | None) -> PartialSlip:
+        begin = perf_counter()
+        refinement = solve_one_disk(
+            self.drive, self.beta, self.friction, self.tolerance, self.max_unknowns, guess=guess
+        )
+        disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
+        begin = perf_counter()
+        outcome = _one_disk_outcome(self.drive, disk, self.beta, self.friction, self.tolerance)
+        result: PartialSlip = self.record(SLIP_FIELD, outcome, begin)
+        return result
+
+    def _searched(self, first: PartialSlip | None) -> list[PartialSlip]:
+        """Solve on the zones of the active set; nothing if it finds nothing new."""
+        from spectral_contact.contact.zone_search import Layout, logit_of_rest, search_zones
+        from spectral_contact.contact.zones import solve_zones
+
+        begin = perf_counter()
+        radius = None if first is None else first.zones[0].outer
+        layout = search_zones(self.drive, self.stick, self.beta, self.friction, radius)
+        if layout.states == (0, 1) and first is not None:
+            if first.wrong_below == 0.0:
+                return []
+            # an edge zone thinner than the cells: the wrong sense of slip shows where
+            disk = Radius(first.zones[0].outer, first.zones[0].outer_from_edge)
+            layout = Layout((disk.logit, logit_of_rest(first.wrong_below)), (0, 1, 0))
+        if layout.states == (0, 1):
+            try:
+                return [self._one_disk(layout.logits[0])]
+            except NoStickDiskError:
+                return []
+        if layout.states == (0,):
+            return []
+        refinement = solve_zones(
+            self.drive, self.beta, self.friction, layout, self.tolerance, self.max_unknowns
+        )
+        zones: ZonesSolution = self.record(ZONE_SEARCH, refinement, begin)
+        return [_zones_outcome(self.drive, zones, self.beta, self.friction)]
+
+
+def _no_slip(drive: Drive, stick: FullStick) -> PartialSlip:
+    """Return full stick: the slip there is is narrower than what can be resolved."""
+    error = max(stick.traction_error, drive.contact.pressure_error)
+    return PartialSlip(
+        (Zone.between("stick", _CENTRE, EDGE),),
+        ZonalField((ZonePiece(EDGE, stick.traction),)),
+        ZonalField((ZonePiece(EDGE, None),)),
+        stick.total_shear,
+        error,
+        stick.shear_error,
+        UNRESOLVED_SLIP,
+        UNRESOLVED_SLIP,
+        1.0,
+        0.0,
+        True,
+        False,
     )
-    return _zones_outcome(drive, zones, beta, friction)
+
+
+def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> PartialSlip:
+    """Return slip everywhere: the stick disk is smaller than 1e-65."""
+    centre = Radius.from_logit(-74.0)
+    annulus = _edge_annulus(drive, centre, beta, tolerance)
+    misfit = slip_misfit(drive, [annulus], [1], friction, [])
+    fields, samples, largest, unresolved = slip_displacement(
+        [], [Slipping(annulus, 1, misfit[0])], drive.pressure, beta, friction
+    )
+    error = drive.contact.pressure_error
+    stray = 4.0 * (unresolved + error) + tolerance * 1e-3
+    return PartialSlip(
+        (Zone.between("slip", _CENTRE, EDGE),),
+        ZonalField((ZonePiece(EDGE, drive.pressure, friction),)),
+        ZonalField((ZonePiece(centre, None), ZonePiece(EDGE, fields[0]))),
+        friction,
+        error,
+        2.0 * ROUNDING,
+        1.0,
+        1.0,
+        displacement_error(drive, EDGE, stray, beta, friction, largest),
+        max(float(samples[0].max()) / largest, 0.0),
+        True,
+        False,
+    )
+
+
+def _edge_annulus(drive: Drive, inner: Radius, beta: float, tolerance: float) -> Annulus:
+    """Return the panels of a slip zone that reaches the edge."""
+    alpha = drive.contact.compliance
+    layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
+    return annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
 
 
 def _one_disk_outcome(
     drive: Drive, disk: OneDisk, beta: float, friction: float, tolerance: float
 ) -> PartialSlip:
     """Add zones, displacement and checks to the one-disk solution."""
-    alpha = drive.contact.compliance
     radius = disk.radius
-    rate = 0.5 if alpha == 0.0 else 1.0
-    annulus = annulus_between(
-        radius, EDGE, (min(beta or 1.0, radius.rest), alpha or radius.rest), tolerance, rate
-    )
+    annulus = _edge_annulus(drive, radius, beta, tolerance)
     pressure = drive.pressure
     misfit = slip_misfit(drive, [annulus], [1], friction, [])
     slipping = Slipping(annulus, 1, misfit[0])
@@ -156,7 +260,7 @@ def _one_disk_outcome(
     error = max(disk.traction_error, drive.contact.pressure_error)
     slip_error = displacement_error(drive, EDGE, disk.stray + 4.0 * unresolved, beta, friction, largest)
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
-    consistent = excess <= 10.0 * error and float(samples[0].max()) <= slip_error * largest
+    consistent = _obeys(excess, error, float(samples[0].max()) / largest, slip_error)
     return PartialSlip(
         (Zone.between("stick", _CENTRE, radius), Zone.between("slip", radius, EDGE)),
         traction,
@@ -170,7 +274,27 @@ def _one_disk_outcome(
         violation,
         consistent,
         False,
+        _wrong_below(annulus, samples[0]),
     )
+
+
+def _wrong_below(annulus: Annulus, sample: Array) -> float:
+    """Return the ``y`` below which the displacement at the edge has the sense of the traction."""
+    y = np.concatenate([f.sampling().y for f in annulus.families])
+    order = np.argsort(y)
+    wrong = sample[order] > 0.0
+    if not wrong[0]:
+        return 0.0
+    last = len(wrong) if wrong.all() else int(np.argmin(wrong))
+    return float(y[order[last - 1]])
+
+
+def _obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
+    """Return whether the friction law holds to the errors, or to what rounding leaves of them.
+
+    The violation is reported in any case; near the onset of a zone it cannot be less.
+    """
+    return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, 1e-10)
 
 
 def displacement_error(
@@ -241,6 +365,6 @@ def _zones_outcome(
         max(max(pair) for pair in solved.boundary_errors),
         slip_error,
         max(excess, wrong / largest, 0.0),
-        excess <= 10.0 * error and wrong <= slip_error * largest,
+        _obeys(excess, error, wrong / largest, slip_error),
         True,
     )

@@ -69,7 +69,7 @@ def annulus_between(
     half = gap(inner, outer) / 2.0
     digits = -np.log(tolerance)
     # the far end of the annulus is a singularity ln 2 before the first panel
-    degree = 4 * int(np.ceil((4.0 + 0.8 * digits) / 4.0))
+    degree = 4 * int(np.ceil((4.0 + 0.7 * digits) / 4.0))
     depths = (
         max(np.log(half / layers[0]), 0.0) + 0.6 * digits + 3.0,
         max(np.log(half / layers[1]), 0.0) + (digits + 3.0) / rate,
@@ -112,7 +112,7 @@ def slip_displacement(
                 for f, e in zip(annulus.families, zone.misfit, strict=True)
             )
         )
-        own = annulus.own_transforms[1] @ expansion
+        own = annulus.own_inner_integral(expansion)
         parts = []
         for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
             points = family.sampling()
@@ -203,14 +203,14 @@ def slip_misfit(
         values = []
         for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
             points = family.sampling()
+            rows = slice(start, start + len(points.offset))
             e = drive.target(points.y)
             for other, sign, expansion in zip(annuli, signs, expansions, strict=True):
                 if other is annulus:
-                    rows = slice(start, start + len(points.offset))
-                    half = annulus.own_transforms[0][rows]
+                    half = other.own_half_integral(expansion)[rows]
                 else:
-                    half = other.half_integral(points)
-                e = e - sign * friction * (half @ expansion)
+                    half = other.half_integral(points) @ expansion
+                e = e - sign * friction * half
             for other_field in others:
                 e = e - other_field(points)
             values.append(e)

@@ -19,7 +19,7 @@ from spectral_contact.fields import Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Layout", "search_zones"]
+__all__ = ["Layout", "logit_of_rest", "search_zones"]
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ class Layout:
 
 
 def search_zones(
-    drive: Drive, stick: FullStick, beta: float, friction: float, disk: Radius | None
+    drive: Drive, stick: FullStick, beta: float, friction: float, radius: float | None
 ) -> Layout:
     """Guess the zones.
 
@@ -60,7 +60,7 @@ def search_zones(
         The full-stick solution, which shows slip zones narrower than a cell.
     beta, friction : float
         ``beta*`` and ``f / kappa``.
-    disk : Radius, optional
+    radius : float, optional
         The stick radius under the assumption of one disk, for disks smaller than a cell.
     """
     depth = _depth(drive.contact.compliance, beta, friction)
@@ -80,7 +80,7 @@ def search_zones(
     layout = _layout(slips)
     if layout.logits and Radius.from_logit(layout.logits[0]).square < 4.0 * cells.width:
         # the disk is smaller than a few cells: c = 2 beta f / kappa as f -> 0
-        first = _logit_of(2.0 * beta * friction) if disk is None else disk.logit
+        first = _logit_of(2.0 * beta * friction if radius is None else radius)
         return Layout((first, *layout.logits[1:]), layout.states)
     return layout
 
@@ -90,7 +90,7 @@ def _depth(alpha: float, beta: float, friction: float) -> float:
     if alpha == 0.0:
         # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
         return 2.0 * max(-log(min(friction, 1.0) * min(beta, 1.0)), 0.0) + 12.0
-    return max(-log(min(alpha, beta, 1.0)), 0.0) + 14.0
+    return max(-log(min(alpha, beta, 1.0)), 0.0) + 30.0
 
 
 def _violations(
@@ -141,6 +141,11 @@ def _layout(slips: list[tuple[float, float, int]]) -> Layout:
             logits.append(_logit(high))
             states.append(0)
     return Layout(tuple(logits), tuple(states))
+
+
+def logit_of_rest(rest: float) -> float:
+    """Return the logit of the radius with ``1 - b**2 = rest``."""
+    return _logit(-log(rest))
 
 
 def _logit(x: float) -> float:

@@ -207,16 +207,26 @@ class Annulus:
         p = self.toward_inner
         return p.sampling().size + len(p.tail_sampling())
 
-    @property
-    def own_transforms(self) -> tuple[Array, Array]:
-        """The two integrals above at the annulus's own sampling points, inner family first.
+    def own_half_integral(self, coefficients: Array) -> Array:
+        """Return the half-integral of a function at the annulus's own sampling points.
 
-        In scaled distances they depend on the panels alone, so they are assembled once (cached).
+        In scaled distances the matrix depends on the panels alone, so it is assembled once
+        (cached). The inner family's points come first.
         """
+        return self._scale * (self._transforms[0] @ coefficients)
+
+    def own_inner_integral(self, coefficients: Array) -> Array:
+        """Return the inner integral of a function at the annulus's own sampling points."""
+        return self._scale * (self._transforms[1] @ coefficients)
+
+    @property
+    def _scale(self) -> float:
+        return float(np.sqrt(gap(self.inner, self.outer) / 2.0))
+
+    @property
+    def _transforms(self) -> tuple[Array, Array]:
         key = (self.toward_inner, self.toward_outer)
-        half, inner = _TRANSFORMS.get(key, lambda: _unit_transforms(*key))
-        scale = np.sqrt(gap(self.inner, self.outer) / 2.0)
-        return half * scale, inner * scale
+        return _TRANSFORMS.get(key, lambda: _unit_transforms(*key))
 
     def expand(self, function_values: tuple[Array, Array]) -> Array:
         """Return coefficients through values at the sampling points of both families."""

@@ -38,6 +38,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+#: Above this compliance the normal equations lose no more than 30 eps, and need no correction.
+_HARMLESS = 1e-3
+
 _OPERATORS: BoundedCache[LogPanels, DiskOperators] = BoundedCache("disk operators", 12)
 
 
@@ -115,7 +118,7 @@ class GalerkinOperator:
         # dsyrk fills one triangle in half the time; `scaled.T` is Fortran-ordered, so no copy
         upper = blas.dsyrk(1.0, scaled.T)
         self.gram: Array = np.triu(upper) + np.triu(upper, 1).T
-        self._spaces: BoundedCache[tuple[int, ...], Space] = BoundedCache("Galerkin spaces", 64)
+        self._spaces: BoundedCache[tuple[int, ...], Space] = BoundedCache("Galerkin spaces", 24)
 
     def space(self, degrees: tuple[int, ...]) -> Space:
         """Return the subspace with these degrees on the panels, the tail whole (cached)."""
@@ -166,6 +169,8 @@ class Space:
         grid = np.ix_(self.index, self.index)
         self._gram = operator.gram[grid]
         self._mass = operator.mass[grid]
+        self._half_integral = operator.half_integral[:, self.index]
+        self._moments = self._half_integral.T * operator.weights
 
     @property
     def unknowns(self) -> int:
@@ -197,7 +202,9 @@ class Factored:
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
 
-    def solve(self, target: Array, load: Array | None = None) -> Array:
+    def solve(
+        self, target: Array, load: Array | None = None, *, correct: bool = True
+    ) -> Array:
         """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
 
         Parameters
@@ -206,27 +213,31 @@ class Factored:
             What the half-integral should be; columns are targets of their own.
         load : ndarray, shape (size,), optional
             Inner products of the basis with a known part of the solution, the lift.
+        correct : bool
+            Whether to correct with the half-integral residual. Integral quantities do not need
+            it, nor does a solution whose singular part is in the lift.
 
         Returns
         -------
         ndarray, shape (size,) or (size, k)
             Coefficients, zero outside the space.
         """
-        op, index, scale = self.space.operator, self.space.index, self.scale
-        fixed = 0.0 if load is None else self.compliance * load[index]
-        coefficients = np.zeros((op.panels.size, *target.shape[1:]))
-        values = np.zeros((len(index), *target.shape[1:]))
+        space, scale = self.space, self.scale
+        fixed = 0.0 if load is None else self.compliance * load[space.index]
+        values: Array = np.zeros(0)
         misfit = target
-        for correction in (False, True):
-            # transposed, so that one and many columns read alike
-            residual = ((op.weights * misfit.T) @ op.half_integral).T[index] - fixed
+        rounds = 2 if correct and self.compliance < _HARMLESS else 1
+        for correction in range(rounds):
+            residual = (space._moments @ misfit).T - fixed
             if correction and self.compliance != 0.0:
-                residual -= self.compliance * (self.space._mass @ values)
-            step, _ = lapack.dpotrs(self._factor, (residual.T * scale).T, lower=1)
-            values += (step.T * scale).T
-            coefficients[index] = values
-            if not correction:
-                misfit = target - op.half_integral @ coefficients
+                residual -= self.compliance * (space._mass @ values).T
+            step, _ = lapack.dpotrs(self._factor, (residual * scale).T, lower=1)
+            step = (step.T * scale).T
+            values = values + step if correction else step
+            if correction + 1 < rounds:
+                misfit = target - space._half_integral @ values
+        coefficients = np.zeros((space.operator.panels.size, *target.shape[1:]))
+        coefficients[space.index] = values
         return coefficients
 
     def change(self, coefficients: Array) -> Change:

@@ -13,6 +13,8 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
+from spectral_contact.legendre import legendre_rows
+
 __all__ = [
     "chebyshev_values",
     "gauss_rule",
@@ -65,16 +67,7 @@ def jacobi_values(x: ArrayLike, degree: int, a: float, b: float) -> NDArray[np.f
 def legendre_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
     """Evaluate the Legendre polynomials (a = b = 0); see `jacobi_values`."""
     x = np.asarray(x, dtype=float)
-    values = np.empty((degree + 1, *x.shape))
-    values[0] = 1.0
-    if degree > 0:
-        values[1] = x
-    for n in range(2, degree + 1):
-        current = values[n]
-        np.multiply(x, values[n - 1], out=current)
-        current *= (2 * n - 1) / n
-        current -= ((n - 1) / n) * values[n - 2]
-    return values.transpose(*range(1, x.ndim + 1), 0)
+    return legendre_rows(x, degree).transpose(*range(1, x.ndim + 1), 0)
 
 
 def chebyshev_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:

@@ -1,0 +1,34 @@
+"""Legendre polynomials and series, evaluated fast: the innermost loop of every evaluation."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["legendre_rows", "legendre_sum"]
+
+Array = NDArray[np.float64]
+
+
+def legendre_rows(x: Array, degree: int) -> Array:
+    """Return P_0 ... P_degree at `x` as rows, shape ``(degree + 1, *x.shape)``."""
+    values = np.empty((degree + 1, *x.shape))
+    values[0] = 1.0
+    if degree > 0:
+        values[1] = x
+    for n in range(2, degree + 1):
+        current = values[n]
+        np.multiply(x, values[n - 1], out=current)
+        current *= (2 * n - 1) / n
+        current -= ((n - 1) / n) * values[n - 2]
+    return values
+
+
+def legendre_sum(x: float, coefficients: list[float]) -> float:
+    """Return one value of a Legendre series by Clenshaw's recurrence, without arrays."""
+    later = last = 0.0
+    for n in range(len(coefficients) - 1, 0, -1):
+        later, last = last, coefficients[n] + (2 * n + 1) / (n + 1) * x * last - (
+            (n + 1) / (n + 2)
+        ) * later
+    return coefficients[0] + x * last - 0.5 * later if len(coefficients) > 1 else coefficients[0]

@@ -1,0 +1,222 @@
+"""The Abel integrals against mpmath: single basis functions, and smooth functions at panel ends."""
+
+import numpy as np
+import pytest
+from mpmath.ctx_mp import MPContext
+from numpy.testing import assert_allclose, assert_array_equal
+
+from spectral_contact.spectral.abel import (
+    ROOT_TERMS,
+    TAIL_TERMS,
+    beyond,
+    deeper,
+    deeper_blocks,
+    deeper_tail,
+    outer,
+    outer_blocks,
+    tail_values,
+)
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
+
+mp = MPContext()
+mp.dps = 30
+
+MATRICES = {"deeper": deeper, "outer": outer, "beyond": beyond}
+#: panels, width, degree
+MESHES = [(4, 2.0, 12), (3, 1.0, 20), (1, 2.0, 4)]
+
+
+# --- the definitions, by mpmath -------------------------------------------------------------------
+
+
+def half_integral(kind, function, low, high, d, pieces=3):
+    """Integrate over ``w = sqrt(|d' - d|)``, which removes the root and the factor 1/2."""
+    d = mp.mpf(float(d))
+    sign = -1 if kind == "deeper" else 1
+    if kind == "deeper":
+        ends = d - min(high, d), d - min(low, d)
+    elif kind == "outer":
+        ends = max(low, d) - d, max(high, d) - d
+    else:
+        d = -d
+        ends = low - d, high - d
+    roots = [mp.sqrt(e) for e in ends]
+    if roots[0] == roots[1]:
+        return mp.mpf(0)
+    return mp.quad(lambda w: function(d + sign * w * w), mp.linspace(*roots, pieces + 1))
+
+
+def basis(number, k, panels, width):
+    """Return a basis function and its interval; number = panels is the tail."""
+    width = mp.mpf(width)
+    if number == panels:
+        end = mp.exp(-panels * width)
+        return lambda d: mp.legendre(k, 2 * d / end - 1), mp.mpf(0), end
+    ends = mp.exp(-width * (number + 1)), mp.exp(-width * number)
+    return lambda d: mp.legendre(k, -2 * mp.log(d) / width - 2 * number - 1), *ends
+
+
+# points inside every panel, in the tail, far above the first panel; nowhere near an end
+POINTS = {
+    "deeper": [0.8, 0.45, 0.2, 1e-2, 1e-3, 1e-6, 1e-30, 1e-300, 1.3, 5.0, 9.0, 1e8],
+    "outer": [0.8, 0.45, 0.2, 1e-2, 1e-3, 1e-6, 1e-30, 1e-300, 0.0],
+    "beyond": [0.0, 1e-300, 1e-30, 1e-6, 1e-2, 0.5, 1.0, 40.0, 1e8],
+}
+
+
+@pytest.mark.parametrize(("panels", "width", "degree"), MESHES)
+@pytest.mark.parametrize("kind", MATRICES)
+def test_matrix_of_every_panel(kind, panels, width, degree):
+    points = np.array(POINTS[kind])
+    matrix = MATRICES[kind](points, panels, width, degree)
+    assert matrix.shape == (len(points), panels * (degree + 1) + TAIL_TERMS)
+    for number in range(panels + 1):
+        start = number * (degree + 1)
+        for k in (0, 1, degree) if number < panels else range(TAIL_TERMS):
+            arguments = basis(number, k, panels, width)
+            for row, d in zip(matrix, points, strict=True):
+                exact = float(half_integral(kind, *arguments, d))
+                # the constant bounds every Legendre polynomial of the panel
+                scale = row[start]
+                assert abs(row[start + k] - exact) <= 4e-15 * scale
+                assert (exact == 0.0) or scale > 0.0
+
+
+@pytest.mark.parametrize("kind", MATRICES)
+def test_no_points(kind):
+    assert MATRICES[kind](np.zeros(0), 3, 2.0, 4).shape == (0, 15 + TAIL_TERMS)
+
+
+# --- at the ends of panels ------------------------------------------------------------------------
+#
+# A single basis function has a square root there, which turns the rounding of x into its root. The
+# half-integral of a smooth function must not feel the panels at all.
+
+MESH = (4, 2.0, 20)
+
+
+def smooth(d):
+    return 1 + 2 * d - 3 * d * d
+
+
+def coefficients(panels, width, degree):
+    """Expand `smooth`: entire in x, and in the span of the tail."""
+    g, _ = gauss_rule(degree + 1)
+    d = np.exp(-width * (np.arange(panels)[:, None] + (1 + g) / 2))
+    table = smooth(d) @ legendre_expansion_matrix(degree + 1, degree).T
+    g, _ = gauss_rule(TAIL_TERMS)
+    end = np.exp(-panels * width)
+    tail = legendre_expansion_matrix(TAIL_TERMS, TAIL_TERMS - 1) @ smooth(end * (1 + g) / 2)
+    return np.concatenate([table.ravel(), tail])
+
+
+def near_ends(panels, width):
+    ends = np.exp(-width * np.arange(panels + 1))
+    return np.concatenate([ends * (1 + e) for e in (0, 3e-16, -3e-16, 1e-12, -1e-12, 1e-5, -1e-5)])
+
+
+@pytest.mark.parametrize("kind", MATRICES)
+def test_smooth_functions_do_not_feel_the_ends_of_panels(kind):
+    points = near_ends(*MESH[:2])
+    if kind == "outer":
+        points = points[points <= 1.0]
+    values = MATRICES[kind](points, *MESH) @ coefficients(*MESH)
+    exact = [float(half_integral(kind, smooth, mp.mpf(0), mp.mpf(1), d)) for d in points]
+    # relative, but where the integral goes to 0 with sqrt(1 - d) at the start of the first panel
+    assert_allclose(values, exact, rtol=1e-14, atol=2e-8 if kind == "outer" else 0)
+    clear = np.abs(points - 1) > 1e-10
+    assert_allclose(values[clear], np.array(exact)[clear], rtol=1e-14)
+
+
+def test_constants():
+    # 1/2 int dd' / sqrt(d - d') = sqrt(d), sqrt(1 - d), and sqrt(1 + e) - sqrt(e)
+    d = np.geomspace(1e-12, 0.9, 60)
+    one = np.zeros(4 * 13 + TAIL_TERMS)
+    one[:: 12 + 1] = 1.0
+    mesh = (4, 2.0, 12)
+    assert_allclose(deeper(d, *mesh) @ one, np.sqrt(d), rtol=2e-15)
+    assert_allclose(outer(d, *mesh) @ one, np.sqrt(1 - d), rtol=2e-15)
+    assert_allclose(beyond(d, *mesh) @ one, 1 / (np.sqrt(1 + d) + np.sqrt(d)), rtol=2e-15)
+    past = 1 + d
+    assert_allclose(deeper(past, *mesh) @ one, 1 / (np.sqrt(past) + np.sqrt(d)), rtol=4e-8)
+    far = past > 1 + 1e-4
+    assert_allclose(
+        deeper(past[far], *mesh) @ one, 1 / (np.sqrt(past) + np.sqrt(d))[far], rtol=1e-14
+    )
+
+
+def test_where_there_is_nothing_to_integrate():
+    matrix = deeper(np.array([0.05]), 3, 1.0, 2)  # inside the last panel, [e^-3, e^-2]
+    assert_array_equal(matrix[0, :6], 0.0)
+    assert np.all(matrix[0, 6::3] != 0.0)
+    matrix = outer(np.array([0.5, 1.0]), 3, 1.0, 2)  # inside the first; at its start
+    assert_array_equal(matrix[0, 3:], 0.0)
+    assert_array_equal(matrix[1], 0.0)
+
+
+# --- blocks, tails and weights --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("power", [0.0, -0.5])
+@pytest.mark.parametrize("width", [1.0, 2.0])
+def test_deeper_blocks_depend_on_the_difference_alone(width, power):
+    panels, degree, own = 5, 9, 2
+    to_end = width * np.array([1e-3, 0.3, 0.99])
+    x = (own + 1) * width - to_end
+    blocks = deeper_blocks(to_end, panels - own, width, degree, power)
+    assert blocks.shape == (3, panels - own, degree + 1)
+    for k in (0, 3, degree):
+        for number in range(own, panels):
+            plain, low, high = basis(number, k, panels, width)
+
+            def weighted(d, plain=plain):
+                return plain(d) * d ** mp.mpf(power)
+
+            for i in range(3):
+                d = mp.exp(-mp.mpf(x[i]))
+                value = blocks[i, number - own, k] * float(d) ** (0.5 + power)
+                # d' = d - w^2 by hand: d is not a double here
+                ends = [mp.sqrt(d - min(high, d)), mp.sqrt(d - low)]
+                exact = float(mp.quad(lambda w, d=d: weighted(d - w * w), mp.linspace(*ends, 4)))
+                scale = blocks[i, number - own, 0] * float(d) ** (0.5 + power)
+                assert abs(value - exact) <= 4e-15 * scale
+
+
+def test_outer_blocks_depend_on_the_difference_alone():
+    panels, width, degree = 4, 2.0, 8
+    d = np.exp(-width * (3 + np.array([0.1, 0.7])))
+    blocks = outer_blocks(width * np.array([0.1, 0.7]), panels, width, degree)
+    matrix = outer(d, panels, width, degree)
+    for k in range(panels):
+        number = 3 - k
+        start = number * (degree + 1)
+        expected = matrix[:, start : start + degree + 1]
+        assert_allclose(blocks[:, k] * np.exp(-number * width / 2), expected, rtol=1e-12, atol=1e-17)
+
+
+@pytest.mark.parametrize("d", [1e-9, 4e-4, 1e-3, 0.5, 1.0])
+@pytest.mark.parametrize("power", [0.0, -0.5])
+@pytest.mark.parametrize("root", [False, True])
+def test_deeper_tail(root, power, d):
+    end = 1e-3
+    terms = ROOT_TERMS if root else TAIL_TERMS
+    row = deeper_tail(np.array([d]), end, terms, power, root)[0]
+    e, point, p = mp.mpf(end), mp.mpf(d), mp.mpf(power)
+    # d' = d sin(phi)^2
+    top = mp.asin(mp.sqrt(min(e / point, mp.mpf(1))))
+    for k in range(terms):
+
+        def integrand(phi, k=k):
+            ratio = point * mp.sin(phi) ** 2 / e
+            value = mp.legendre(k, 2 * (mp.sqrt(ratio) if root else ratio) - 1)
+            return value * mp.sin(phi) ** (1 + 2 * p) * point ** (mp.mpf(0.5) + p)
+
+        assert abs(row[k] - float(mp.quad(integrand, [0, top]))) <= 2e-15 * row[0]
+
+
+def test_tail_values():
+    end = 0.01
+    d = end * np.array([0.0, 0.25, 1.0])
+    assert_allclose(tail_values(d, end, 3, False), [[1, -1, 1], [1, -0.5, -0.125], [1, 1, 1]])
+    assert_allclose(tail_values(d, end, 3, True), [[1, -1, 1], [1, 0, -0.5], [1, 1, 1]], atol=1e-16)
+    assert tail_values(np.zeros((2, 3)), end, 5, True).shape == (2, 3, 5)
