@@ -138,7 +138,7 @@ class SlipSource:
         width = gap(inner, outer)
         half = width / 2.0
         # square roots at the inner end; at the outer end a singular pressure is one, too
-        points = 3 + ceil(-0.28 * log(tolerance))
+        points = 3 + ceil(-0.35 * log(tolerance))
         finest = max(1e-3 * tolerance, 1e-17) ** 2 * half
         offsets, weights = _graded(half, min(half, inner.square) / half * finest, points)
         depth, outer_weights = _graded(
@@ -272,7 +272,7 @@ class _OneDiskProblem:
         """Solve the disk of the given radius; the mismatch of the rim value decides."""
         radius = Radius.from_logit(logit)
         factored = self._factored(resolution, radius)
-        return self._at(self.drive, resolution, radius, factored, tolerance, correct=False)
+        return self._at(self.drive, resolution, radius, factored, tolerance)
 
     def _at(
         self,
@@ -281,8 +281,6 @@ class _OneDiskProblem:
         radius: Radius,
         factored: Factored,
         tolerance: float,
-        *,
-        correct: bool,
     ) -> _Trial:
         """Solve for a drive, which may be the change of one: all is linear in the pressure."""
         panels = resolution.panels
@@ -294,10 +292,10 @@ class _OneDiskProblem:
         values = interpolate(panels, target)
         rim, unit = -balance, 0.0
         if self.beta == 0.0:
-            coefficients = factored.solve(values, correct=correct)
+            coefficients = factored.solve(values)
         else:
             targets = np.column_stack([values, np.ones_like(values)])
-            both = factored.solve(targets, correct=correct)
+            both = factored.solve(targets)
             coefficients, response = both[:, 0], both[:, 1]
             unit = series_of(panels, response).limit
             slipping = self.friction * float(drive.pressure.at(at_rim))
@@ -315,7 +313,7 @@ class _OneDiskProblem:
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
         radius = Radius.from_logit(self.logit)
         factored = self._factored(resolution, radius)
-        trial = self._at(self.drive, resolution, radius, factored, quadrature, correct=True)
+        trial = self._at(self.drive, resolution, radius, factored, quadrature)
         return self._assess(resolution, trial)
 
     def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
@@ -336,9 +334,7 @@ class _OneDiskProblem:
         if trial.unit > 0.0:
             shift = SAFETY * own * abs(series_of(panels, change).limit / trial.unit)
         if self.drive.change is not None:
-            moved = self._at(
-                self.drive.change, resolution, radius, trial.factored, 1e-3, correct=False
-            )
+            moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share
             shift += propagated * abs(moved.mismatch)
@@ -359,7 +355,7 @@ class _OneDiskProblem:
             DiskSeries(radius, series),
             shear,
             error,
-            lost / shear + 2.0 * shift**2 * radius.rest + 10.0 * ROUNDING,
+            lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
             shift * radius.rest / 2.0 + ROUNDING,
             shift * radius.square + ROUNDING,
             ((Points(radius, -radius.square * disk.nodes.d), weights * misfit),),

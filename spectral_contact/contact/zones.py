@@ -484,7 +484,7 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            worst * lost / shear + 1e-6 * self.tolerance + 10.0 * ROUNDING,
+            worst * lost / shear + 1e-6 * self.tolerance + 16.0 * ROUNDING,
             self._boundary_errors(trial, worst * np.abs(coarse.mismatch - trial.mismatch)),
             worst * stray,
         )

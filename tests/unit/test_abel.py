@@ -29,6 +29,12 @@ MESHES = [(4, 2.0, 12), (3, 1.0, 20), (1, 2.0, 4)]
 # --- the definitions, by mpmath -------------------------------------------------------------------
 
 
+def integral(function, a, b, pieces=3):
+    """Integrate on the unit interval, for the tolerance of mpmath is absolute."""
+    values = mp.quad(lambda v: function(a + (b - a) * v), mp.linspace(0, 1, pieces + 1))
+    return (b - a) * values
+
+
 def half_integral(kind, function, low, high, d, pieces=3):
     """Integrate over ``w = sqrt(|d' - d|)``, which removes the root and the factor 1/2."""
     d = mp.mpf(float(d))
@@ -43,7 +49,7 @@ def half_integral(kind, function, low, high, d, pieces=3):
     roots = [mp.sqrt(e) for e in ends]
     if roots[0] == roots[1]:
         return mp.mpf(0)
-    return mp.quad(lambda w: function(d + sign * w * w), mp.linspace(*roots, pieces + 1))
+    return integral(lambda w: function(d + sign * w * w), *roots, pieces)
 
 
 def basis(number, k, panels, width):
@@ -93,10 +99,11 @@ def test_no_points(kind):
 # half-integral of a smooth function must not feel the panels at all.
 
 MESH = (4, 2.0, 20)
+OFFSETS = np.array([3e-16, 2e-15, 1e-14, 1e-12, 1e-9, 1e-5])
 
 
 def smooth(d):
-    return 1 + 2 * d - 3 * d * d
+    return 1 + 2 * d - d * d
 
 
 def coefficients(panels, width, degree):
@@ -110,22 +117,33 @@ def coefficients(panels, width, degree):
     return np.concatenate([table.ravel(), tail])
 
 
-def near_ends(panels, width):
-    ends = np.exp(-width * np.arange(panels + 1))
-    return np.concatenate([ends * (1 + e) for e in (0, 3e-16, -3e-16, 1e-12, -1e-12, 1e-5, -1e-5)])
+def relative_errors(kind, points):
+    values = MATRICES[kind](points, *MESH) @ coefficients(*MESH)
+    exact = [float(half_integral(kind, smooth, mp.mpf(0), mp.mpf(1), d)) for d in points]
+    return np.abs(values / exact - 1)
 
 
 @pytest.mark.parametrize("kind", MATRICES)
 def test_smooth_functions_do_not_feel_the_ends_of_panels(kind):
-    points = near_ends(*MESH[:2])
-    if kind == "outer":
-        points = points[points <= 1.0]
-    values = MATRICES[kind](points, *MESH) @ coefficients(*MESH)
-    exact = [float(half_integral(kind, smooth, mp.mpf(0), mp.mpf(1), d)) for d in points]
-    # relative, but where the integral goes to 0 with sqrt(1 - d) at the start of the first panel
-    assert_allclose(values, exact, rtol=1e-14, atol=2e-8 if kind == "outer" else 0)
-    clear = np.abs(points - 1) > 1e-10
-    assert_allclose(values[clear], np.array(exact)[clear], rtol=1e-14)
+    panels, width, _ = MESH
+    ends = np.exp(-width * np.arange(1, panels))
+    points = np.concatenate([ends * (1 + e) for e in (0.0, *OFFSETS, *-OFFSETS)])
+    assert relative_errors(kind, points).max() < 1e-14
+
+
+@pytest.mark.parametrize("kind", MATRICES)
+def test_smooth_functions_at_the_end_of_the_first_panel(kind):
+    outside = OFFSETS[:0] if kind == "outer" else OFFSETS
+    assert relative_errors(kind, np.array([*(1 - OFFSETS), *(1 + outside)])).max() < 1e-14
+
+
+@pytest.mark.parametrize("kind", MATRICES)
+def test_smooth_functions_where_the_tail_begins(kind):
+    # panels see the rounding of x and the tail that of d, each under a root
+    panels, width, _ = MESH
+    gaps = np.concatenate([OFFSETS, -OFFSETS])
+    errors = relative_errors(kind, np.exp(-panels * width) * (1 + gaps))
+    assert np.all(errors < 1e-14 + 2e-15 / np.sqrt(np.abs(gaps)))
 
 
 def test_constants():
@@ -138,11 +156,8 @@ def test_constants():
     assert_allclose(outer(d, *mesh) @ one, np.sqrt(1 - d), rtol=2e-15)
     assert_allclose(beyond(d, *mesh) @ one, 1 / (np.sqrt(1 + d) + np.sqrt(d)), rtol=2e-15)
     past = 1 + d
-    assert_allclose(deeper(past, *mesh) @ one, 1 / (np.sqrt(past) + np.sqrt(d)), rtol=4e-8)
-    far = past > 1 + 1e-4
-    assert_allclose(
-        deeper(past[far], *mesh) @ one, 1 / (np.sqrt(past) + np.sqrt(d))[far], rtol=1e-14
-    )
+    over = past - 1  # what rounding left of d
+    assert_allclose(deeper(past, *mesh) @ one, 1 / (np.sqrt(past) + np.sqrt(over)), rtol=2e-15)
 
 
 def test_where_there_is_nothing_to_integrate():
@@ -162,7 +177,6 @@ def test_where_there_is_nothing_to_integrate():
 def test_deeper_blocks_depend_on_the_difference_alone(width, power):
     panels, degree, own = 5, 9, 2
     to_end = width * np.array([1e-3, 0.3, 0.99])
-    x = (own + 1) * width - to_end
     blocks = deeper_blocks(to_end, panels - own, width, degree, power)
     assert blocks.shape == (3, panels - own, degree + 1)
     for k in (0, 3, degree):
@@ -173,11 +187,11 @@ def test_deeper_blocks_depend_on_the_difference_alone(width, power):
                 return plain(d) * d ** mp.mpf(power)
 
             for i in range(3):
-                d = mp.exp(-mp.mpf(x[i]))
+                d = mp.exp(mp.mpf(to_end[i]) - (own + 1) * mp.mpf(width))
                 value = blocks[i, number - own, k] * float(d) ** (0.5 + power)
                 # d' = d - w^2 by hand: d is not a double here
                 ends = [mp.sqrt(d - min(high, d)), mp.sqrt(d - low)]
-                exact = float(mp.quad(lambda w, d=d: weighted(d - w * w), mp.linspace(*ends, 4)))
+                exact = float(integral(lambda w, d=d: weighted(d - w * w), *ends))
                 scale = blocks[i, number - own, 0] * float(d) ** (0.5 + power)
                 assert abs(value - exact) <= 4e-15 * scale
 
@@ -191,7 +205,8 @@ def test_outer_blocks_depend_on_the_difference_alone():
         number = 3 - k
         start = number * (degree + 1)
         expected = matrix[:, start : start + degree + 1]
-        assert_allclose(blocks[:, k] * np.exp(-number * width / 2), expected, rtol=1e-12, atol=1e-17)
+        values = blocks[:, k] * np.exp(-number * width / 2)
+        assert (np.abs(values - expected) / expected[:, :1]).max() < 4e-15
 
 
 @pytest.mark.parametrize("d", [1e-9, 4e-4, 1e-3, 0.5, 1.0])
@@ -211,7 +226,7 @@ def test_deeper_tail(root, power, d):
             value = mp.legendre(k, 2 * (mp.sqrt(ratio) if root else ratio) - 1)
             return value * mp.sin(phi) ** (1 + 2 * p) * point ** (mp.mpf(0.5) + p)
 
-        assert abs(row[k] - float(mp.quad(integrand, [0, top]))) <= 2e-15 * row[0]
+        assert abs(row[k] - float(integral(integrand, mp.mpf(0), top, 1))) <= 2e-15 * row[0]
 
 
 def test_tail_values():
