@@ -28,7 +28,8 @@ def legendre_sum(x: float, coefficients: list[float]) -> float:
     """Return one value of a Legendre series by Clenshaw's recurrence, without arrays."""
     later = last = 0.0
     for n in range(len(coefficients) - 1, 0, -1):
-        later, last = last, coefficients[n] + (2 * n + 1) / (n + 1) * x * last - (
-            (n + 1) / (n + 2)
-        ) * later
+        later, last = (
+            last,
+            coefficients[n] + (2 * n + 1) / (n + 1) * x * last - ((n + 1) / (n + 2)) * later,
+        )
     return coefficients[0] + x * last - 0.5 * later if len(coefficients) > 1 else coefficients[0]

@@ -62,7 +62,9 @@ class Ending(Enum):
     CONVERGED = "The error estimate met the tolerance."
     UNKNOWNS = "The next space would exceed max_unknowns. Raise max_unknowns, or loosen rtol."
     ROUNDING = "Refinement no longer lowers the estimate: rounding is reached. Loosen rtol."
-    ZONES = "The slip zones found do not satisfy the friction law. Loosen rtol, or report the scene."
+    ZONES = (
+        "The slip zones found do not satisfy the friction law. Loosen rtol, or report the scene."
+    )
 
 
 class StepState(Enum):
@@ -522,4 +524,3 @@ class PhysicalSolution:
     def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
         return self._scaled("slip", self._length, r, from_edge)
-

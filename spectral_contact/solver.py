@@ -346,4 +346,3 @@ class _Run:
     def _skip(self, reason: str, *names: str) -> None:
         for name in names:
             self.outcome[name] = PlannedStep(name, StepState.SKIPPED, reason)
-

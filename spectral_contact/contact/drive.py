@@ -75,7 +75,11 @@ class Drive:
             with np.errstate(divide="ignore"):
                 far = np.log((b + t) ** 2 / (y + weight.shift)) / safe
             ratio = np.where(small, t / b, 0.5)
-            near = 2.0 / b * np.where(ratio > 0.0, np.arctanh(ratio) / np.where(ratio > 0.0, ratio, 1.0), 1.0)
+            near = (
+                2.0
+                / b
+                * np.where(ratio > 0.0, np.arctanh(ratio) / np.where(ratio > 0.0, ratio, 1.0), 1.0)
+            )
             value = value + weight.amplitude * np.where(small, near, far)
         if self._outer is not None:
             value = value + self._outer(y)

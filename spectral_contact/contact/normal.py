@@ -175,4 +175,3 @@ def solve_normal(
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
         return NormalContact(0.0, 0.125, pressure, None, np.zeros(0), ROUNDING, 4.0 * ROUNDING)
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)
-

@@ -286,9 +286,7 @@ class _OneDiskProblem:
         panels = resolution.panels
         source = SlipSource(drive.pressure, radius, EDGE, self.alpha, tolerance)
         at_rim = np.array(radius.rest)
-        balance, target = rim_target(
-            drive, radius, [(self.friction, source)], keep=self.beta > 0.0
-        )
+        balance, target = rim_target(drive, radius, [(self.friction, source)], keep=self.beta > 0.0)
         values = interpolate(panels, target)
         rim, unit = -balance, 0.0
         if self.beta == 0.0:
@@ -411,10 +409,12 @@ def rim_target(
 
 def disk_resolution(radius: Radius, alpha: float, beta: float, tolerance: float) -> Resolution:
     """Return the first space for a stick disk: its layers are those of alpha, beta and the rim."""
-    scales = [1.0, max(alpha, radius.rest) / radius.square]
+    rim = max(alpha, radius.rest) / radius.square
     # without compliance the traction beyond the slip annulus is singular down to its width
-    scales.append((beta / radius.value) or radius.rest / radius.square)
-    return starting_resolution(-log(min(scales)), tolerance, root_tail=beta == 0.0)
+    scales = [1.0, rim, (beta / radius.value) or radius.rest / radius.square]
+    return starting_resolution(
+        -log(min(scales)), tolerance, root_tail=beta == 0.0, bends=(1.0 - log(min(rim, 1.0)),)
+    )
 
 
 def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> Array:
@@ -423,21 +423,21 @@ def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> Array:
     On every panel it is analytic in ``x``: a Legendre expansion from few samples serves the many
     nodes. The tail is sampled at the nodes themselves.
     """
-    count = 2 * panels.degree + 6
+    start, count = panels.node_counts
     x = panels.sampling()
     points = x.shape[1]
     nodes = disk_operators(panels).nodes.d
-    tail = nodes[panels.panels * count :]
+    tail = nodes[start + (panels.panels - 1) * count :]
     values = function(np.concatenate([np.exp(-x).ravel(), tail]))
     expand = legendre_expansion_matrix(points, points - 1)
     # any trailing axis of the values (several functions at once) is carried along
     samples = values[: x.size].reshape(*x.shape, *values.shape[1:])
     coefficients = np.einsum("kp,jp...->jk...", expand, samples)
-    own = -np.log(nodes[: 2 * count]).reshape(2, count)
-    own[1] -= panels.width
-    basis = legendre_values(2.0 * own / panels.width - 1.0, points - 1)
-    first = np.tensordot(basis[0], coefficients[0], axes=1)
-    others = np.einsum("qk,jk...->jq...", basis[1], coefficients[1:])
+    own = -np.log(nodes[: start + count]) / panels.width
+    own[start:] -= 1.0
+    basis = legendre_values(2.0 * own - 1.0, points - 1)
+    first = np.tensordot(basis[:start], coefficients[0], axes=1)
+    others = np.einsum("qk,jk...->jq...", basis[start:], coefficients[1:])
     flat = others.reshape(-1, *values.shape[1:])
     return np.concatenate([first, flat, values[x.size :]])
 

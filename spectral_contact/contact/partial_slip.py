@@ -251,14 +251,16 @@ def _one_disk_outcome(
     misfit = slip_misfit(drive, [annulus], [1], friction, [])
     slipping = Slipping(annulus, 1, misfit[0])
     stuck = Stuck(radius, disk.parts)
-    fields, samples, largest, unresolved = slip_displacement([stuck], [slipping], pressure, beta, friction)
-    traction = ZonalField(
-        (ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction))
+    fields, samples, largest, unresolved = slip_displacement(
+        [stuck], [slipping], pressure, beta, friction
     )
+    traction = ZonalField((ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction)))
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
     excess = stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
-    slip_error = displacement_error(drive, EDGE, disk.stray + 4.0 * unresolved, beta, friction, largest)
+    slip_error = displacement_error(
+        drive, EDGE, disk.stray + 4.0 * unresolved, beta, friction, largest
+    )
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
     consistent = _obeys(excess, error, float(samples[0].max()) / largest, slip_error)
     return PartialSlip(
@@ -344,7 +346,9 @@ def _zones_outcome(
             field = next(sticks)
             traction.append(ZonePiece(outer, field))
             displacement.append(ZonePiece(outer, None))
-            excess = max(excess, stick_excess(field, pressure, friction, inner, outer, solved.depth))
+            excess = max(
+                excess, stick_excess(field, pressure, friction, inner, outer, solved.depth)
+            )
         else:
             traction.append(ZonePiece(outer, pressure, state * friction))
             displacement.append(ZonePiece(outer, next(slips)))
@@ -352,7 +356,9 @@ def _zones_outcome(
     outermost = max(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
-    slip_error = displacement_error(drive, outermost, solved.stray + 4.0 * unresolved, beta, friction, largest)
+    slip_error = displacement_error(
+        drive, outermost, solved.stray + 4.0 * unresolved, beta, friction, largest
+    )
     wrong = max(float(v.max()) for v in samples)
     return PartialSlip(
         tuple(zones),

@@ -50,6 +50,7 @@ def starting_resolution(
     rate: float = 1.0,
     power: float = 0.0,
     root_tail: bool = False,
+    bends: tuple[float, ...] = (),
 ) -> Resolution:
     """Return the first space for a solution that settles like ``exp(-rate x)`` past `layer`.
 
@@ -65,6 +66,8 @@ def starting_resolution(
         Endpoint weight of the basis, see `LogPanels`.
     root_tail : bool
         End in a tail of half-integer powers a little below `layer`.
+    bends : tuple of float
+        ``x`` of further features, where the solution turns from one law to another.
     """
     digits = -log(tolerance)
     layer = ceil(2.0 * layer) / 2.0  # like scenes share their spaces
@@ -73,9 +76,12 @@ def starting_resolution(
     top: Array = np.full(panels, _LEAST + ceil(0.45 * digits))
     x = _WIDTH * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
-    if layer > 1.0:  # the bend of a thin layer takes more, measured 5 degrees at 1e-12
-        nearness = np.clip(2.6 - np.abs(x + _WIDTH / 2.0 - layer) / (1.2 * _WIDTH), 0.0, 1.0)
-        top = top + 0.2 * digits * nearness
+    nearness = np.zeros(panels)
+    for bend in (layer, *bends):  # a bend takes more, measured 5 degrees at 1e-12
+        if bend > 1.0:
+            distance = np.abs(x + _WIDTH / 2.0 - bend) / (1.2 * _WIDTH)
+            nearness = np.maximum(nearness, np.clip(2.6 - distance, 0.0, 1.0))
+    top = top + 0.2 * digits * nearness
     # what falls like exp(-x) still bends on its panel: two degrees more than its share
     degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), _LEAST)
     capacity = 2 * ceil((int(degrees.max()) + 2) / 2)
@@ -130,9 +136,7 @@ def panel_of(panels: LogPanels, y: float) -> int:
     return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
 
 
-def share_of_change(
-    panels: LogPanels, change: Array, field: Callable[[Array], Array]
-) -> Array:
+def share_of_change(panels: LogPanels, change: Array, field: Callable[[Array], Array]) -> Array:
     """Return the change on every panel relative to the least `field` there, tail included last.
 
     The sum of the moduli of Legendre coefficients bounds the change on the whole panel.

@@ -127,7 +127,9 @@ def slip_displacement(
             traction = zone.sign * friction * pressure.at(points.y)
             parts.append(beta * traction - total / (pi * s))
         series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
-        weighted = [np.sqrt(f.sampling().z) * e for f, e in zip(annulus.families, zone.misfit, strict=True)]
+        weighted = [
+            np.sqrt(f.sampling().z) * e for f, e in zip(annulus.families, zone.misfit, strict=True)
+        ]
         for family, e, u in zip(annulus.families, weighted, series, strict=True):
             inner_error = family.unresolved(sampled_series(family.panels, e)) / 4.0
             unresolved = max(unresolved, inner_error + family.unresolved(u))
@@ -195,7 +197,9 @@ def slip_misfit(
         Further contributions to G, as functions of `Points`.
     """
     expansions = [
-        a.expand(tuple(drive.pressure.at(f.sampling().y) / np.sqrt(f.sampling().z) for f in a.families))
+        a.expand(
+            tuple(drive.pressure.at(f.sampling().y) / np.sqrt(f.sampling().z) for f in a.families)
+        )
         for a in annuli
     ]
     result = []

@@ -105,7 +105,9 @@ def _violations(
 
     x = np.linspace(1e-3, depth, 4001)
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
-    near = peak + np.concatenate([-np.geomspace(1e-10, 1.0, 200), [0.0], np.geomspace(1e-10, 1.0, 200)])
+    near = peak + np.concatenate(
+        [-np.geomspace(1e-10, 1.0, 200), [0.0], np.geomspace(1e-10, 1.0, 200)]
+    )
     x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))
     above = excess(x) > 0.0
     intervals: list[tuple[float, float, int]] = []
@@ -184,5 +186,3 @@ def _active_set(drive: Drive, cells: LogPanels, beta: float, bound: Array) -> Ar
             break
         states = fresh
     return states
-
-

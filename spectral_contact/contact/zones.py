@@ -220,7 +220,9 @@ class _ZonesProblem:
         system[:size, :size] = matrix - coupling[:, 2:]
         system[:size, size] = -coupling[:, 1]
         system[size, :size], system[size, size] = limits[2:], limits[1]
-        slipping = self.states[1] * self.friction * float(self.drive.pressure.at(np.array(rim.rest)))
+        slipping = (
+            self.states[1] * self.friction * float(self.drive.pressure.at(np.array(rim.rest)))
+        )
         vector = np.concatenate([right + coupling[:, 0], [slipping - limits[0]]])
         unknown = _scaled_solve(system, vector)
         outer, m = unknown[:size], unknown[size]
@@ -298,12 +300,12 @@ class _ZonesProblem:
             for points, matrix in sources:
                 above = -points.before(rim)
                 root = np.sqrt(below + above)
-                parts.append((below / (root * (root + np.sqrt(above)))) @ (matrix / np.sqrt(above)[:, None]))
+                parts.append(
+                    (below / (root * (root + np.sqrt(above)))) @ (matrix / np.sqrt(above)[:, None])
+                )
             return np.hstack(parts)[:, columns]
 
-        at_rim = [
-            (1.0 / np.sqrt(-points.before(rim))) @ matrix for points, matrix in sources
-        ]
+        at_rim = [(1.0 / np.sqrt(-points.before(rim))) @ matrix for points, matrix in sources]
         if not sources:
             return np.zeros((len(disk_operators(panels).nodes.d), 0)), np.zeros(0)
         return interpolate(panels, function), np.concatenate(at_rim)[columns]
@@ -384,9 +386,7 @@ class _ZonesProblem:
                     values.append(b.value * limit / slipping - state)
         return np.array(values)
 
-    def _full(
-        self, annuli: list[Annulus], indices: list[Array], outer: Array
-    ) -> Array:
+    def _full(self, annuli: list[Annulus], indices: list[Array], outer: Array) -> Array:
         """Return the coefficients on the full bases of the annuli."""
         full = np.zeros(sum(a.size for a in annuli))
         full[np.concatenate(indices)] = outer
@@ -602,4 +602,3 @@ def solve_zones(
     """
     problem = _ZonesProblem(drive, beta, friction, layout, tolerance)
     return refine(problem, tolerance, max_unknowns)
-

@@ -234,4 +234,6 @@ def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
     step = span * (1.0 + g) / 2.0
     source = step * (2.0 * a + step)
     tail = _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
-    return np.hstack([_plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1)), tail])
+    return np.hstack(
+        [_plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1)), tail]
+    )

@@ -202,9 +202,7 @@ class Factored:
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
 
-    def solve(
-        self, target: Array, load: Array | None = None, *, correct: bool = True
-    ) -> Array:
+    def solve(self, target: Array, load: Array | None = None, *, correct: bool = True) -> Array:
         """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
 
         Parameters
@@ -262,14 +260,14 @@ class Factored:
 def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) -> Array:
     """Assemble the half-integral matrix from blocks that depend on panel differences alone."""
     p, h, degree = panels.panels, panels.width, panels.degree
-    terms, count = degree + 1, len(first)
+    terms, start, count = degree + 1, len(first), len(other)
     matrix = np.zeros((len(nodes.d), panels.size))
     root = nodes.d[:, None] ** (0.5 + panels.power)
     blocks = deeper_blocks(first, p, h, degree, panels.power)
-    matrix[:count, : p * terms] = blocks.reshape(count, -1) * root[:count]
+    matrix[:start, : p * terms] = blocks.reshape(start, -1) * root[:start]
     blocks = deeper_blocks(other, max(p - 1, 1), h, degree, panels.power).reshape(count, -1)
     for i in range(1, p):
-        rows = slice(i * count, (i + 1) * count)
+        rows = slice(start + (i - 1) * count, start + i * count)
         matrix[rows, i * terms : p * terms] = blocks[:, : (p - i) * terms] * root[rows]
     matrix[:, p * terms :] = deeper_tail(
         nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
