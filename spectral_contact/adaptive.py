@@ -17,7 +17,6 @@ __all__ = ["Attempt", "Problem", "Refinement", "Resolution", "refine"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
-T_co = TypeVar("T_co", covariant=True)
 
 _LOG = logging.getLogger(__name__)
 
@@ -62,14 +61,14 @@ class Attempt(Generic[T]):
     unknowns: int
 
 
-class Problem(Protocol[T_co]):
+class Problem(Protocol[T]):
     """What `refine` needs of a problem."""
 
     def start(self) -> Resolution:
         """Return the first space to try."""
         ...
 
-    def attempt(self, resolution: Resolution) -> Attempt[T_co]:
+    def attempt(self, resolution: Resolution) -> Attempt[T]:
         """Solve in a space."""
         ...
 

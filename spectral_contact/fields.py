@@ -152,7 +152,8 @@ class LogSeries:
 class EdgeWeight:
     """The endpoint weight ``amplitude / sqrt(y + shift)`` with ``y = 1 - s**2``.
 
-    With ``logarithmic`` it is ``amplitude * (-ln y) / (s**2 sqrt(y))``, the smooth full-stick limit.
+    With ``logarithmic`` it is ``amplitude * (-ln y) / (s**2 sqrt(y))``, the smooth limit of full
+    stick.
     """
 
     amplitude: float

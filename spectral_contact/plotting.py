@@ -1,11 +1,11 @@
-"""Plots of a solution, and the radii they are drawn at. matplotlib is imported only when drawing.
+"""Plots of a solution; matplotlib is imported only when drawing.
 
 Figures are made through the object interface, never through pyplot: no window, no global state.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import MissingDependencyError, NotComputedError, SolutionFileError
 from spectral_contact.fields import AnnulusSeries, DiskSeries, LogSeries, ZonalField
+from spectral_contact.radii import Radii, graded_radii, known_zones, layer_depth
 from spectral_contact.solution import ErrorEstimates, Plan, Solution
 
 if TYPE_CHECKING:
@@ -52,67 +53,6 @@ _STYLE = {
     "lines.linewidth": 1.4,
     "svg.hashsalt": "spectral_contact",
 }
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Radii:
-    """Radii from the centre to the edge, each kept from the side on which it is accurate.
-
-    Attributes
-    ----------
-    inner : ndarray
-        Radii ``s < 1/2``, increasing, dimensionless.
-    outer : ndarray
-        Distances ``1 - s <= 1/2`` of the others, decreasing.
-    """
-
-    inner: Array
-    outer: Array
-
-    @property
-    def s(self) -> Array:
-        """All radii."""
-        return np.concatenate([self.inner, 1.0 - self.outer])
-
-    @property
-    def from_edge(self) -> Array:
-        """All distances from the edge."""
-        return np.concatenate([1.0 - self.inner, self.outer])
-
-    def evaluate(self, field: Callable[..., Any]) -> Array:
-        """Evaluate `Solution.pressure`, `traction` or `slip` at all radii."""
-        return np.concatenate([field(self.inner), field(from_edge=self.outer)])
-
-
-def graded_radii(solution: Solution, count: int = 200) -> Radii:
-    """Return radii that resolve the edge layer and every zone of a solution.
-
-    Parameters
-    ----------
-    solution : Solution
-    count : int
-        About how many: half of them evenly to s = 0.9, half graded into the edge layer, and up to
-        eleven more in every zone.
-
-    Returns
-    -------
-    Radii
-        From s = 0 to s = 1, both included, with every zone boundary.
-    """
-    even = max(count // 4, 2)
-    inner = [np.linspace(0.0, 0.5, even, endpoint=False)]
-    layer = np.geomspace(_depth(solution), 0.1, max(count // 2, 2))
-    outer = [np.zeros(1), layer, np.linspace(0.5, 0.1, even, endpoint=False)]
-    for zone in _zones(solution):
-        if zone.outer < 0.5:
-            inner.append(np.linspace(zone.inner, zone.outer, 11))
-        elif zone.inner >= 0.5:
-            outer.append(np.linspace(zone.outer_from_edge, zone.inner_from_edge, 11))
-        else:  # resolved by the even radii, save for its boundaries
-            inner.append(np.array([zone.inner]))
-            outer.append(np.array([zone.outer_from_edge]))
-    s, depth = np.unique(np.concatenate(inner)), np.unique(np.concatenate(outer))[::-1]
-    return Radii(s[s < 0.5], depth[depth <= 0.5])
 
 
 def check(plan: Plan) -> None:
@@ -246,18 +186,6 @@ def _style() -> Iterator[None]:
         yield
 
 
-def _zones(solution: Solution) -> tuple[Any, ...]:
-    return solution.zones if "zones" in solution.plan.quantities else ()
-
-
-def _depth(solution: Solution) -> float:
-    """Return the distance from the edge down to which something happens."""
-    scene = solution.scene
-    scales = [scene.normal_compliance, scene.tangential_compliance, 1e-3]
-    scales += [zone.outer_from_edge for zone in _zones(solution)]
-    return 1e-3 * min(scale for scale in scales if scale > 0.0)
-
-
 def _title(solution: Solution) -> str:
     scene = solution.scene
     friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
@@ -311,7 +239,7 @@ def _field_rows(solution: Solution, radii: Radii) -> list[tuple[str, list[_Curve
 def _draw_over_radius(axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution) -> None:
     for curve in curves:
         axes.plot(radii.s, curve.values, curve.line, color=curve.colour, label=curve.label)
-    for zone in _zones(solution):
+    for zone in known_zones(solution):
         if zone.kind == "slip":
             axes.axvspan(zone.inner, zone.outer, color=_SLIP_GREY, lw=0.0, zorder=0.5)
     values = np.concatenate([curve.values for curve in curves])
@@ -329,11 +257,11 @@ def _draw_over_radius(axes: Axes, radii: Radii, curves: list[_Curve], solution: 
 
 
 def _draw_over_distance(axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution) -> None:
-    depth, d = _depth(solution), radii.from_edge
+    depth, d = layer_depth(solution), radii.from_edge
     shown = (d > 0.0) & (d < 1.0)
     for curve in curves:
         axes.plot(d[shown], curve.values[shown], curve.line, color=curve.colour, label=curve.label)
-    for zone in _zones(solution):
+    for zone in known_zones(solution):
         if zone.kind == "slip":
             near, far = max(zone.outer_from_edge, depth), min(zone.inner_from_edge, 1.0)
             axes.axvspan(near, far, color=_SLIP_GREY, lw=0.0, zorder=0.5)
@@ -357,7 +285,7 @@ def _from_zero(low: float, high: float) -> tuple[float, float]:
 def _zone_patches(solution: Solution) -> list[Any]:
     from matplotlib.patches import Patch
 
-    kinds = {zone.kind for zone in _zones(solution)}
+    kinds = {zone.kind for zone in known_zones(solution)}
     return [
         Patch(facecolor=colour, edgecolor="#888888", linewidth=0.6, label=kind)
         for kind, colour in (("stick", "white"), ("slip", _SLIP_GREY))

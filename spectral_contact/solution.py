@@ -1,10 +1,12 @@
-"""What a solve returns: values, fields, errors, the plan and the work; all of it immutable data."""
+"""What a solve returns: values, fields, errors, the plan and the work; all of it immutable data.
+
+The plain records are defined in `spectral_contact.records`, and are exported here, too.
+"""
 
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
-from enum import Enum
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,24 @@ from numpy.typing import ArrayLike
 
 from spectral_contact import checks
 from spectral_contact.errors import NotComputedError, SceneError
-from spectral_contact.fields import DiskSeries, PressureField, Radius, ZonalField
+from spectral_contact.fields import DiskSeries, PressureField, ZonalField
+from spectral_contact.records import (
+    FULL_STICK,
+    NORMAL,
+    PARTIAL_SLIP,
+    QUANTITIES,
+    SLIP_FIELD,
+    ZONE_SEARCH,
+    Ending,
+    ErrorEstimates,
+    Plan,
+    PlannedStep,
+    RefinementStep,
+    StepState,
+    StepWork,
+    Work,
+    Zone,
+)
 from spectral_contact.scene import Scene
 
 __all__ = [
@@ -31,193 +50,12 @@ __all__ = [
     "Solution",
     "StepState",
     "StepWork",
+    "TractionField",
     "Work",
     "Zone",
 ]
 
-#: Everything that can be asked of `solve`, in the order of a report.
-QUANTITIES = (
-    "approach",
-    "pressure",
-    "traction",
-    "slip",
-    "zones",
-    "stick_radius",
-    "total_shear",
-    "edge_ratio",
-    "critical_friction",
-)
-
-#: Names of the steps, in plans and in records of work.
-NORMAL = "normal contact"
-FULL_STICK = "full stick"
-PARTIAL_SLIP = "partial slip"
-ZONE_SEARCH = "zone search"
-SLIP_FIELD = "slip displacement"
-
-
-class Ending(Enum):
-    """How a refinement ended; the text says the cause and the remedy."""
-
-    CONVERGED = "The error estimate met the tolerance."
-    UNKNOWNS = "The next space would exceed max_unknowns. Raise max_unknowns, or loosen rtol."
-    ROUNDING = "Refinement no longer lowers the estimate: rounding is reached. Loosen rtol."
-    ZONES = (
-        "The slip zones found do not satisfy the friction law. Loosen rtol, or report the scene."
-    )
-
-
-class StepState(Enum):
-    """Whether a step of a plan runs."""
-
-    RUN = "run"
-    CONDITIONAL = "if needed"
-    SKIPPED = "skipped"
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedStep:
-    """One step: its name, whether it runs, and why."""
-
-    name: str
-    state: StepState
-    reason: str
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """The steps a scene calls for, and why each quantity that is missing is missing.
-
-    Attributes
-    ----------
-    quantities : tuple of str
-        What will be there.
-    steps : tuple of PlannedStep
-        In the order in which they run.
-    missing : tuple of (str, str)
-        Quantities that will not be there, each with the reason.
-    """
-
-    quantities: tuple[str, ...]
-    steps: tuple[PlannedStep, ...]
-    missing: tuple[tuple[str, str], ...] = ()
-
-    def __str__(self) -> str:
-        width = max(len(step.name) for step in self.steps)
-        state = max(len(step.state.value) for step in self.steps)
-        return "\n".join(
-            f"{step.name:<{width}}  {step.state.value:<{state}}  {step.reason}"
-            for step in self.steps
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Zone:
-    """An annulus in which the surfaces stick or slip, dimensionless.
-
-    Attributes
-    ----------
-    kind : str
-        ``"stick"`` or ``"slip"``.
-    inner, outer : float
-        Its radii; every one to relative accuracy.
-    inner_from_edge, outer_from_edge : float
-        One minus the radii, to relative accuracy.
-    """
-
-    kind: str
-    inner: float
-    outer: float
-    inner_from_edge: float
-    outer_from_edge: float
-
-    @classmethod
-    def between(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
-        """Return the zone between two radii."""
-        return cls(kind, inner.value, outer.value, inner.from_edge, outer.from_edge)
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorEstimates:
-    """Estimates of relative errors; None where the quantity was not computed.
-
-    `pressure` is pointwise, the edge included; `traction` is that of q/s, pointwise; `slip` is
-    relative to its largest modulus; `zones` bounds the relative error of every boundary measured
-    from the centre and from the edge; `violation` is by how much the friction law is broken:
-    the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
-    the largest slip, whichever is larger.
-    """
-
-    approach: float | None = None
-    pressure: float | None = None
-    traction: float | None = None
-    slip: float | None = None
-    zones: float | None = None
-    stick_radius: float | None = None
-    total_shear: float | None = None
-    edge_ratio: float | None = None
-    critical_friction: float | None = None
-    violation: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class RefinementStep:
-    """One line of the p-refinement history."""
-
-    unknowns: int
-    highest_degree: int
-    error: float
-    seconds: float = field(compare=False)
-
-
-@dataclass(frozen=True, slots=True)
-class StepWork:
-    """The work of one step of the plan.
-
-    Attributes
-    ----------
-    name : str
-    unknowns : int
-        Of the space accepted; 0 where a closed form was enough.
-    degrees : tuple of int
-        Highest degree on every panel of it.
-    history : tuple of RefinementStep
-    ending : Ending
-    seconds : float
-        Wall-clock time; not part of equality.
-    """
-
-    name: str
-    unknowns: int
-    degrees: tuple[int, ...]
-    history: tuple[RefinementStep, ...]
-    ending: Ending
-    seconds: float = field(compare=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Work:
-    """All steps that ran."""
-
-    steps: tuple[StepWork, ...]
-
-    @property
-    def unknowns(self) -> int:
-        """Largest number of unknowns in one linear system."""
-        return max((step.unknowns for step in self.steps), default=0)
-
-    @property
-    def seconds(self) -> float:
-        """Wall-clock time of all steps."""
-        return sum(step.seconds for step in self.steps)
-
-    def __getitem__(self, name: str) -> StepWork:
-        for step in self.steps:
-            if step.name == name:
-                return step
-        raise KeyError(name)
-
-
+#: What a traction or a slip can be; None stands for zero.
 TractionField = ZonalField | DiskSeries | None
 
 
@@ -295,7 +133,7 @@ class Solution:
 
     @property
     def critical_friction(self) -> float:
-        """Smallest friction coefficient without slip: the largest ``|q|/p`` of full stick."""
+        """Smallest friction coefficient without slip, the largest ``|q|/p`` of full stick."""
         return float(self._value("critical_friction"))
 
     def _field(

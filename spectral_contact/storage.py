@@ -32,10 +32,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact import fields as field_classes
+from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
 from spectral_contact.errors import SolutionFileError
-from spectral_contact.solution import Solution, Zone
+from spectral_contact.records import Zone
+from spectral_contact.solution import Solution
 
 __all__ = ["comparable", "from_json", "load", "save", "to_json"]
 
@@ -49,8 +51,9 @@ _INFINITIES: Final = ("inf", "-inf")
 
 _STORED: Final[tuple[tuple[Any, str], ...]] = (
     (scene_classes, "PhysicalData Scene"),
-    (solution_classes, "Ending ErrorEstimates Plan PlannedStep RefinementStep Solution StepState"),
-    (solution_classes, "StepWork Work Zone"),
+    (record_classes, "Ending ErrorEstimates Plan PlannedStep RefinementStep StepState StepWork"),
+    (record_classes, "Work Zone"),
+    (solution_classes, "Solution"),
     (field_classes, "AnnulusSeries DiskSeries EdgeWeight LogSeries PressureField Radius"),
     (field_classes, "ZonalField ZonePiece"),
 )

@@ -1,5 +1,6 @@
-"""Partial slip, (5.8) in its true form: one stick disk if that satisfies the friction law, else
-the zones that do.
+"""Partial slip, (5.8) in its true form: the zones that satisfy the friction law.
+
+One stick disk is tried first.
 
 The problem is a strictly convex minimisation under |q| <= f p, so a traction that satisfies all
 conditions is the solution; how it was guessed does not matter.
@@ -7,7 +8,7 @@ conditions is the solution; how it was guessed does not matter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -26,14 +27,14 @@ from spectral_contact.contact.slip_displacement import (
     slip_displacement,
     slip_misfit,
 )
-from spectral_contact.fields import Radius, ZonalField, ZonePiece
-from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius, ZonalField, ZonePiece
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, Zone
+from spectral_contact.spectral.annulus import Annulus
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zones import ZonesSolution
 
-__all__ = ["PartialSlip", "solve_partial_slip"]
+__all__ = ["UNRESOLVED_SLIP", "PartialSlip", "solve_partial_slip"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
@@ -227,7 +228,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
         2.0 * ROUNDING,
         1.0,
         1.0,
-        displacement_error(drive, EDGE, stray, beta, friction, largest),
+        _displacement_error(drive, EDGE, stray, beta, friction, largest),
         max(float(samples[0].max()) / largest, 0.0),
         True,
         False,
@@ -256,9 +257,9 @@ def _one_disk_outcome(
     )
     traction = ZonalField((ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction)))
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
-    excess = stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
+    excess = _stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
-    slip_error = displacement_error(
+    slip_error = _displacement_error(
         drive, EDGE, disk.stray + 4.0 * unresolved, beta, friction, largest
     )
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
@@ -299,7 +300,7 @@ def _obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool
     return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, 1e-10)
 
 
-def displacement_error(
+def _displacement_error(
     drive: Drive, outermost: Radius, stray: float, beta: float, friction: float, largest: float
 ) -> float:
     """Return the error of the displacement relative to its largest modulus.
@@ -315,7 +316,7 @@ def displacement_error(
     return (stray / 4.0 + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
 
 
-def stick_excess(
+def _stick_excess(
     traction: Any, pressure: Any, friction: float, inner: Radius, outer: Radius, depth: float
 ) -> float:
     """Return the largest ``|q|/(f p) - 1`` inside a stick zone, or 0."""
@@ -338,17 +339,17 @@ def _zones_outcome(
         solved.stuck, solved.slipping, pressure, beta, friction
     )
     bounds = (_CENTRE, *solved.radii, EDGE)
-    sticks, slips = iter((solved.disk, *solved.annuli)), iter(fields)
+    sticks: Iterator[DiskSeries | AnnulusSeries] = iter((solved.disk, *solved.annuli))
+    slips = iter(fields)
     traction, displacement, zones, excess = [], [], [], 0.0
     for state, inner, outer in zip(solved.states, bounds[:-1], bounds[1:], strict=True):
         zones.append(Zone.between("stick" if state == 0 else "slip", inner, outer))
         if state == 0:
-            field = next(sticks)
-            traction.append(ZonePiece(outer, field))
+            stuck = next(sticks)
+            traction.append(ZonePiece(outer, stuck))
             displacement.append(ZonePiece(outer, None))
-            excess = max(
-                excess, stick_excess(field, pressure, friction, inner, outer, solved.depth)
-            )
+            beyond = _stick_excess(stuck, pressure, friction, inner, outer, solved.depth)
+            excess = max(excess, beyond)
         else:
             traction.append(ZonePiece(outer, pressure, state * friction))
             displacement.append(ZonePiece(outer, next(slips)))
@@ -356,7 +357,7 @@ def _zones_outcome(
     outermost = max(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
-    slip_error = displacement_error(
+    slip_error = _displacement_error(
         drive, outermost, solved.stray + 4.0 * unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)

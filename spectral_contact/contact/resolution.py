@@ -17,8 +17,8 @@ from spectral_contact.spectral.panels import LogPanels
 __all__ = [
     "ROUNDING",
     "SAFETY",
-    "expected_error",
     "decay_rates",
+    "expected_error",
     "load_vector",
     "panel_of",
     "panel_table",

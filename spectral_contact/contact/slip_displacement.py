@@ -27,6 +27,7 @@ __all__ = [
     "Stuck",
     "annulus_between",
     "free_displacement",
+    "pressure_expansion",
     "slip_displacement",
     "slip_misfit",
 ]
@@ -49,6 +50,12 @@ class Slipping:
     annulus: Annulus
     sign: int
     misfit: tuple[Array, Array]
+
+    @property
+    def weighted_misfit(self) -> list[Array]:
+        """``t E`` at the sampling points."""
+        pairs = zip(self.annulus.families, self.misfit, strict=True)
+        return [np.sqrt(f.sampling().z) * e for f, e in pairs]
 
 
 def annulus_between(
@@ -79,6 +86,11 @@ def annulus_between(
     return Annulus(inner, outer, first, second)
 
 
+def pressure_expansion(annulus: Annulus, pressure: PressureField) -> Array:
+    """Return the coefficients of p/s on an annulus."""
+    return annulus.expand_function(lambda points: pressure.at(points.y) / np.sqrt(points.z))
+
+
 def slip_displacement(
     stuck: list[Stuck], zones: list[Slipping], pressure: PressureField, beta: float, friction: float
 ) -> tuple[list[AnnulusSeries], list[Array], float, float]:
@@ -106,12 +118,8 @@ def slip_displacement(
     fields, samples, unresolved = [], [], 0.0
     for zone in zones:
         annulus = zone.annulus
-        expansion = annulus.expand(
-            tuple(  # type: ignore[arg-type]
-                np.sqrt(f.sampling().z) * e
-                for f, e in zip(annulus.families, zone.misfit, strict=True)
-            )
-        )
+        weighted = zone.weighted_misfit
+        expansion = annulus.expand(weighted)
         own = annulus.own_inner_integral(expansion)
         parts = []
         for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
@@ -127,9 +135,6 @@ def slip_displacement(
             traction = zone.sign * friction * pressure.at(points.y)
             parts.append(beta * traction - total / (pi * s))
         series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
-        weighted = [
-            np.sqrt(f.sampling().z) * e for f, e in zip(annulus.families, zone.misfit, strict=True)
-        ]
         for family, e, u in zip(annulus.families, weighted, series, strict=True):
             inner_error = family.unresolved(sampled_series(family.panels, e)) / 4.0
             unresolved = max(unresolved, inner_error + family.unresolved(u))
@@ -153,10 +158,7 @@ def _from_stuck(zone: Stuck, points: Points) -> Array:
 def _from_slipping(zone: Slipping, points: Points) -> Array:
     """Integrate over a slip zone that lies inside `points`."""
     annulus = zone.annulus
-    values = [
-        np.sqrt(f.sampling().z) * e for f, e in zip(annulus.families, zone.misfit, strict=True)
-    ]
-    return np.asarray(annulus.inner_integral(points) @ annulus.expand((values[0], values[1])))
+    return np.asarray(annulus.inner_integral(points) @ annulus.expand(zone.weighted_misfit))
 
 
 def free_displacement(drive: Drive, kappa: float, tolerance: float) -> DiskSeries:
@@ -196,12 +198,7 @@ def slip_misfit(
     others : list of callable
         Further contributions to G, as functions of `Points`.
     """
-    expansions = [
-        a.expand(
-            tuple(drive.pressure.at(f.sampling().y) / np.sqrt(f.sampling().z) for f in a.families)
-        )
-        for a in annuli
-    ]
+    expansions = [pressure_expansion(a, drive.pressure) for a in annuli]
     result = []
     for annulus in annuli:
         values = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -93,7 +94,7 @@ class Family:
             matrix[rows] = beyond(e[rows], p.panels, p.width, p.degree)
             rows = (e < 0.0) & (e >= -1.0)
             matrix[rows] = outer(-e[rows], p.panels, p.width, p.degree)
-        return matrix * np.sqrt(self.reach)
+        return np.asarray(matrix * np.sqrt(self.reach))
 
     def inner_integral(self, points: Points) -> Array:
         """Return ``1/2 int_{z < s^2} psi dz / sqrt(s^2 - z)``, shape (points, size)."""
@@ -107,7 +108,7 @@ class Family:
         else:
             rows = e < 0.0
             matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)
-        return matrix * np.sqrt(self.reach)
+        return np.asarray(matrix * np.sqrt(self.reach))
 
     def sources(self) -> tuple[Points, Array]:
         """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
@@ -228,10 +229,14 @@ class Annulus:
         key = (self.toward_inner, self.toward_outer)
         return _TRANSFORMS.get(key, lambda: _unit_transforms(*key))
 
-    def expand(self, function_values: tuple[Array, Array]) -> Array:
+    def expand(self, values: Sequence[Array]) -> Array:
         """Return coefficients through values at the sampling points of both families."""
-        pairs = zip(self.families, function_values, strict=True)
+        pairs = zip(self.families, values, strict=True)
         return np.concatenate([f.expand(v) for f, v in pairs])
+
+    def expand_function(self, function: Callable[[Points], Array]) -> Array:
+        """Return coefficients of a function of `Points`."""
+        return self.expand([function(f.sampling()) for f in self.families])
 
 
 _TRANSFORMS: BoundedCache[tuple[LogPanels, LogPanels], tuple[Array, Array]] = BoundedCache(

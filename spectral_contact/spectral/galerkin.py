@@ -254,7 +254,7 @@ class Factored:
         panels = self.space.operator.panels
         panel = np.minimum(index // (panels.degree + 1), panels.panels - 1)
         energies = np.bincount(panel, weights=(change[index] / scale) ** 2)
-        return Change(change, energies)
+        return Change(change, np.asarray(energies, dtype=float))
 
 
 def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) -> Array:

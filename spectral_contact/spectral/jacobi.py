@@ -110,9 +110,11 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
     Newton step in extended precision mends both.
     """
     start = legendre.leggauss(points)[0].astype(np.longdouble)
-    before, value = np.ones_like(start), start.copy()
+    before: NDArray[np.longdouble] = np.ones_like(start)
+    value: NDArray[np.longdouble] = start.copy()
     for k in range(2, points + 1):
-        before, value = value, ((2 * k - 1) * start * value - (k - 1) * before) / k
+        fresh = ((2 * k - 1) * start * value - (k - 1) * before) / k
+        before, value = value, np.asarray(fresh, dtype=np.longdouble)
     rest = (1 - start) * (1 + start)
     slope = points * (before - start * value) / rest
     curvature = (2 * start * slope - points * (points + 1) * value) / rest

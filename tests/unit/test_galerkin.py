@@ -263,10 +263,30 @@ def test_normal_contact_by_hand(alpha):
     edge = series(panels, pressure).limit
     exact_approach, exact_edge = REFERENCE[alpha]
     assert_allclose(approach, exact_approach, rtol=3e-15)
-    assert_allclose(edge, exact_edge, rtol=1e-12)
+    assert_allclose(edge, exact_edge, rtol=3e-14)
     # 2 pi alpha p(1)^2 = delta + alpha d delta/d alpha, d delta/d alpha = 2 pi int p^2 s ds
     slope = 2 * np.pi * pressure @ disk.normal.mass @ pressure
-    assert_allclose(2 * np.pi * alpha * edge**2, approach + alpha * slope, rtol=1e-12)
+    assert_allclose(2 * np.pi * alpha * edge**2, approach + alpha * slope, rtol=3e-14)
+
+
+@pytest.mark.parametrize("alpha", [1e-12, 1e-9])
+def test_the_correction_saves_the_edge_where_the_layer_is_stiff(alpha):
+    panels = LogPanels(30, 2.0, 16)
+    disk = disk_operators(panels)
+    factored = disk.normal.space((16,) * 30).factor(alpha)
+    errors = []
+    for correct in (True, False):
+        unit = factored.solve(np.full(len(disk.nodes.d), 2.0), correct=correct)
+        pressure = unit / (4 * disk.nodes.weights @ (disk.half_integral @ unit))
+        slope = 2 * np.pi * pressure @ disk.normal.mass @ pressure
+        approach = 1 / (4 * disk.nodes.weights @ (disk.half_integral @ unit))
+        edge = series(panels, pressure).limit
+        errors.append(abs(2 * np.pi * alpha * edge**2 / (approach + alpha * slope) - 1))
+        if alpha == 1e-12 and correct:
+            assert_allclose(edge, 141047.39588952, rtol=1e-13)
+            assert_allclose(approach, 0.125000000002324, rtol=5e-15)
+    assert errors[0] < 2e-14
+    assert errors[1] > 1e-12
 
 
 @pytest.mark.parametrize("alpha", [1e-2, 0.5])

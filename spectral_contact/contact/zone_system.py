@@ -1,0 +1,264 @@
+"""The linear problem of partial slip at given zone boundaries.
+
+At given boundaries the disk's traction is linear in the rim value ``m`` of its target and in the
+coefficients of the stick annuli outside, and is eliminated exactly. What remains is one dense
+system for the annuli, with continuity at the rim for ``m``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Resolution
+from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.rim import SlipSource, interpolate, rim_target
+from spectral_contact.contact.slip_displacement import annulus_between, pressure_expansion
+from spectral_contact.contact.stick_annuli import StickAnnuli
+from spectral_contact.fields import Radius
+from spectral_contact.spectral.annulus import Annulus, Points
+from spectral_contact.spectral.galerkin import Factored, disk_operators
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["ZoneSystem", "ZoneTractions", "scaled_solve"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class ZoneTractions:
+    """Everything at one set of boundaries.
+
+    Attributes
+    ----------
+    radii : tuple of Radius
+    mismatch : ndarray
+        Rim balance, then q/(f p) less its sign at every other end of a stick zone.
+    factored : Factored
+        The disk's system.
+    target, disk : ndarray
+        Target and coefficients on the disk.
+    sticks : StickAnnuli
+    matrix, outer : ndarray
+        System and coefficients of the stick annuli, the rim value last.
+    grid : list
+        Zone, nodes, weights of ``t^2 dt / pi`` and target outside the disk.
+    slips : list of Annulus
+    """
+
+    radii: tuple[Radius, ...]
+    mismatch: Array
+    factored: Factored
+    target: Array
+    disk: Array
+    sticks: StickAnnuli
+    matrix: Array
+    outer: Array
+    grid: list[tuple[int, Points, Array, Array]]
+    slips: list[Annulus]
+
+
+@dataclass(frozen=True, slots=True)
+class ZoneSystem:
+    """The problem for given states of the zones, for kappa = 1.
+
+    Attributes
+    ----------
+    drive : Drive
+    beta, friction : float
+        ``beta*`` > 0 and ``f / kappa``.
+    states : tuple of int
+        0 for stick, +1 or -1 for slip with that sign, from the centre outward.
+    """
+
+    drive: Drive
+    beta: float
+    friction: float
+    states: tuple[int, ...]
+
+    @property
+    def alpha(self) -> float:
+        """``alpha*``."""
+        return self.drive.contact.compliance
+
+    def stick_annuli(self) -> list[int]:
+        """Return the numbers of the stick zones outside the central disk."""
+        return [k for k, state in enumerate(self.states) if state == 0 and k > 0]
+
+    @staticmethod
+    def outer(radii: tuple[Radius, ...], k: int) -> Radius:
+        """Return the outer radius of zone k."""
+        return radii[k] if k < len(radii) else EDGE
+
+    def annulus(self, inner: Radius, outer: Radius, state: int, tolerance: float) -> Annulus:
+        """Return the panels of a zone: graded to its layers at both ends."""
+        last = outer.from_edge == 0.0
+        smooth_edge = last and self.alpha == 0.0
+        free = self.beta if state == 0 else min(self.beta, 1.0)
+        # short of the edge the pressure has its layer beyond the end
+        layer = self.alpha or free if last else min(free, max(self.alpha, outer.rest))
+        return annulus_between(
+            inner, outer, (free, layer), tolerance, 0.5 if smooth_edge and state == 0 else 1.0
+        )
+
+    def solve(
+        self,
+        radii: tuple[Radius, ...],
+        space: Resolution,
+        degrees: list[list[tuple[int, ...]]],
+        quadrature: float,
+    ) -> ZoneTractions:
+        """Solve for all tractions with the boundaries given.
+
+        Parameters
+        ----------
+        radii : tuple of Radius
+            The boundaries, outward.
+        space : Resolution
+            Of the disk.
+        degrees : list of list of tuple of int
+            Of the stick annuli, see `StickAnnuli`.
+        quadrature : float
+            Accuracy of the integrals over slip.
+        """
+        panels, rim = space.panels, radii[0]
+        disk = disk_operators(panels)
+        factored = disk.tangential.space(space.degrees).factor(self.beta / rim.value)
+        sticks = self._sticks(radii, degrees, panels.degree)
+        # disk targets: what does not depend on the annuli, the rim value, every annulus function
+        sources = self._sources(radii, quadrature)
+        _, function = rim_target(self.drive, rim, sources, keep=True)
+        fixed = interpolate(panels, function)
+        falls, at_rim = sticks.falls(panels, rim)
+        targets = np.column_stack([fixed, np.ones_like(fixed), falls])
+        responses = factored.solve(targets)
+        misfits = targets - disk.half_integral @ responses
+        slips = self._slip_annuli(radii, quadrature)
+        grid = self._outer_grid(sticks, slips)
+        weights = rim.value**3 * disk.tangential.weights
+        functions = at_rim - falls  # half-integrals of the annulus functions on the disk
+        matrix, right = self._annulus_system(sticks, grid)
+        coupling = functions.T @ (weights[:, None] * misfits)
+        limits = np.array(
+            [series_of(panels, responses[:, i]).limit for i in range(responses.shape[1])]
+        )
+        size = len(sticks.columns)
+        system = np.zeros((size + 1, size + 1))
+        system[:size, :size] = matrix - coupling[:, 2:]
+        system[:size, size] = -coupling[:, 1]
+        system[size, :size], system[size, size] = limits[2:], limits[1]
+        slipping = (
+            self.states[1] * self.friction * float(self.drive.pressure.at(np.array(rim.rest)))
+        )
+        vector = np.concatenate([right + coupling[:, 0], [slipping - limits[0]]])
+        unknown = scaled_solve(system, vector)
+        outer, m = unknown[:size], unknown[size]
+        combination = np.concatenate([[1.0, m], outer])
+        balance = -float(at_rim @ outer) - m
+        mismatch = self._mismatch(radii, sticks, sticks.full(outer), balance)
+        return ZoneTractions(
+            radii,
+            mismatch,
+            factored,
+            targets @ combination,
+            responses @ combination,
+            sticks,
+            system,
+            outer,
+            grid,
+            slips,
+        )
+
+    def _sticks(
+        self, radii: tuple[Radius, ...], degrees: list[list[tuple[int, ...]]], capacity: int
+    ) -> StickAnnuli:
+        """Return the basis on the stick annuli."""
+        annuli = []
+        for k, pair in zip(self.stick_annuli(), degrees, strict=True):
+            first, second = (LogPanels(len(d), 2.0, capacity) for d in pair)
+            annuli.append(Annulus(radii[k - 1], self.outer(radii, k), first, second))
+        return StickAnnuli(annuli, degrees)
+
+    def _slip_annuli(self, radii: tuple[Radius, ...], tolerance: float) -> list[Annulus]:
+        return [
+            self.annulus(radii[k - 1], self.outer(radii, k), state, max(tolerance, 1e-14))
+            for k, state in enumerate(self.states)
+            if state != 0
+        ]
+
+    def _sources(
+        self, radii: tuple[Radius, ...], tolerance: float
+    ) -> list[tuple[float, SlipSource]]:
+        return [
+            (
+                state * self.friction,
+                SlipSource(
+                    self.drive.pressure,
+                    radii[k - 1],
+                    self.outer(radii, k),
+                    self.alpha,
+                    tolerance,
+                    rim=radii[0],
+                ),
+            )
+            for k, state in enumerate(self.states)
+            if state != 0
+        ]
+
+    def _outer_grid(
+        self, sticks: StickAnnuli, slips: list[Annulus]
+    ) -> list[tuple[int, Points, Array, Array]]:
+        """Return zone, nodes, weights of ``t^2 dt/pi`` and target, up to the last stick zone."""
+        last = self.stick_annuli()[-1]
+        inside, others = iter(sticks.annuli), iter(slips)
+        expansions = [pressure_expansion(a, self.drive.pressure) for a in slips]
+        signs = [s for s in self.states if s != 0]
+        grid = []
+        for k, state in enumerate(self.states[1:], start=1):
+            zone = next(inside) if state == 0 else next(others)
+            if k > last:
+                break
+            for family in zone.families:
+                points, weights = family.nodes()
+                target = self.drive.target(points.y)
+                for a, sign, c in zip(slips, signs, expansions, strict=True):
+                    target = target - sign * self.friction * (a.half_integral(points) @ c)
+                grid.append((k, points, np.sqrt(points.z) * weights / (2.0 * pi), target))
+        return grid
+
+    def _annulus_system(
+        self, sticks: StickAnnuli, grid: list[tuple[int, Points, Array, Array]]
+    ) -> tuple[Array, Array]:
+        """Return Gram plus compliance times mass of the annuli outside the disk, and targets."""
+        matrix = self.beta * sticks.mass()
+        right = np.zeros(len(sticks.columns))
+        for _, points, weights, target in grid:
+            h = sticks.half_integral(points)
+            weighted = h * weights[:, None]
+            matrix += weighted.T @ h
+            right += weighted.T @ target
+        return matrix, right
+
+    def _mismatch(
+        self, radii: tuple[Radius, ...], sticks: StickAnnuli, full: Array, balance: float
+    ) -> Array:
+        """Return the rim balance, then q/(f p) less the sign at the ends of the stick annuli."""
+        values = [balance / float(self.drive.target(np.array(radii[0].rest)))]
+        states = (*self.states, 0)
+        beside = [states[j] for k in self.stick_annuli() for j in (k - 1, k + 1)]
+        for (family, part), state in zip(sticks.parts(), beside, strict=True):
+            b = family.boundary
+            if b.from_edge > 0.0:
+                slipping = self.friction * float(self.drive.pressure.at(np.array(b.rest)))
+                values.append(b.value * family.series(full[part]).limit / slipping - state)
+        return np.array(values)
+
+
+def scaled_solve(matrix: Array, vector: Array) -> Array:
+    """Solve with rows and columns scaled by the diagonal, whose entries span many decades."""
+    scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
+    return np.asarray(scale * np.linalg.solve(matrix * scale * scale[:, None], vector * scale))
