@@ -23,7 +23,6 @@ from math import log, pi
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
@@ -290,8 +289,20 @@ def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
         if high <= _LEAST_LOGIT:
             raise NoStickDiskError(at_centre=True)
         at_low = function(low)
-    root = float(optimize.brentq(function, low, high, xtol=1e-3, rtol=1e-5))
-    return root, (function(root + 0.05) - function(root - 0.05)) / 0.1
+    middle = 0.5 * (low + high)
+    while high - low > 1e-3 * max(1.0, abs(low)):
+        # Illinois: false position that halves the value of an end it keeps
+        middle = high - at_high * (high - low) / (at_high - at_low)
+        value = function(middle)
+        if value > 0.0:
+            high, at_high, at_low = middle, value, 0.5 * at_low
+        elif value < 0.0:
+            low, at_low, at_high = middle, value, 0.5 * at_high
+        else:
+            break
+        if abs(value) < 1e-6:
+            break
+    return middle, (function(middle + 0.05) - function(middle - 0.05)) / 0.1
 
 
 def _polished_root(

@@ -10,12 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields import LogSeries, Radius
-from spectral_contact.spectral.abel import beyond, deeper, outer, tail_values
+from spectral_contact.spectral.abel import (
+    beyond,
+    deeper,
+    deeper_aligned,
+    deeper_tail,
+    outer,
+    outer_aligned,
+    tail_values,
+)
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Annulus", "Family", "Points", "gap", "sampled_series"]
+__all__ = ["Annulus", "Family", "Points", "gap", "outer_at_sampling", "sampled_series"]
 
 Array = NDArray[np.float64]
 
@@ -256,12 +264,36 @@ def _unit_transforms(first: LogPanels, second: LogPanels) -> tuple[Array, Array]
     args = [(p.panels, p.width, p.degree) for p in (first, second)]
     none = [np.zeros((len(a), b.size)) for a, b in ((d[1], first), (d[0], second))]
     half = np.block(
-        [[outer(d[0], *args[0]), deeper(2.0 - d[0], *args[1])], [none[0], deeper(d[1], *args[1])]]
+        [
+            [outer_at_sampling(first), deeper(2.0 - d[0], *args[1])],
+            [none[0], _deeper_at_sampling(second)],
+        ]
     )
     inner = np.block(
-        [[deeper(d[0], *args[0]), none[1]], [deeper(2.0 - d[1], *args[0]), outer(d[1], *args[1])]]
+        [
+            [_deeper_at_sampling(first), none[1]],
+            [deeper(2.0 - d[1], *args[0]), outer_at_sampling(second)],
+        ]
     )
     return half, inner
+
+
+def _deeper_at_sampling(panels: LogPanels) -> Array:
+    """Return the `deeper` integral at the sampling points: panels, then tail."""
+    p, h, degree = panels.panels, panels.width, panels.degree
+    x, tail = panels.sampling(), panels.tail_sampling()
+    own = deeper_aligned(h - x[0], p, h, degree, 0.0)
+    inside = np.zeros((len(tail), own.shape[1]))
+    d = np.concatenate([np.exp(-x).ravel(), tail])
+    return np.hstack([np.vstack([own, inside]), deeper_tail(d, panels.end)])
+
+
+def outer_at_sampling(panels: LogPanels) -> Array:
+    """Return the `outer` integral at the sampling points: panels, then tail."""
+    p, h, degree = panels.panels, panels.width, panels.degree
+    own = outer_aligned(panels.sampling()[0], p, h, degree)
+    none = np.zeros((len(own), panels.tail_terms))
+    return np.vstack([np.hstack([own, none]), outer(panels.tail_sampling(), p, h, degree)])
 
 
 def sampled_series(panels: LogPanels, values: Array) -> LogSeries:

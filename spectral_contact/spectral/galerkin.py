@@ -22,7 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import blas, lapack
 
-from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, tail_values
+from spectral_contact.spectral.abel import (
+    deeper_aligned,
+    deeper_blocks,
+    deeper_tail,
+    tail_values,
+)
+from spectral_contact.spectral.annulus import outer_at_sampling
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels, Nodes
@@ -89,9 +95,7 @@ class DiskOperators:
     @cached_property
     def outer_matrix(self) -> Array:
         """Matrix of the `outer` integral at the sampling points (panels, then tail)."""
-        p = self.panels
-        d = np.concatenate([np.exp(-p.sampling()).ravel(), p.tail_sampling()])
-        return outer(d, p.panels, p.width, p.degree)
+        return outer_at_sampling(self.panels)
 
 
 class GalerkinOperator:
@@ -114,10 +118,7 @@ class GalerkinOperator:
         self.half_integral = half_integral
         self.weights = weights
         self.mass = mass
-        scaled = half_integral * np.sqrt(weights)[:, None]
-        # dsyrk fills one triangle in half the time; `scaled.T` is Fortran-ordered, so no copy
-        upper = blas.dsyrk(1.0, scaled.T)
-        self.gram: Array = np.triu(upper) + np.triu(upper, 1).T
+        self.gram: Array = _gram(panels, half_integral, weights)
         self._spaces: BoundedCache[tuple[int, ...], Space] = BoundedCache("Galerkin spaces", 24)
 
     def space(self, degrees: tuple[int, ...]) -> Space:
@@ -170,7 +171,6 @@ class Space:
         self._gram = operator.gram[grid]
         self._mass = operator.mass[grid]
         self._half_integral = operator.half_integral[:, self.index]
-        self._moments = self._half_integral.T * operator.weights
 
     @property
     def unknowns(self) -> int:
@@ -226,7 +226,7 @@ class Factored:
         misfit = target
         rounds = 2 if correct and self.compliance < _HARMLESS else 1
         for correction in range(rounds):
-            residual = (space._moments @ misfit).T - fixed
+            residual = (space.operator.weights * misfit.T) @ space._half_integral - fixed
             if correction and self.compliance != 0.0:
                 residual -= self.compliance * (space._mass @ values).T
             step, _ = lapack.dpotrs(self._factor, (residual * scale).T, lower=1)
@@ -260,19 +260,35 @@ class Factored:
 def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) -> Array:
     """Assemble the half-integral matrix from blocks that depend on panel differences alone."""
     p, h, degree = panels.panels, panels.width, panels.degree
-    terms, start, count = degree + 1, len(first), len(other)
+    terms, start = degree + 1, len(first)
     matrix = np.zeros((len(nodes.d), panels.size))
-    root = nodes.d[:, None] ** (0.5 + panels.power)
+    root = nodes.d[:start, None] ** (0.5 + panels.power)
     blocks = deeper_blocks(first, p, h, degree, panels.power)
-    matrix[:start, : p * terms] = blocks.reshape(start, -1) * root[:start]
-    blocks = deeper_blocks(other, max(p - 1, 1), h, degree, panels.power).reshape(count, -1)
-    for i in range(1, p):
-        rows = slice(start + (i - 1) * count, start + i * count)
-        matrix[rows, i * terms : p * terms] = blocks[:, : (p - i) * terms] * root[rows]
+    matrix[:start, : p * terms] = blocks.reshape(start, -1) * root
+    rest = deeper_aligned(other, p - 1, h, degree, panels.power) if p > 1 else np.zeros((0, 0))
+    # one panel deeper all distances are exp(-h) times smaller
+    rest *= np.exp(-h * (0.5 + panels.power))
+    matrix[start : start + len(rest), terms : p * terms] = rest
     matrix[:, p * terms :] = deeper_tail(
         nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
     )
     return matrix
+
+
+def _gram(panels: LogPanels, half_integral: Array, weights: Array) -> Array:
+    """Return ``H^T W H``, in strips of nodes: a node sees only its own panel and deeper ones."""
+    terms, (first, other) = panels.degree + 1, panels.node_counts
+    gram = np.zeros((panels.size, panels.size), order="F")
+    cuts = sorted({0, *(round(panels.panels * k / 6) for k in range(1, 6)), panels.panels})
+    for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+        start = 0 if low == 0 else first + (low - 1) * other
+        stop = len(weights) if high == panels.panels else first + (high - 1) * other
+        strip = half_integral[start:stop, low * terms :] * np.sqrt(weights[start:stop, None])
+        # dsyrk fills one triangle in half the time; `strip.T` is Fortran-ordered, so no copy
+        gram[low * terms :, low * terms :] += blas.dsyrk(1.0, strip.T)
+    upper = np.triu(gram, 1)
+    gram += upper.T
+    return gram
 
 
 def _block_diagonal(panels: LogPanels, first: float, second: float) -> Array:

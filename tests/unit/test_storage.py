@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spectral_contact import fields as field_classes
+from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
 from spectral_contact import storage
@@ -262,7 +263,7 @@ def test_every_record_class_can_be_stored():
     """A class added to these modules is to be added to the registry, and to `synthetic`."""
     stored = {
         cls.__name__
-        for module in (field_classes, scene_classes, solution_classes)
+        for module in (field_classes, record_classes, scene_classes, solution_classes)
         for cls in vars(module).values()
         if isinstance(cls, type) and cls.__module__ == module.__name__
         if is_dataclass(cls) or issubclass(cls, Enum)

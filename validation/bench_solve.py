@@ -1,0 +1,198 @@
+"""Time the solver against one dense solve, and show what each step costs.
+
+Run as ``python validation/bench_solve.py``; writes validation/results/bench_solve.json and .md.
+U is the time of one ``numpy.linalg.solve`` of a dense 1000 x 1000 system in the same process, one
+BLAS thread. Cold: first solve in a fresh process after import. Warm: another alpha, beta, nu, f with
+operator caches filled; solutions are never cached. Figures are medians; the ratio to U is what to
+read on a noisy machine.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import json
+import platform
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+RESULTS = Path(__file__).parent / "results"
+KAPPA = 0.8 / 3.6  # at nu = 0.1
+REPEATS = 9
+
+#: name, compliances, f/kappa (None: frictionless, inf: full stick), rtol, quantities, goals in U
+CASES: list[tuple[str, float, float | None, float, tuple[str, ...] | None, float | None, float | None]] = [
+    ("normal", 0.5, None, 1e-12, None, 0.75, 0.1),
+    ("normal", 1e-6, None, 1e-12, None, 0.75, 0.1),
+    ("normal", 0.5, None, 1e-4, None, None, 0.02),
+    ("approach alone", 0.5, None, 1e-10, ("approach",), None, 0.01),
+    ("approach alone", 1e-6, None, 1e-10, ("approach",), None, 0.01),
+    ("full stick", 0.5, float("inf"), 1e-12, None, 1.5, None),
+    ("full stick", 1e-6, float("inf"), 1e-12, None, 1.5, None),
+    ("partial slip", 0.5, 0.3, 1e-12, None, 4.0, 1.0),
+    ("partial slip", 1e-6, 2.0, 1e-12, None, 4.0, 1.0),
+]
+
+_COLD = """
+import os
+os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
+import numpy as np
+from time import perf_counter
+from spectral_contact import Scene, solve
+import scipy.linalg, scipy.special
+begin = perf_counter()
+solve(Scene(0.1, {c}, {b}, {f}), {rtol}, {q})
+cold = perf_counter() - begin
+a = np.random.default_rng(0).standard_normal((1000, 1000))
+np.linalg.solve(a, a[0])
+times = []
+for _ in range(7):
+    begin = perf_counter(); np.linalg.solve(a, a[0]); times.append(perf_counter() - begin)
+print(cold / sorted(times)[3])
+"""
+
+
+def dense_solve() -> float:
+    """Return U in seconds."""
+    a = np.random.default_rng(0).standard_normal((1000, 1000))
+    np.linalg.solve(a, a[0])
+    return _median(lambda i: np.linalg.solve(a, a[0]))
+
+
+def _median(function: Callable[[int], object]) -> float:
+    times = []
+    for i in range(REPEATS):
+        begin = perf_counter()
+        function(i)
+        times.append(perf_counter() - begin)
+    return median(times)
+
+
+def _scene(case: tuple, i: int):
+    from spectral_contact import Scene
+
+    _, c, ratio, *_ = case
+    shift = 1.0 + 0.01 * i
+    nu = 0.1
+    if ratio is None:
+        return Scene(nu, c * shift)
+    return Scene(nu, c * shift, c * shift, ratio if ratio == float("inf") else ratio * KAPPA * shift)
+
+
+def warm(case: tuple) -> tuple[float, int]:
+    """Return the median warm time in seconds, and the unknowns."""
+    from spectral_contact import solve
+
+    rtol, quantities = case[3], case[4]
+    solution = solve(_scene(case, 0), rtol, quantities)
+    for i in range(REPEATS):
+        solve(_scene(case, i), rtol, quantities)
+    # other scenes than those that filled the caches
+    time = _median(lambda i: solve(_scene(case, i + 0.5), rtol, quantities))
+    return time, solution.work.unknowns
+
+
+def cold(case: tuple) -> float:
+    """Return the median over fresh processes of the first solve, in U of the same process."""
+    _, c, ratio, rtol, quantities, *_ = case
+    friction = "None" if ratio is None else f'float("{ratio}") * {1.0 if ratio == float("inf") else KAPPA}'
+    code = _COLD.format(c=c, b=0.0 if ratio is None else c, f=friction, rtol=rtol, q=quantities)
+    runs = [
+        float(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
+        for _ in range(5)
+    ]
+    return median(runs)
+
+
+def import_time() -> tuple[float, float]:
+    """Return import times in seconds: numpy alone, and this library over it."""
+    code = (
+        "from time import perf_counter as t; a=t(); import numpy; b=t(); "
+        "import spectral_contact; print(b-a, t()-b)"
+    )
+    runs = []
+    for _ in range(7):
+        out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        runs.append([float(x) for x in out.split()])
+    return median(r[0] for r in runs), median(r[1] for r in runs)
+
+
+def main() -> None:
+    """Measure, print and store."""
+    import scipy
+
+    import spectral_contact
+
+    numpy_import, own_import = import_time()
+    rows = []
+    for case in CASES:
+        unit = dense_solve()
+        time, unknowns = warm(case)
+        rows.append(
+            {
+                "case": case[0],
+                "compliance": case[1],
+                "rtol": case[3],
+                "unknowns": unknowns,
+                "U_ms": 1e3 * unit,
+                "warm_ms": 1e3 * time,
+                "warm_U": time / unit,
+                "warm_goal_U": case[6],
+                "cold_U": cold(case),
+                "cold_goal_U": case[5],
+            }
+        )
+    record = {
+        "schema": "spectral_contact.validation.bench_solve",
+        "version": 1,
+        "library": spectral_contact.__version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "processor": platform.machine(),
+        "blas_threads": 1,
+        "import_numpy_s": numpy_import,
+        "import_over_numpy_s": own_import,
+        "rows": rows,
+    }
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / "bench_solve.json").write_text(json.dumps(record, indent=1) + "\n")
+    text = table(record)
+    (RESULTS / "bench_solve.md").write_text(text)
+    print(text)
+
+
+def table(record: dict) -> str:
+    """Return the results as a Markdown table."""
+
+    def goal(value: float | None) -> str:
+        return "–" if value is None else f"{value:g}"
+
+    lines = [
+        f"Python {record['python']}, numpy {record['numpy']}, scipy {record['scipy']}, "
+        f"one BLAS thread; import {record['import_over_numpy_s']:.2f} s over numpy's "
+        f"{record['import_numpy_s']:.2f} s.",
+        "",
+        "| problem | α* = β* | rtol | unknowns | warm [ms] | warm [U] | goal | cold [U] | goal |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for r in record["rows"]:
+        lines.append(
+            f"| {r['case']} | {r['compliance']:g} | {r['rtol']:g} | {r['unknowns']} | "
+            f"{r['warm_ms']:.2f} | {r['warm_U']:.3f} | {goal(r['warm_goal_U'])} | "
+            f"{r['cold_U']:.2f} | {goal(r['cold_goal_U'])} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()
