@@ -10,6 +10,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.errors import SceneError
 from spectral_contact.solution import Ending, RefinementStep
 from spectral_contact.spectral.panels import LogPanels
 
@@ -27,6 +28,8 @@ _LEAP = 8
 #: Highest degree a panel may reach; beyond it rounding grows and nothing converges further.
 _DEGREE_LIMIT = 40
 _MAX_ATTEMPTS = 12
+#: The estimate sheds two degrees and must keep one.
+_LEAST_DEGREE = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,13 +96,18 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     tolerance : float
         Bound on the estimate of the relative error.
     max_unknowns : int
-        No space beyond this is tried, except the first.
+        No space beyond this is tried.
 
     Returns
     -------
     Refinement
+
+    Raises
+    ------
+    SceneError
+        If not even the lowest degrees fit.
     """
-    resolution = problem.start()
+    resolution = _fitted(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
     best: Refinement[T] | None = None
     stalled = 0
@@ -124,12 +132,29 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
             finer = _finer(resolution, attempt, tolerance)
             if finer == resolution:
                 ending = Ending.ROUNDING
-            elif sum(finer.degrees) + len(finer.degrees) > max_unknowns:
+            elif _size(finer) > max_unknowns:
                 ending = Ending.UNKNOWNS
             else:
                 resolution = finer
                 continue
         return replace(best, ending=ending, history=tuple(history))
+
+
+def _size(resolution: Resolution) -> int:
+    """Return the number of unknowns on the panels, tails aside."""
+    return sum(resolution.degrees) + len(resolution.degrees)
+
+
+def _fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
+    """Lower the highest degrees until the space fits."""
+    degrees = resolution.degrees
+    while sum(degrees) + len(degrees) > max_unknowns:
+        top = max(degrees)
+        if top <= _LEAST_DEGREE:
+            least = sum(degrees) + len(degrees)
+            raise SceneError("max_unknowns", max_unknowns, f"at least {least} for this scene")
+        degrees = tuple(min(n, top - 1) for n in degrees)
+    return replace(resolution, degrees=degrees)
 
 
 def _finer(resolution: Resolution, attempt: Attempt[T], tolerance: float) -> Resolution:

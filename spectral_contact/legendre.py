@@ -17,7 +17,7 @@ def legendre_rows(x: Array, degree: int) -> Array:
     if degree > 0:
         values[1] = x
     for n in range(2, degree + 1):
-        current = values[n]
+        current = values[n, ...]
         np.multiply(x, values[n - 1], out=current)
         current *= (2 * n - 1) / n
         current -= ((n - 1) / n) * values[n - 2]

@@ -45,6 +45,8 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     SceneError
         For a name that is no quantity.
     """
+    if not isinstance(scene, Scene):
+        raise SceneError("scene", scene, "a Scene")
     asked = _asked(quantities)
     missing: dict[str, str] = {
         name: "it was not asked for" for name in QUANTITIES if name not in asked
@@ -66,9 +68,12 @@ def _asked(quantities: Iterable[str] | None) -> frozenset[str]:
         return frozenset(QUANTITIES)
     if isinstance(quantities, str):
         raise SceneError("quantities", quantities, "a list of names, not one string")
-    asked = tuple(quantities)
+    try:
+        asked = tuple(quantities)
+    except TypeError:
+        raise SceneError("quantities", quantities, "a list of names") from None
     for name in asked:
-        if name not in QUANTITIES:
+        if not isinstance(name, str) or name not in QUANTITIES:
             raise SceneError("quantities", name, "out of " + ", ".join(QUANTITIES))
     return frozenset(asked)
 

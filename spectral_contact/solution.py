@@ -338,15 +338,18 @@ class PhysicalSolution:
             for z in self.solution.zones
         )
 
+    def _dimensionless(self, parameter: str, length: ArrayLike) -> Any:
+        """Divide lengths by the punch radius."""
+        values = np.asarray(length)
+        if values.dtype.kind not in "iuf":
+            raise SceneError(parameter, length, f"real lengths in [0, {self.radius}] m")
+        return values / self.radius
+
     def _scaled(
         self, name: str, factor: float, r: ArrayLike | None, from_edge: ArrayLike | None
     ) -> Any:
-        try:
-            inside = None if r is None else np.asarray(r, dtype=float) / self.radius
-            depth = None if from_edge is None else np.asarray(from_edge, dtype=float) / self.radius
-        except (TypeError, ValueError):
-            bad = r if r is not None else from_edge
-            raise SceneError("r", bad, f"real radii in [0, {self.radius}] m") from None
+        inside = None if r is None else self._dimensionless("r", r)
+        depth = None if from_edge is None else self._dimensionless("from_edge", from_edge)
         evaluate = getattr(self.solution, name)
         value = evaluate(from_edge=depth) if inside is None else evaluate(inside, from_edge=depth)
         return value * factor

@@ -30,7 +30,9 @@ KAPPA = 0.8 / 3.6  # at nu = 0.1
 REPEATS = 9
 
 #: name, compliances, f/kappa (None: frictionless, inf: full stick), rtol, quantities, goals in U
-CASES: list[tuple[str, float, float | None, float, tuple[str, ...] | None, float | None, float | None]] = [
+CASES: list[
+    tuple[str, float, float | None, float, tuple[str, ...] | None, float | None, float | None]
+] = [
     ("normal", 0.5, None, 1e-12, None, 0.75, 0.1),
     ("normal", 1e-6, None, 1e-12, None, 0.75, 0.1),
     ("normal", 0.5, None, 1e-4, None, None, 0.02),
@@ -85,7 +87,9 @@ def _scene(case: tuple, i: int):
     nu = 0.1
     if ratio is None:
         return Scene(nu, c * shift)
-    return Scene(nu, c * shift, c * shift, ratio if ratio == float("inf") else ratio * KAPPA * shift)
+    return Scene(
+        nu, c * shift, c * shift, ratio if ratio == float("inf") else ratio * KAPPA * shift
+    )
 
 
 def warm(case: tuple) -> tuple[float, int]:
@@ -104,10 +108,16 @@ def warm(case: tuple) -> tuple[float, int]:
 def cold(case: tuple) -> float:
     """Return the median over fresh processes of the first solve, in U of the same process."""
     _, c, ratio, rtol, quantities, *_ = case
-    friction = "None" if ratio is None else f'float("{ratio}") * {1.0 if ratio == float("inf") else KAPPA}'
+    friction = (
+        "None" if ratio is None else f'float("{ratio}") * {1.0 if ratio == float("inf") else KAPPA}'
+    )
     code = _COLD.format(c=c, b=0.0 if ratio is None else c, f=friction, rtol=rtol, q=quantities)
     runs = [
-        float(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
+        float(
+            subprocess.run(
+                [sys.executable, "-c", code], capture_output=True, text=True, check=True
+            ).stdout
+        )
         for _ in range(5)
     ]
     return median(runs)
@@ -121,7 +131,9 @@ def import_time() -> tuple[float, float]:
     )
     runs = []
     for _ in range(7):
-        out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        out = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
         runs.append([float(x) for x in out.split()])
     return median(r[0] for r in runs), median(r[1] for r in runs)
 

@@ -112,7 +112,7 @@ class _StickProblem:
         traction_error += propagated * float(share_of_change(panels, moved, series).max())
         # the shear superconverges, as far as its dual, rough at the centre, is resolved
         moments = disk.shear_moments
-        shear_error = SAFETY * own * float(abs(moments @ change.coefficients)) / shear
+        shear_error = SAFETY * own**2 * float(abs(moments @ change.coefficients)) / shear
         shear_error += propagated * float(abs(moments @ moved)) / shear + 4.0 * ROUNDING
         if self.pointwise:
             indicators, error = shares, traction_error
@@ -123,9 +123,8 @@ class _StickProblem:
 
         parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, series))]
         if normal.panels is not None and normal.change is not None:
-            pressure = share_of_change(
-                normal.panels, normal.change.coefficients, self.drive.pressure.at
-            )
+            lost = normal.change.coefficients
+            pressure = share_of_change(normal.panels, lost, self.drive.pressure.at)
             parts.append((normal.panels, propagated * pressure))
 
         def ratio_error(y: float) -> float:

@@ -214,7 +214,7 @@ class _OneDiskProblem:
         return _Trial(radius, -rim, coefficients, factored, values, unit)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
-        quadrature = 0.01 * self.tolerance
+        quadrature = max(1e-3 * self.tolerance, 1e-14)
 
         def mismatch(logit: float) -> float:
             return self._trial(resolution, logit, quadrature).mismatch
@@ -237,23 +237,23 @@ class _OneDiskProblem:
         error = float(indicators.max()) + 20.0 * ROUNDING
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(disk.shear_moments @ coefficients) + outside
-        lost = SAFETY * own * radius.square * abs(float(disk.shear_moments @ change))
+        lost = SAFETY * own**2 * radius.square * abs(float(disk.shear_moments @ change))
         # what moves the rim value moves the radius: the disk's own change, then the pressure's
         shift = stray = 0.0
         if trial.unit > 0.0:
-            shift = SAFETY * own * abs(series_of(panels, change).limit / trial.unit)
+            shift = 2.0 * SAFETY * own * abs(series_of(panels, change).limit / trial.unit)
         if self.drive.change is not None:
             moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share
-            shift += propagated * abs(moved.mismatch)
+            shift += 2.0 * propagated * abs(moved.mismatch)
             outside = float(self.drive.change.load_outside(np.array(radius.rest)))
             part = radius.square * float(disk.shear_moments @ moved.coefficients)
             lost += propagated * abs(part + 2.0 * pi * self.friction * outside)
             strays = moved.target - disk.half_integral @ moved.coefficients
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the source quadrature leaves out
-        noise = 8.0 * ROUNDING + 1e-5 * self.tolerance
+        noise = 8.0 * ROUNDING + 1e-6 * self.tolerance
         shift += noise * float(self.drive.target(np.array(radius.rest)))
         shift /= abs(self.slope)
         misfit = trial.target - disk.half_integral @ coefficients

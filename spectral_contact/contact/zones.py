@@ -218,7 +218,7 @@ class _ZonesProblem:
         ]
         rate = np.concatenate(rates)
         indicators = expected_error(np.concatenate(shares), rate)
-        worst = SAFETY * float(rate[np.argmax(indicators)]) ** 1.5
+        worst = 2.0 * SAFETY * float(rate[np.argmax(indicators)])
         error = float(indicators.max()) + 20.0 * ROUNDING
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
         stray = max(float(np.abs(a - b).max()) for a, b in zip(misfit, misfit_coarse, strict=True))

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -280,7 +281,7 @@ def _gram(panels: LogPanels, half_integral: Array, weights: Array) -> Array:
     terms, (first, other) = panels.degree + 1, panels.node_counts
     gram = np.zeros((panels.size, panels.size), order="F")
     cuts = sorted({0, *(round(panels.panels * k / 6) for k in range(1, 6)), panels.panels})
-    for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+    for low, high in pairwise(cuts):
         start = 0 if low == 0 else first + (low - 1) * other
         stop = len(weights) if high == panels.panels else first + (high - 1) * other
         strip = half_integral[start:stop, low * terms :] * np.sqrt(weights[start:stop, None])

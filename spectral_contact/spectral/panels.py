@@ -96,7 +96,7 @@ class LogPanels:
 
     def half_line_nodes(self) -> tuple[Array, Array]:
         """Return ``x`` and ``dx`` weights for sources, shape (panels, n) each; tail excluded."""
-        g, w = gauss_rule(self.degree + 4)
+        g, w = gauss_rule(self.degree + 12)
         x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
         return x, np.broadcast_to(w * self.width / 2.0, x.shape)
 
@@ -141,7 +141,7 @@ class LogPanels:
 
     def panel_gram(self, decay: float) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""
-        g, w = gauss_rule(self.degree + 12)
+        g, w = gauss_rule(self.degree + 14)
         values = legendre_values(g, self.degree)
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)

@@ -92,8 +92,9 @@ class Piece:
         self.low, self.high, self.functions = mp.mpf(low), mp.mpf(high), functions
         self.density = density
         self.central, self.tail = self.high == 1, self.low == 0
+        self.at = lru_cache(self._at)  # rules run over one coordinate while the other stays
 
-    def at(self, v):
+    def _at(self, v):
         """Return ``(d, 1 - d)`` and the functions times dd/dv."""
         if self.tail:
             d, jacobian = self.high * v * v, 2 * self.high * v
@@ -147,15 +148,15 @@ def entries(one, two):
 
 def legendre(degree):
     coefficients = [
-        mp.mpf((-1) ** m) * mp.binomial(degree, m) * mp.binomial(2 * degree - 2 * m, degree)
+        (-1) ** m * mp.binomial(degree, m) * mp.binomial(2 * degree - 2 * m, degree) / 2**degree
         for m in range(degree // 2 + 1)
     ]
 
     def polynomial(x):
-        value = mp.mpf(0)
-        for c in coefficients:
-            value = value * x * x + c
-        return value * (x if degree % 2 else 1) / 2**degree
+        square, value = x * x, coefficients[0]
+        for c in coefficients[1:]:
+            value = value * square + c
+        return value * x if degree % 2 else value
 
     return polynomial
 

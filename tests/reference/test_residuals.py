@@ -1,7 +1,8 @@
 """Fields put into the equations with their elliptic kernels, by independent quadrature.
 
-The points are random, from a fixed seed: some uniform in the contact, some crowded to the edge, some
-to the zone boundaries. In stick the tangential displacement vanishes, in slip it is the one reported.
+The points are random, from a fixed seed: some uniform in the contact, some crowded to the edge,
+some to the zone boundaries. In stick the tangential displacement vanishes, in slip it is the one
+reported.
 """
 
 import functools

@@ -93,6 +93,13 @@ def test_modules_import_from_each_other_only_what_is_exported():
     assert private == []
 
 
+def test_the_records_are_exported_by_solution():
+    assert (
+        set(exports("spectral_contact.records")) - set(exports("spectral_contact.solution"))
+        == set()
+    )
+
+
 @pytest.mark.parametrize("absent", ["matplotlib", "mpmath", "spectral_contact.closed_forms"])
 def test_the_import_of_the_library_does_not_import(absent):
     loaded = python("import sys, spectral_contact; print(*sys.modules)").split()

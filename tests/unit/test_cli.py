@@ -342,14 +342,15 @@ def test_a_command_is_needed(capsys, argv):
 
 # --- endings --------------------------------------------------------------------------------------
 
-TOO_FEW = ("--friction", "inf", "--max-unknowns", "20", "--rtol", "1e-12")
+LAYERS = ("--normal-compliance", "1e-6", "--tangential-compliance", "1e-3", "--friction", "inf")
+TOO_FEW = (*LAYERS, "--max-unknowns", "1", "--rtol", "1e-12")
 
 
 def test_a_tolerance_not_met_is_status_1(capsys):
     status, out, err = run(capsys, *TOO_FEW)
     assert (status, out) == (1, "")
     assert err.startswith("spectral-contact: ")
-    assert "max_unknowns" in err
+    assert "; the next space would exceed max_unknowns. Raise max_unknowns" in err
     assert "--no-strict" in err
     assert err.count("\n") == 1
 

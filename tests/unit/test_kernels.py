@@ -76,6 +76,12 @@ def test_kernels_are_homogeneous_of_degree_zero(kernel, eta, s, scale):
 
 
 @KERNELS
+@pytest.mark.parametrize("scale", [2.0**-1000, 2.0**-600, 2.0**600])
+def test_no_radius_is_too_small_or_too_large(kernel, scale):
+    assert kernel(0.3 * scale, 0.7 * scale) == kernel(0.3, 0.7)
+
+
+@KERNELS
 @given(eta=radius, s=radius)
 def test_reciprocity(kernel, eta, s):
     # s K(eta, s) is symmetric: the operators are, in the measure s ds

@@ -1,0 +1,203 @@
+"""A solve does what its scene calls for and nothing else: by spying on imports and assembly."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, cache_sizes, clear_caches, solve
+from spectral_contact.spectral import galerkin
+
+TANGENTIAL = [
+    "drive",
+    "full_stick",
+    "one_disk",
+    "partial_slip",
+    "rim",
+    "slip_displacement",
+    "stick_annuli",
+    "zone_search",
+    "zone_system",
+    "zones",
+]
+SLIDING = tuple(name for name in TANGENTIAL if name not in ("drive", "full_stick"))
+ALPHAS = (0.0, 1e-8, 0.5, 1e4)
+
+
+def imported_by(scene, rtol=1e-6, quantities=None):
+    """Return which modules of `contact` a fresh interpreter loads to solve a scene."""
+    code = (
+        "import sys\n"
+        "from math import inf\n"
+        "from spectral_contact import Scene, solve\n"
+        f"solve({scene}, {rtol}, {quantities})\n"
+        "prefix = 'spectral_contact.contact.'\n"
+        "print(*(n.removeprefix(prefix) for n in sys.modules if n.startswith(prefix)))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    return set(run.stdout.split())
+
+
+@pytest.fixture
+def assembled(monkeypatch):
+    """Names of the operators assembled, in order, from empty caches on."""
+    names = []
+    for name in ("normal", "tangential"):
+        original = vars(galerkin.DiskOperators)[name].func
+
+        def spy(disk, original=original, name=name):
+            names.append(name)
+            return original(disk)
+
+        prop = galerkin.cached_property(spy)
+        prop.__set_name__(galerkin.DiskOperators, name)
+        monkeypatch.setattr(galerkin.DiskOperators, name, prop)
+    clear_caches()
+    yield names
+    clear_caches()
+
+
+@pytest.mark.parametrize(
+    "scene", ["Scene(0.1, 0.5)", "Scene(0.1)", "Scene(0.1, 0.5, 0.5)", "Scene(0.1, 0.0, 0.5)"]
+)
+def test_frictionless_imports_nothing_tangential(scene):
+    assert imported_by(scene).isdisjoint(TANGENTIAL)
+
+
+@pytest.mark.parametrize("friction", ["0.1", "0.0", "inf"])
+def test_incompressible_imports_nothing_tangential(friction):
+    assert imported_by(f"Scene(0.5, 0.5, 0.5, {friction})").isdisjoint(TANGENTIAL)
+
+
+@pytest.mark.parametrize("friction", ["10.0", "inf"])
+def test_above_critical_friction_imports_nothing_of_slip(friction):
+    loaded = imported_by(f"Scene(0.1, 0.5, 0.5, {friction})")
+    assert "full_stick" in loaded
+    assert loaded.isdisjoint(SLIDING)
+
+
+def test_one_stick_disk_imports_no_general_zones():
+    loaded = imported_by("Scene(0.1, 0.5, 0.2, 0.1)")
+    assert "one_disk" in loaded
+    assert loaded.isdisjoint({"zone_search", "zone_system", "zones"})
+
+
+@pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])
+def test_normal_quantities_of_a_frictional_scene_import_nothing_tangential(quantities):
+    loaded = imported_by("Scene(0.1, 0.5, 0.5, 0.1)", quantities=quantities)
+    assert loaded.isdisjoint(TANGENTIAL)
+
+
+@pytest.mark.parametrize("alpha", ALPHAS)
+def test_frictionless_assembles_no_tangential_operator(assembled, alpha):
+    solve(Scene(0.1, alpha, 0.5), 1e-10)
+    assert "tangential" not in assembled
+
+
+def test_the_spy_sees_tangential_operators(assembled):
+    solve(Scene(0.1, 0.5, 0.5, math.inf), 1e-6)
+    assert {"normal", "tangential"} <= set(assembled)
+
+
+def test_smooth_frictionless_assembles_nothing(assembled):
+    solve(Scene(0.1), 1e-12)
+    assert assembled == []
+    assert not any(cache_sizes().values())
+
+
+def test_smooth_full_stick_assembles_no_normal_operator(assembled):
+    solve(Scene(0.1, friction=math.inf), 1e-10)
+    assert "normal" not in assembled
+
+
+def test_nothing_is_solved_for_what_follows_by_definition(assembled):
+    solution = solve(Scene(0.1, 0.5, 0.5), 1e-10, ("traction", "total_shear", "zones"))
+    assert assembled == []
+    assert solution.work.steps == ()
+    assert (solution.total_shear, solution.zones, solution.traction(0.5)) == (0.0, (), 0.0)
+
+
+def test_operators_are_reused_for_other_scenes(assembled):
+    solve(Scene(0.1, 0.5, 0.5, math.inf), 1e-10)
+    cold = len(assembled)
+    solve(Scene(0.3, 0.5, 0.5, math.inf), 1e-10)
+    assert len(assembled) == cold
+
+
+@pytest.mark.parametrize("alpha", [1e-6, 0.5])
+def test_approach_alone_needs_far_fewer_unknowns(alpha):
+    scene = Scene(0.1, alpha)
+    alone = solve(scene, 1e-10, ("approach",))
+    fully = solve(scene, 1e-10)
+    assert alone.converged
+    # to factor a matrix costs the cube of the unknowns
+    assert alone.work.unknowns**3 <= fully.work.unknowns**3 / 4
+    assert abs(alone.approach / fully.approach - 1) <= alone.error.approach + fully.error.approach
+
+
+def test_shear_alone_needs_no_more_unknowns_than_traction():
+    scene = Scene(0.1, 0.5, 0.5, math.inf)
+    alone = solve(scene, 1e-10, ("total_shear",))
+    fully = solve(scene, 1e-10)
+    assert alone.converged
+    assert alone.work["full stick"].unknowns <= fully.work["full stick"].unknowns
+    bound = alone.error.total_shear + fully.error.total_shear
+    assert abs(alone.total_shear / fully.total_shear - 1) <= bound
+
+
+@pytest.mark.parametrize("name", ["pressure", "approach", "total_shear"])
+def test_what_is_solved_is_recorded(name):
+    solution = solve(Scene(0.1, 0.5, 0.5, 0.1), 1e-6, (name,))
+    ran = {step.name for step in solution.plan.steps if step.state.value == "run"}
+    assert {step.name for step in solution.work.steps} == ran
+
+
+@pytest.mark.parametrize("alpha", ALPHAS)
+def test_friction_changes_no_digit_of_the_normal_problem(alpha):
+    # the pressure drives the traction and is then solved tighter: at 1e-12, to the same space
+    s = np.linspace(0.0, 0.99, 7)
+    bare = solve(Scene(0.1, alpha), 1e-12)
+    for friction in (math.inf, 0.0, 100.0):
+        loaded = solve(Scene(0.1, alpha, 1.0, friction), 1e-12)
+        bound = bare.error.approach + loaded.error.approach
+        assert abs(loaded.approach / bare.approach - 1) <= bound
+        bound = bare.error.pressure + loaded.error.pressure
+        assert np.max(np.abs(loaded.pressure(s) / bare.pressure(s) - 1)) <= bound
+
+
+@pytest.mark.parametrize("friction", [None, 0.0, 0.1, math.inf])
+def test_explicit_zero_compliance_is_the_default(friction):
+    assert solve(Scene(0.1, 0.0, 0.0, friction), 1e-8) == solve(Scene(0.1, friction=friction), 1e-8)
+
+
+@pytest.mark.parametrize("beta", [0.0, 1e-6, 2.0])
+def test_tangential_compliance_without_friction_changes_no_bit(beta):
+    plain, other = solve(Scene(0.1, 0.5), 1e-10), solve(Scene(0.1, 0.5, beta), 1e-10)
+    s = np.linspace(0.0, 1.0, 9)
+    assert plain.approach == other.approach
+    assert np.array_equal(plain.pressure(s), other.pressure(s))
+
+
+def test_poisson_ratio_without_friction_changes_no_bit():
+    plain, other = solve(Scene(0.1, 0.5), 1e-10), solve(Scene(0.5, 0.5), 1e-10)
+    assert plain.approach == other.approach
+    assert plain.pressure(0.3) == other.pressure(0.3)
+
+
+def test_friction_above_critical_is_full_stick_to_the_bit():
+    stuck, held = (solve(Scene(0.1, 0.5, 0.5, f), 1e-10) for f in (math.inf, 10.0))
+    s = np.linspace(0.0, 1.0, 9)
+    assert held.total_shear == stuck.total_shear
+    assert np.array_equal(held.traction(s), stuck.traction(s))
+    assert np.all(held.slip(s) == 0.0)
+
+
+@pytest.mark.parametrize("scene", [Scene(0.1, 1e-14), Scene(0.1, 1e-14, 1e-14, math.inf)])
+def test_hardly_any_compliance_changes_no_digit_beyond_the_error(scene):
+    smooth = solve(Scene(0.1, friction=scene.friction), 1e-12)
+    rough = solve(scene, 1e-12)
+    # delta - 1/8 = (alpha/4 pi)(ln(1/alpha) + gamma + 1), 2.7e-14 at alpha = 1e-14
+    assert abs(rough.approach - smooth.approach) <= 3e-14
+    assert abs(rough.total_shear - smooth.total_shear) <= 1e-12

@@ -1,0 +1,232 @@
+"""The plan of a scene: which steps, which quantities, and why."""
+
+import itertools
+import math
+import pickle
+import subprocess
+import sys
+
+import pytest
+
+from spectral_contact import (
+    QUANTITIES,
+    NotComputedError,
+    Scene,
+    SceneError,
+    StepState,
+    cache_sizes,
+    clear_caches,
+    plan,
+    solve,
+)
+
+RUN, IF, NO = StepState.RUN, StepState.CONDITIONAL, StepState.SKIPPED
+STEPS = ("normal contact", "full stick", "partial slip", "zone search", "slip displacement")
+SCENES = {
+    "frictionless": Scene(0.1, 0.5, 0.5),
+    "full stick": Scene(0.1, 0.5, 0.5, math.inf),
+    "friction zero": Scene(0.1, 0.5, 0.5, 0.0),
+    "Coulomb": Scene(0.1, 0.5, 0.5, 0.1),
+    "Coulomb, no tangential compliance": Scene(0.1, 0.5, 0.0, 0.1),
+    "smooth": Scene(0.1, friction=0.1),
+    "incompressible": Scene(0.5, 0.5, 0.5, 0.1),
+    "incompressible, frictionless": Scene(0.5, 0.5, 0.5),
+    "incompressible, full stick": Scene(0.5, 0.5, 0.5, math.inf),
+}
+every_scene = pytest.mark.parametrize("name", SCENES)
+
+
+def read(solution, quantity):
+    value = getattr(solution, quantity)
+    return value(0.5) if callable(value) else value
+
+
+def states(scene, quantities=None):
+    steps = plan(scene, quantities).steps
+    assert tuple(step.name for step in steps) == STEPS
+    return tuple(step.state for step in steps)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("frictionless", (RUN, NO, NO, NO, NO)),
+        ("full stick", (RUN, RUN, NO, NO, NO)),
+        ("friction zero", (RUN, RUN, NO, NO, RUN)),
+        ("Coulomb", (RUN, RUN, IF, IF, IF)),
+        ("Coulomb, no tangential compliance", (RUN, RUN, RUN, IF, IF)),
+        ("smooth", (RUN, RUN, RUN, IF, IF)),
+        ("incompressible", (RUN, NO, NO, NO, NO)),
+        ("incompressible, frictionless", (RUN, NO, NO, NO, NO)),
+        ("incompressible, full stick", (RUN, NO, NO, NO, NO)),
+    ],
+)
+def test_steps_of_a_scene(name, expected):
+    assert states(SCENES[name]) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "quantities", "expected"),
+    [
+        ("Coulomb", ("approach",), (RUN, NO, NO, NO, NO)),
+        ("Coulomb", ("pressure",), (RUN, NO, NO, NO, NO)),
+        ("Coulomb", ("edge_ratio",), (RUN, RUN, NO, NO, NO)),
+        ("Coulomb", ("critical_friction", "approach"), (RUN, RUN, NO, NO, NO)),
+        ("Coulomb", ("traction",), (RUN, RUN, IF, IF, IF)),
+        ("Coulomb", ("zones",), (RUN, RUN, IF, IF, IF)),
+        ("Coulomb", (), (NO, NO, NO, NO, NO)),
+        ("full stick", ("zones", "stick_radius", "slip"), (NO, NO, NO, NO, NO)),
+        ("full stick", ("total_shear",), (RUN, RUN, NO, NO, NO)),
+        ("friction zero", ("total_shear", "zones", "traction"), (NO, NO, NO, NO, NO)),
+        ("friction zero", ("slip",), (RUN, NO, NO, NO, RUN)),
+        ("friction zero", ("critical_friction",), (RUN, RUN, NO, NO, NO)),
+        ("frictionless", ("traction", "total_shear"), (NO, NO, NO, NO, NO)),
+        ("frictionless", ("slip",), (NO, NO, NO, NO, NO)),
+        ("incompressible", ("traction", "zones", "slip"), (NO, NO, NO, NO, NO)),
+        ("incompressible", ("approach", "total_shear"), (RUN, NO, NO, NO, NO)),
+    ],
+)
+def test_steps_of_what_is_asked(name, quantities, expected):
+    assert states(SCENES[name], quantities) == expected
+
+
+@every_scene
+def test_every_step_has_a_reason(name):
+    for asked in (None, (), ("approach",), ("traction",), ("edge_ratio", "slip")):
+        for step in plan(SCENES[name], asked).steps:
+            assert step.reason
+            assert step.reason in str(plan(SCENES[name], asked))
+
+
+@pytest.mark.parametrize(
+    ("name", "step", "words"),
+    [
+        ("frictionless", "full stick", "no friction coefficient"),
+        ("full stick", "partial slip", "infinite"),
+        ("friction zero", "partial slip", "everything slips"),
+        ("Coulomb", "partial slip", "below the critical"),
+        ("Coulomb, no tangential compliance", "partial slip", "always slips"),
+        ("smooth", "normal contact", "closed form"),
+        ("incompressible", "full stick", "nu = 0.5"),
+    ],
+)
+def test_reasons_say_why(name, step, words):
+    reasons = {one.name: one.reason for one in plan(SCENES[name]).steps}
+    assert words in reasons[step]
+
+
+@every_scene
+def test_quantities_and_missing_are_a_partition(name):
+    for asked in (None, (), ("zones",), ("slip", "approach")):
+        result = plan(SCENES[name], asked)
+        missing = [quantity for quantity, _ in result.missing]
+        assert sorted([*result.quantities, *missing]) == sorted(QUANTITIES)
+        assert all(reason for _, reason in result.missing)
+        assert set(result.quantities) <= set(QUANTITIES if asked is None else asked)
+
+
+def test_only_a_frictionless_scene_lacks_quantities():
+    for name, scene in SCENES.items():
+        lacking = {quantity for quantity, _ in plan(scene).missing}
+        without = scene.friction is None
+        assert lacking == ({"slip", "edge_ratio", "critical_friction"} if without else set()), name
+
+
+def test_order_and_repetition_of_the_quantities_do_not_matter():
+    scene = SCENES["Coulomb"]
+    expected = plan(scene, ("approach", "zones"))
+    assert plan(scene, ["zones", "approach", "zones"]) == expected
+    assert plan(scene, iter({"zones", "approach"})) == expected
+
+
+@every_scene
+def test_pure(name):
+    scene = SCENES[name]
+    before = pickle.dumps(scene)
+    clear_caches()
+    for asked in itertools.combinations(QUANTITIES, 2):
+        first, second = plan(scene, asked), plan(scene, asked)
+        assert first == second
+        assert hash(first) == hash(second)
+    assert pickle.dumps(scene) == before
+    assert not any(cache_sizes().values())
+
+
+def test_planning_imports_nothing_tangential():
+    code = (
+        "import sys\n"
+        "from spectral_contact import Scene, plan\n"
+        "plan(Scene(0.1, 0.5, 0.5, 0.1))\n"
+        "tangential = ('full_stick', 'drive', 'one_disk', 'partial_slip', 'zones')\n"
+        "found = [n for n in tangential if f'spectral_contact.contact.{n}' in sys.modules]\n"
+        "assert not found, found\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("bad", ["aproach", "", "Pressure", 1, None])
+def test_unknown_quantity(bad):
+    with pytest.raises(SceneError, match="quantities") as caught:
+        plan(SCENES["Coulomb"], ("approach", bad))
+    assert caught.value.parameter == "quantities"
+    assert caught.value.value == bad
+    assert "critical_friction" in str(caught.value)
+
+
+def test_one_string_is_not_a_list_of_quantities():
+    with pytest.raises(SceneError, match="quantities"):
+        plan(SCENES["Coulomb"], "approach")
+
+
+@pytest.mark.parametrize("bad", [1, 2.5, True])
+def test_quantities_that_are_no_list(bad):
+    with pytest.raises(SceneError, match="quantities"):
+        plan(SCENES["Coulomb"], bad)
+
+
+@pytest.mark.parametrize("bad", [None, "scene", 0.3])
+def test_what_is_no_scene(bad):
+    with pytest.raises(SceneError, match="scene"):
+        plan(bad)
+
+
+@pytest.mark.parametrize("quantity", ["slip", "edge_ratio", "critical_friction"])
+def test_missing_without_friction(quantity):
+    solution = solve(SCENES["frictionless"], 1e-4)
+    reason = dict(solution.plan.missing)[quantity]
+    with pytest.raises(NotComputedError) as caught:
+        read(solution, quantity)
+    assert caught.value.quantity == quantity
+    assert caught.value.reason == reason
+    assert "friction" in reason
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_missing_because_not_asked(quantity):
+    others = [name for name in QUANTITIES if name != quantity]
+    solution = solve(SCENES["Coulomb"], 1e-4, others)
+    with pytest.raises(NotComputedError) as caught:
+        read(solution, quantity)
+    assert (caught.value.quantity, caught.value.reason) == (quantity, "it was not asked for")
+    assert getattr(solution.error, quantity) is None
+
+
+def test_solution_tells_what_became_of_conditional_steps():
+    def outcome(friction):
+        steps = solve(Scene(0.1, 0.5, 0.5, friction), 1e-4).plan.steps
+        return tuple(step.state for step in steps)
+
+    assert outcome(0.1) == (RUN, RUN, RUN, NO, RUN)
+    assert outcome(10.0) == (RUN, RUN, NO, NO, NO)
+
+
+@every_scene
+def test_solution_holds_what_was_planned(name):
+    planned = plan(SCENES[name])
+    solution = solve(SCENES[name], 1e-4)
+    assert solution.plan.quantities == planned.quantities
+    assert solution.plan.missing == planned.missing
+    for before, after in zip(planned.steps, solution.plan.steps, strict=True):
+        assert after.state is not IF
+        if before.state is not IF:
+            assert after.state is before.state
