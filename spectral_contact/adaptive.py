@@ -10,7 +10,6 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.errors import SceneError
 from spectral_contact.solution import Ending, RefinementStep
 from spectral_contact.spectral.panels import LogPanels
 
@@ -96,16 +95,11 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     tolerance : float
         Bound on the estimate of the relative error.
     max_unknowns : int
-        No space beyond this is tried.
+        No space beyond this is tried, unless even the lowest degrees exceed it.
 
     Returns
     -------
     Refinement
-
-    Raises
-    ------
-    SceneError
-        If not even the lowest degrees fit.
     """
     resolution = _fitted(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
@@ -120,7 +114,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         history.append(step)
         _LOG.debug("%d unknowns: estimate %.1e", step.unknowns, step.error)
         if best is None or attempt.error < best.best.error:
-            stalled = 0 if best is None or attempt.error < 0.5 * best.best.error else stalled + 1
+            stalled = 0 if best is None or attempt.error < 0.9 * best.best.error else stalled + 1
             best = Refinement(attempt, resolution, Ending.CONVERGED, ())
         else:
             stalled += 1
@@ -151,8 +145,7 @@ def _fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     while sum(degrees) + len(degrees) > max_unknowns:
         top = max(degrees)
         if top <= _LEAST_DEGREE:
-            least = sum(degrees) + len(degrees)
-            raise SceneError("max_unknowns", max_unknowns, f"at least {least} for this scene")
+            break  # the caller sees that even this is too large
         degrees = tuple(min(n, top - 1) for n in degrees)
     return replace(resolution, degrees=degrees)
 

@@ -22,7 +22,7 @@ def _ordered(
     eta, s = np.broadcast_arrays(np.asarray(eta, dtype=float), np.asarray(s, dtype=float))
     lo, hi = np.minimum(eta, s), np.maximum(eta, s)
     gap = hi - lo if distance is None else np.asarray(distance, dtype=float)
-    return eta, lo, hi, gap * (hi + lo) / hi**2
+    return eta, lo, hi, (gap / hi) * ((hi + lo) / hi)
 
 
 def normal_kernel(
@@ -74,4 +74,4 @@ def tangential_kernel(
     Equations (2.4) and (4.4) of the paper; Carlson's R_D takes the difference K - E exactly.
     """
     eta, lo, hi, m1 = _ordered(eta, s, distance)
-    return np.asarray(eta * (lo / hi) / (3.0 * hi) * special.elliprd(0.0, m1, 1.0))
+    return np.asarray((eta / hi) * (lo / hi) / 3.0 * special.elliprd(0.0, m1, 1.0))

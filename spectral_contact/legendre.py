@@ -19,8 +19,9 @@ def legendre_rows(x: Array, degree: int) -> Array:
     for n in range(2, degree + 1):
         current = values[n, ...]
         np.multiply(x, values[n - 1], out=current)
-        current *= (2 * n - 1) / n
-        current -= ((n - 1) / n) * values[n - 2]
+        current *= 2 * n - 1
+        current -= (n - 1) * values[n - 2]
+        current /= n  # integers first: their products round less than fractions do
     return values
 
 

@@ -340,7 +340,10 @@ class PhysicalSolution:
 
     def _dimensionless(self, parameter: str, length: ArrayLike) -> Any:
         """Divide lengths by the punch radius."""
-        values = np.asarray(length)
+        try:
+            values = np.asarray(length)
+        except ValueError:  # ragged
+            values = np.asarray("")
         if values.dtype.kind not in "iuf":
             raise SceneError(parameter, length, f"real lengths in [0, {self.radius}] m")
         return values / self.radius

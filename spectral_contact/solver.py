@@ -116,6 +116,7 @@ class _Run:
         self.plan = todo
         self.rtol = rtol
         self.max_unknowns = max_unknowns
+        self.exceeded = False
         self.work: list[StepWork] = []
         self.endings: list[Ending] = []
         self.outcome: dict[str, PlannedStep] = {}
@@ -135,7 +136,9 @@ class _Run:
         errors = {k: v for k, v in self.errors.items() if k in (*wanted, "violation")}
         converged = all(error <= self.rtol for error in self.bounded_errors())
         ending = Ending.CONVERGED
-        if not converged or Ending.ZONES in self.endings:
+        if self.exceeded:
+            self.endings.append(Ending.UNKNOWNS)
+        if not converged or self.exceeded or Ending.ZONES in self.endings:
             converged = False
             ending = max(
                 (e for e in self.endings if e is not Ending.CONVERGED),
@@ -169,6 +172,8 @@ class _Run:
         seconds = perf_counter() - begin
         if isinstance(result, Refinement):
             best = result.best
+            if best.unknowns > self.max_unknowns:
+                self.exceeded = True
             entry = StepWork(
                 name,
                 best.unknowns,
@@ -249,10 +254,10 @@ class _Run:
         from spectral_contact.contact.slip_displacement import free_displacement
 
         begin = perf_counter()
-        self.slip = self._record(
+        self.slip, error = self._record(
             SLIP_FIELD, free_displacement(drive, self.scene.kappa, self.rtol), begin
         )
-        self.errors["slip"] = drive.contact.pressure_error
+        self.errors["slip"] = error
 
     def _full_stick(self, drive: Drive) -> FullStick:
         from spectral_contact.contact.full_stick import solve_full_stick

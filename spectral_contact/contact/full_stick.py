@@ -112,7 +112,7 @@ class _StickProblem:
         traction_error += propagated * float(share_of_change(panels, moved, series).max())
         # the shear superconverges, as far as its dual, rough at the centre, is resolved
         moments = disk.shear_moments
-        shear_error = SAFETY * own**2 * float(abs(moments @ change.coefficients)) / shear
+        shear_error = 2.0 * SAFETY * own * float(abs(moments @ change.coefficients)) / shear
         shear_error += propagated * float(abs(moments @ moved)) / shear + 4.0 * ROUNDING
         if self.pointwise:
             indicators, error = shares, traction_error

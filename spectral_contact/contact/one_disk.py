@@ -132,12 +132,18 @@ class _OneDiskProblem:
             self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
             return
         # the radius roughly: of the smooth surface, then in small spaces
-        smooth, slope = _bracketed_root(self._smooth_mismatch)
-        self.logit, self.slope = smooth, slope
+        try:
+            self.logit, self.slope = _bracketed_root(self._smooth_mismatch)
+        except NoStickDiskError as missing:
+            if beta == 0.0 or not missing.at_centre:
+                raise
+            self.logit, self.slope = _LEAST_LOGIT, 1.0
         if beta > 0.0:
             # with compliance c grows like 2 beta f/kappa at first
             rough = 2.0 * beta * friction / (1.0 + 2.0 * beta * friction)
-            start = max(smooth, 2.0 * log(rough) - log(1.0 - rough**2))
+            start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
+            if start <= _LEAST_LOGIT:
+                raise NoStickDiskError(at_centre=True)
             self.logit, self.slope = self._rough_root(start)
 
     def _smooth_mismatch(self, logit: float) -> float:
@@ -237,7 +243,7 @@ class _OneDiskProblem:
         error = float(indicators.max()) + 20.0 * ROUNDING
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(disk.shear_moments @ coefficients) + outside
-        lost = SAFETY * own**2 * radius.square * abs(float(disk.shear_moments @ change))
+        lost = 2.0 * SAFETY * own * radius.square * abs(float(disk.shear_moments @ change))
         # what moves the rim value moves the radius: the disk's own change, then the pressure's
         shift = stray = 0.0
         if trial.unit > 0.0:

@@ -62,8 +62,8 @@ class PartialSlip:
         Whether the violation is within the errors.
     searched : bool
         Whether one stick disk was not enough.
-    wrong_below : float
-        ``y = 1 - s**2`` below which slip at the edge has the wrong sense; 0 if nowhere.
+    wrong : tuple of (float, float)
+        Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense.
     """
 
     zones: tuple[Zone, ...]
@@ -78,7 +78,7 @@ class PartialSlip:
     violation: float
     consistent: bool
     searched: bool
-    wrong_below: float = 0.0
+    wrong: tuple[tuple[float, float], ...] = ()
 
 
 def solve_partial_slip(
@@ -171,11 +171,16 @@ class _Search:
         radius = None if first is None else first.zones[0].outer
         layout = search_zones(self.drive, self.stick, self.beta, self.friction, radius)
         if layout.states == (0, 1) and first is not None:
-            if first.wrong_below == 0.0:
-                return []
-            # an edge zone thinner than the cells: the wrong sense of slip shows where
+            # stick zones thinner than the cells: the wrong sense of slip shows where
             disk = Radius(first.zones[0].outer, first.zones[0].outer_from_edge)
-            layout = Layout((disk.logit, logit_of_rest(first.wrong_below)), (0, 1, 0))
+            logits, states = [disk.logit], [0, 1]
+            for high, low in first.wrong:
+                if high < disk.rest and high > low:
+                    logits += [logit_of_rest(y) for y in (high, low) if y > 0.0]
+                    states += [0, 1] if low > 0.0 else [0]
+            if len(states) == 2:
+                return []
+            layout = Layout(tuple(logits), tuple(states))
         if layout.states == (0, 1):
             try:
                 return [self._one_disk(layout.logits[0])]
@@ -219,6 +224,8 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
     )
     error = drive.contact.pressure_error
     stray = 4.0 * (unresolved + error) + tolerance * 1e-3
+    slip_error = _displacement_error(drive, EDGE, stray, beta, friction, largest)
+    wrong = float(samples[0].max()) / largest
     return PartialSlip(
         (Zone.between("slip", _CENTRE, EDGE),),
         ZonalField((ZonePiece(EDGE, drive.pressure, friction),)),
@@ -228,9 +235,9 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
         2.0 * ROUNDING,
         1.0,
         1.0,
-        _displacement_error(drive, EDGE, stray, beta, friction, largest),
-        max(float(samples[0].max()) / largest, 0.0),
-        True,
+        slip_error,
+        max(wrong, 0.0),
+        wrong <= max(slip_error, 1e-10),
         False,
     )
 
@@ -277,19 +284,21 @@ def _one_disk_outcome(
         violation,
         consistent,
         False,
-        _wrong_below(annulus, samples[0]),
+        _wrong_intervals(annulus, samples[0]),
     )
 
 
-def _wrong_below(annulus: Annulus, sample: Array) -> float:
-    """Return the ``y`` below which the displacement at the edge has the sense of the traction."""
+def _wrong_intervals(annulus: Annulus, sample: Array) -> tuple[tuple[float, float], ...]:
+    """Return where the displacement has the sense of the traction; 0 ends one at the edge."""
     y = np.concatenate([f.sampling().y for f in annulus.families])
-    order = np.argsort(y)
-    wrong = sample[order] > 0.0
-    if not wrong[0]:
-        return 0.0
-    last = len(wrong) if wrong.all() else int(np.argmin(wrong))
-    return float(y[order[last - 1]])
+    order = np.argsort(-y)
+    y, wrong = y[order], sample[order] > 0.0
+    starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
+    ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
+    last = len(y) - 1
+    return tuple(
+        (float(y[a]), 0.0 if b == last else float(y[b])) for a, b in zip(starts, ends, strict=True)
+    )
 
 
 def _obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import EDGE, Drive
-from spectral_contact.contact.resolution import starting_resolution
+from spectral_contact.contact.resolution import ROUNDING, starting_resolution
 from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.annulus import Annulus, Points, gap, sampled_series
 from spectral_contact.spectral.panels import LogPanels
@@ -161,8 +161,8 @@ def _from_slipping(zone: Slipping, points: Points) -> Array:
     return np.asarray(annulus.inner_integral(points) @ annulus.expand(zone.weighted_misfit))
 
 
-def free_displacement(drive: Drive, kappa: float, tolerance: float) -> DiskSeries:
-    """Return ``-kappa g``, the displacement without any traction.
+def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[DiskSeries, float]:
+    """Return ``-kappa g``, the displacement without any traction, and its relative error.
 
     ``g = (1/s) int_0^s eta p deta`` is ``s`` times a function of ``y``, sampled here.
     """
@@ -174,7 +174,10 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> DiskSerie
     inside = 1.0 / (2.0 * pi) - drive.load_outside(d)
     # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
     values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)
-    return DiskSeries(EDGE, sampled_series(panels, -kappa * values))
+    series = sampled_series(panels, values)
+    missing = float(np.abs(series.coefficients[:, -3:]).sum(axis=1).max() / np.abs(values).max())
+    error = drive.contact.pressure_error + 2.0 * missing + 20.0 * ROUNDING
+    return DiskSeries(EDGE, series.times(-kappa)), error
 
 
 def slip_misfit(

@@ -248,8 +248,11 @@ def outer(d: Array, panels: int, width: float, degree: int) -> Array:
     own = np.clip(np.floor(x / width).astype(int), 0, panels - 1)
     matrix = np.zeros((len(d), panels, degree + 1))
     scale = np.exp(-0.5 * width * np.arange(panels))
-    for i in np.unique(own):
-        rows = np.flatnonzero(own == i)
+    # far below the panels the plain rule keeps the distance itself
+    clear = x > (panels + 1) * width
+    matrix[clear] = _plain(-d[clear], panels, width, degree)
+    for i in np.unique(own[~clear]):
+        rows = np.flatnonzero((own == i) & ~clear)
         blocks = outer_blocks(np.maximum(x[rows] - i * width, 0.0), i + 1, width, degree)
         matrix[rows, : i + 1] = blocks[:, ::-1] * scale[: i + 1, None]
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end)])

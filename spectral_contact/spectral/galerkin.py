@@ -303,7 +303,7 @@ def _block_diagonal(panels: LogPanels, first: float, second: float) -> Array:
     for j in range(panels.panels):
         block = slice(j * terms, (j + 1) * terms)
         matrix[block, block] = np.exp(-j * h) * (one + np.exp(-j * h) * two)
-    g, w = gauss_rule(panels.tail_terms + 2)
+    g, w = gauss_rule(panels.tail_terms + 3)
     v = (1.0 + g) / 2.0
     d = panels.end * v**2
     values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)

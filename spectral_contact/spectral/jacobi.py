@@ -6,14 +6,13 @@ polynomials with the weight (1 - z)^(-1/2), and sampled functions are expanded f
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from spectral_contact.legendre import legendre_rows
+from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = [
     "chebyshev_values",
@@ -22,6 +21,14 @@ __all__ = [
     "legendre_expansion_matrix",
     "legendre_values",
 ]
+
+
+_RULES: BoundedCache[tuple[int, float, float], tuple[NDArray[np.float64], NDArray[np.float64]]] = (
+    BoundedCache("Gauss rules", 64)
+)
+_EXPANSIONS: BoundedCache[tuple[int, int], NDArray[np.float64]] = BoundedCache(
+    "Legendre expansions", 32
+)
 
 
 def jacobi_values(x: ArrayLike, degree: int, a: float, b: float) -> NDArray[np.float64]:
@@ -72,10 +79,11 @@ def legendre_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
 
 def chebyshev_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
     """Evaluate the Chebyshev polynomials T_n, the Jacobi family at a = b = -1/2 with T_n(1) = 1."""
-    return np.asarray(np.polynomial.chebyshev.chebvander(np.asarray(x, dtype=float), degree))
+    x = np.asarray(x, dtype=float)
+    values = np.polynomial.chebyshev.chebvander(x, degree)
+    return np.asarray(values).reshape(*x.shape, degree + 1)
 
 
-@lru_cache(maxsize=64)
 def gauss_rule(
     points: int, a: float = 0.0, b: float = 0.0
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -93,6 +101,12 @@ def gauss_rule(
     nodes, weights : ndarray
         Shape ``(points,)`` each, read-only; nodes increase.
     """
+    return _RULES.get((points, a, b), lambda: _frozen_rule(points, a, b))
+
+
+def _frozen_rule(
+    points: int, a: float, b: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if a == b == 0.0:
         nodes, weights = _gauss_legendre(points)
     else:
@@ -125,7 +139,6 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
     return nodes.astype(float), weights.astype(float)
 
 
-@lru_cache(maxsize=32)
 def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
     """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
 
@@ -141,6 +154,10 @@ def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
     ndarray
         Shape ``(degree + 1, points)``; the discrete orthogonal projection.
     """
+    return _EXPANSIONS.get((points, degree), lambda: _frozen_expansion(points, degree))
+
+
+def _frozen_expansion(points: int, degree: int) -> NDArray[np.float64]:
     nodes, weights = gauss_rule(points)
     scale = np.arange(degree + 1) + 0.5
     matrix = scale[:, None] * legendre_values(nodes, degree).T * weights
