@@ -6,6 +6,7 @@ They share with the solver nothing but the fields they are given to check.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from scipy import special
@@ -14,7 +15,7 @@ from scipy import special
 def tanh_sinh(
     function: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray], width: float
 ) -> float:
-    """Integrate ``function(x, from_left, from_right)`` over (0, width); any endpoint singularity."""
+    """Integrate ``function(x, from_left, from_right)`` over (0, width), singular ends allowed."""
     t = np.arange(-5.6, 5.6001, 1 / 32)
     u = np.pi / 2 * np.sinh(t)
     left = 1 / (1 + np.exp(-2 * np.clip(u, -340, 340)))
@@ -31,7 +32,12 @@ def _k1(eta, s, gap):
 
 def _k2(eta, s, gap):
     hi, lo = np.maximum(eta, s), np.minimum(eta, s)
-    return eta * lo / (3 * hi**2) * special.elliprd(0.0, np.clip(gap * (eta + s) / hi**2, 1e-300, 1), 1.0)
+    return (
+        eta
+        * lo
+        / (3 * hi**2)
+        * special.elliprd(0.0, np.clip(gap * (eta + s) / hi**2, 1e-300, 1), 1.0)
+    )
 
 
 def potential(
@@ -47,7 +53,7 @@ def potential(
     points = sorted({0.0, 1.0, from_edge, *breaks})
     # geometric cuts toward the edge and the field point keep the layers resolved
     total = 0.0
-    for near, far in zip(points[:-1], points[1:], strict=True):
+    for near, far in pairwise(points):
 
         def integrand(_, left, right, near=near, far=far):
             d = np.where(left < right, near + left, far - right)
@@ -79,7 +85,9 @@ def displacement(solution, from_edge: float, breaks: tuple[float, ...] = ()) -> 
     s = 1 - from_edge
 
     def inner(_, left, right):
-        return left * solution.pressure(left) if s < 1 else left * solution.pressure(from_edge=right)
+        return (
+            left * solution.pressure(left) if s < 1 else left * solution.pressure(from_edge=right)
+        )
 
     load = tanh_sinh(inner, s)
     zones = solution.zones

@@ -2,9 +2,9 @@
 
 Run as ``python validation/bench_solve.py``; writes validation/results/bench_solve.json and .md.
 U is the time of one ``numpy.linalg.solve`` of a dense 1000 x 1000 system in the same process, one
-BLAS thread. Cold: first solve in a fresh process after import. Warm: another alpha, beta, nu, f with
-operator caches filled; solutions are never cached. Figures are medians; the ratio to U is what to
-read on a noisy machine.
+BLAS thread. Cold: first solve in a fresh process after import. Warm: another alpha, beta, nu, f
+with operator caches filled; solutions are never cached. Figures are medians; the ratio to U is what
+to read on a noisy machine.
 """
 
 from __future__ import annotations

@@ -149,7 +149,8 @@ def table(record: dict) -> str:
         f"converge and said so; {record['differing_zones']} lie at the onset of a zone, where the "
         "two solves differ in zones.",
         "",
-        "| quantity | scenes | violations | estimate / max(true, 10 eps): 5, 50, 95 % | within 100 |",
+        "| quantity | scenes | violations | estimate / max(true, 10 eps), 5, 50, 95 % "
+        "| within 100 |",
         "|---|---|---|---|---|",
     ]
     for name, s in record["summary"].items():

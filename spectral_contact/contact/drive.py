@@ -99,9 +99,10 @@ class Drive:
         # R is singular at the edge, however weakly
         reach = min(0.2 * radius.rest / radius.square, 1.0)
         samples = self.target(radius.rest + radius.square * reach * (1.0 + _NODES) / 2.0)
-        fit = _FIT @ samples
-        # what rounding leaves of a flat stretch would be amplified by the division
-        fit[np.abs(fit) < 4e-16 * np.abs(samples).max()] = 0.0
+        start = float(self.target(np.array(radius.rest)))
+        # a flat stretch must come out flat: its rounding would be amplified by the division
+        fit = _FIT @ (samples - start)
+        fit[np.abs(fit) < 4e-16 * abs(start)] = 0.0
         fit[0] -= chebyshev.chebval(-1.0, fit)
         # T_k(x) - T_k(-1) = (x + 1) * quotient
         quotient, _ = chebyshev.chebdiv(fit, [1.0, 1.0])

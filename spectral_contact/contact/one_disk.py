@@ -220,7 +220,8 @@ class _OneDiskProblem:
         return _Trial(radius, -rim, coefficients, factored, values, unit)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
-        quadrature = max(1e-3 * self.tolerance, 1e-14)
+        # never coarse: noise in the target looks like detail to resolve
+        quadrature = min(max(1e-3 * self.tolerance, 1e-14), 1e-8)
 
         def mismatch(logit: float) -> float:
             return self._trial(resolution, logit, quadrature).mismatch

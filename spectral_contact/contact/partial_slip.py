@@ -188,9 +188,12 @@ class _Search:
                 return []
         if layout.states == (0,):
             return []
-        refinement = solve_zones(
-            self.drive, self.beta, self.friction, layout, self.tolerance, self.max_unknowns
-        )
+        try:
+            refinement = solve_zones(
+                self.drive, self.beta, self.friction, layout, self.tolerance, self.max_unknowns
+            )
+        except np.linalg.LinAlgError:  # a zone about to vanish: its ends coincide
+            return []
         zones: ZonesSolution = self.record(ZONE_SEARCH, refinement, begin)
         return [_zones_outcome(self.drive, zones, self.beta, self.friction)]
 
@@ -314,15 +317,16 @@ def _displacement_error(
 ) -> float:
     """Return the error of the displacement relative to its largest modulus.
 
-    An error e of E moves it by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) = e s/4``, one of
-    the pressure by beta f p times its own; 1/(2 pi) bounds every term for the rounding.
+    An error e of E moves it by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) = e s/4``, taken
+    four times because E is seen at its nodes only; one of the pressure by beta f p times its own;
+    1/(2 pi) bounds every term for the rounding.
     """
     direct = 0.0
     if beta > 0.0:  # p is largest at the outermost slip end, bounded by its layer at the edge
         y = max(outermost.rest, drive.contact.compliance)
         largest_p = float(drive.pressure.at(np.array(min(y, 1.0))))
         direct = beta * friction * largest_p * drive.contact.pressure_error
-    return (stray / 4.0 + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
+    return (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
 
 
 def _stick_excess(

@@ -77,7 +77,9 @@ def starting_resolution(
     panels = 4 * ceil(depth / _WIDTH / 4.0)  # few distinct meshes, so that caches are shared
     top: Array = np.full(panels, _LEAST + ceil(0.45 * digits))
     x = _WIDTH * np.arange(panels)
-    missing = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
+    # half-integer powers fall too slowly to taper the few panels above a root tail
+    taper = 0.0 if root_tail else rate
+    missing = np.clip(1.0 - taper * (x - layer - 2.0) / digits, 0.0, 1.0)
     nearness = np.zeros(panels)
     for bend in (layer, *bends):  # a bend takes more, measured 5 degrees at 1e-12
         if bend > 1.0:

@@ -136,11 +136,13 @@ def slip_displacement(
             parts.append(beta * traction - total / (pi * s))
         series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
         for family, e, u in zip(annulus.families, weighted, series, strict=True):
-            inner_error = family.unresolved(sampled_series(family.panels, e)) / 4.0
+            # E reaches the displacement through an integral that shrinks with the distance
+            inner_error = family.unresolved(sampled_series(family.panels, e), 0.25) / 4.0
             unresolved = max(unresolved, inner_error + family.unresolved(u))
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * np.concatenate(parts))
-    return fields, samples, max(float(np.abs(v).max()) for v in samples), unresolved
+    largest = max(float(np.abs(v).max()) for v in samples)
+    return fields, samples, largest, 2.0 * unresolved
 
 
 def _from_stuck(zone: Stuck, points: Points) -> Array:
@@ -175,7 +177,8 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
     values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)
     series = sampled_series(panels, values)
-    missing = float(np.abs(series.coefficients[:, -3:]).sum(axis=1).max() / np.abs(values).max())
+    last = np.abs(series.coefficients[:, -3:]).sum(axis=1).max() + np.abs(series.tail[1:]).sum()
+    missing = float(last / np.abs(values).max())
     error = drive.contact.pressure_error + 2.0 * missing + 20.0 * ROUNDING
     return DiskSeries(EDGE, series.times(-kappa)), error
 

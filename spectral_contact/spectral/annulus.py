@@ -159,10 +159,10 @@ class Family:
         p = self.panels
         return LogSeries(self.table(coefficients), coefficients[-p.tail_terms :], p.width)
 
-    @staticmethod
-    def unresolved(series: LogSeries) -> float:
-        """Return the largest of the last three coefficients of any panel."""
-        return float(np.abs(series.coefficients[:, -3:]).max())
+    def unresolved(self, series: LogSeries, power: float = 0.0) -> float:
+        """Return the largest of the last three coefficients of any panel times ``d**power``."""
+        x = self.panels.width * np.arange(self.panels.panels)
+        return float((np.abs(series.coefficients[:, -3:]).max(axis=1) * np.exp(-power * x)).max())
 
     def expand(self, values: Array) -> Array:
         """Return coefficients, of the size of the basis, through values at the sampling points."""
