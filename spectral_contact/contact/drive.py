@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.transforms import transforms
 
 __all__ = ["EDGE", "Drive"]
 
@@ -51,9 +51,9 @@ class Drive:
         self._load: LogSeries | None = None
         if contact.panels is not None:
             panels = contact.panels
-            d = np.concatenate([np.exp(-panels.sampling()).ravel(), panels.tail_sampling()])
-            values = disk_operators(panels).outer_matrix @ contact.coefficients
-            self._outer = sampled_series(panels, 2.0 * values / np.sqrt(1.0 - d))
+            own = transforms(panels)
+            values = 2.0 * own.outer(contact.coefficients) / np.sqrt(1.0 - own.distances)
+            self._outer = sampled_series(panels, values)
             assert contact.pressure.series is not None
             self._load = _mean_outside(panels, contact.pressure.series)
 

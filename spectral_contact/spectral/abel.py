@@ -31,7 +31,6 @@ __all__ = [
     "deeper_blocks",
     "deeper_tail",
     "outer",
-    "outer_aligned",
     "outer_blocks",
     "tail_values",
 ]
@@ -162,21 +161,6 @@ def deeper_aligned(to_end: Array, panels: int, width: float, degree: int, power:
     for i in range(panels):
         root = np.exp((to_end - (i + 1) * width) * (0.5 + power))[:, None]
         matrix[i * n : (i + 1) * n, i * terms :] = blocks[:, : (panels - i) * terms] * root
-    return matrix
-
-
-def outer_aligned(from_start: Array, panels: int, width: float, degree: int) -> Array:
-    """Return the `outer` integral at the same offsets on every panel, shaped as `deeper_aligned`.
-
-    Sources are panels alone: a point on a panel has no tail outside it.
-    """
-    n, terms = len(from_start), degree + 1
-    blocks = outer_blocks(from_start, panels, width, degree)
-    matrix = np.zeros((panels * n, panels * terms))
-    scale = np.exp(-0.5 * width * np.arange(panels))[:, None]
-    for i in range(panels):
-        own = blocks[:, i::-1] * scale[: i + 1]
-        matrix[i * n : (i + 1) * n, : (i + 1) * terms] = own.reshape(n, -1)
     return matrix
 
 

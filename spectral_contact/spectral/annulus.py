@@ -13,17 +13,14 @@ from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.abel import (
     beyond,
     deeper,
-    deeper_aligned,
-    deeper_tail,
     outer,
-    outer_aligned,
     tail_values,
 )
-from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.transforms import Transforms, transforms
 
-__all__ = ["Annulus", "Family", "Points", "gap", "outer_at_sampling", "sampled_series"]
+__all__ = ["Annulus", "Family", "Points", "gap", "sampled_series"]
 
 Array = NDArray[np.float64]
 
@@ -219,23 +216,27 @@ class Annulus:
     def own_half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral of a function at the annulus's own sampling points.
 
-        In scaled distances the matrix depends on the panels alone, so it is assembled once
-        (cached). The inner family's points come first.
+        In scaled distances the transforms depend on the panels alone, whose blocks are cached.
+        The inner family's points come first.
         """
-        return self._scale * (self._transforms[0] @ coefficients)
+        inner, outer, a, b = self._split(coefficients)
+        above = inner.outer(a) + outer.across(b, self.toward_inner)
+        return self._scale * np.concatenate([above, outer.deeper(b)])
 
     def own_inner_integral(self, coefficients: Array) -> Array:
         """Return the inner integral of a function at the annulus's own sampling points."""
-        return self._scale * (self._transforms[1] @ coefficients)
+        inner, outer, a, b = self._split(coefficients)
+        below = inner.across(a, self.toward_outer) + outer.outer(b)
+        return self._scale * np.concatenate([inner.deeper(a), below])
+
+    def _split(self, coefficients: Array) -> tuple[Transforms, Transforms, Array, Array]:
+        size = self.toward_inner.size
+        pair = transforms(self.toward_inner), transforms(self.toward_outer)
+        return *pair, coefficients[:size], coefficients[size:]
 
     @property
     def _scale(self) -> float:
         return float(np.sqrt(gap(self.inner, self.outer) / 2.0))
-
-    @property
-    def _transforms(self) -> tuple[Array, Array]:
-        key = (self.toward_inner, self.toward_outer)
-        return _TRANSFORMS.get(key, lambda: _unit_transforms(*key))
 
     def expand(self, values: Sequence[Array]) -> Array:
         """Return coefficients through values at the sampling points of both families."""
@@ -245,55 +246,6 @@ class Annulus:
     def expand_function(self, function: Callable[[Points], Array]) -> Array:
         """Return coefficients of a function of `Points`."""
         return self.expand([function(f.sampling()) for f in self.families])
-
-
-_TRANSFORMS: BoundedCache[tuple[LogPanels, LogPanels], tuple[Array, Array]] = BoundedCache(
-    "annulus transforms", 12
-)
-
-
-def _unit_transforms(first: LogPanels, second: LogPanels) -> tuple[Array, Array]:
-    """Return the transforms for halves of unit reach.
-
-    With ``d`` the distance of a point from the end of its own half, its distance from the other
-    end is ``2 - d``.
-    """
-    d = [
-        np.concatenate([np.exp(-p.sampling()).ravel(), p.tail_sampling()]) for p in (first, second)
-    ]
-    args = [(p.panels, p.width, p.degree) for p in (first, second)]
-    none = [np.zeros((len(a), b.size)) for a, b in ((d[1], first), (d[0], second))]
-    half = np.block(
-        [
-            [outer_at_sampling(first), deeper(2.0 - d[0], *args[1])],
-            [none[0], _deeper_at_sampling(second)],
-        ]
-    )
-    inner = np.block(
-        [
-            [_deeper_at_sampling(first), none[1]],
-            [deeper(2.0 - d[1], *args[0]), outer_at_sampling(second)],
-        ]
-    )
-    return half, inner
-
-
-def _deeper_at_sampling(panels: LogPanels) -> Array:
-    """Return the `deeper` integral at the sampling points: panels, then tail."""
-    p, h, degree = panels.panels, panels.width, panels.degree
-    x, tail = panels.sampling(), panels.tail_sampling()
-    own = deeper_aligned(h - x[0], p, h, degree, 0.0)
-    inside = np.zeros((len(tail), own.shape[1]))
-    d = np.concatenate([np.exp(-x).ravel(), tail])
-    return np.hstack([np.vstack([own, inside]), deeper_tail(d, panels.end)])
-
-
-def outer_at_sampling(panels: LogPanels) -> Array:
-    """Return the `outer` integral at the sampling points: panels, then tail."""
-    p, h, degree = panels.panels, panels.width, panels.degree
-    own = outer_aligned(panels.sampling()[0], p, h, degree)
-    none = np.zeros((len(own), panels.tail_terms))
-    return np.vstack([np.hstack([own, none]), outer(panels.tail_sampling(), p, h, degree)])
 
 
 def sampled_series(panels: LogPanels, values: Array) -> LogSeries:

@@ -29,7 +29,6 @@ from spectral_contact.spectral.abel import (
     deeper_tail,
     tail_values,
 )
-from spectral_contact.spectral.annulus import outer_at_sampling
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels, Nodes
@@ -92,11 +91,6 @@ class DiskOperators:
         """Vector of ``2 pi int q s ds = 2 pi int t F dt`` for ``q = s phi``, (4.3)."""
         t = np.sqrt(self.nodes.rest)
         return np.asarray(2.0 * np.pi * ((self.nodes.weights * t) @ self.half_integral))
-
-    @cached_property
-    def outer_matrix(self) -> Array:
-        """Matrix of the `outer` integral at the sampling points (panels, then tail)."""
-        return outer_at_sampling(self.panels)
 
 
 class GalerkinOperator:

@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy import linalg, special
 
 from spectral_contact.fields import LogSeries
-from spectral_contact.spectral.abel import outer
 from spectral_contact.spectral.cache import BoundedCache, cache_sizes, clear_caches
 from spectral_contact.spectral.galerkin import DiskOperators, GalerkinOperator, disk_operators
 from spectral_contact.spectral.panels import LogPanels
@@ -157,14 +156,6 @@ def test_shear_moments(panels):
 
         exact = float(mp.quad(integrand, mp.linspace(end, 1, 4)))
         assert abs(disk.shear_moments[k] - exact) < 4e-15 * disk.shear_moments[0]
-
-
-def test_outer_matrix_is_at_the_sampling_points():
-    panels = LogPanels(5, 2.0, 6)
-    d = np.concatenate([np.exp(-panels.sampling()).ravel(), panels.tail_sampling()])
-    matrix = disk_operators(panels).outer_matrix
-    assert_allclose(matrix, outer(d, 5, 2.0, 6), rtol=0, atol=2e-15)
-    assert_allclose(matrix @ constant(panels), np.sqrt(1 - d), rtol=1e-14)
 
 
 def test_weighted_functions_have_no_mass():

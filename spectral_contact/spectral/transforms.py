@@ -1,0 +1,124 @@
+"""Abel integrals of a function at the sampling points of its own panels, without a matrix.
+
+In ``x`` the integrals are convolutions: one row of blocks, kept for a set of panels, serves every
+panel by a shift.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.legendre import legendre_rows
+from spectral_contact.spectral.abel import (
+    deeper,
+    deeper_blocks,
+    deeper_tail,
+    outer,
+    outer_blocks,
+)
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Transforms", "transforms"]
+
+Array = NDArray[np.float64]
+
+#: Gauss points in ``d`` below the first panel; seen from beyond the first panel, a function of
+#: ``d`` there is analytic in an ellipse of parameter 27 or more.
+_DEEP_POINTS = 14
+
+_TRANSFORMS: BoundedCache[LogPanels, Transforms] = BoundedCache("Abel transforms", 12)
+
+
+def transforms(panels: LogPanels) -> Transforms:
+    """Return the transforms of these panels, whose blocks are assembled once (cached)."""
+    return _TRANSFORMS.get(panels, lambda: Transforms(panels))
+
+
+class Transforms:
+    """Abel integrals at the sampling points: the panels', then the tail's.
+
+    Parameters
+    ----------
+    panels : LogPanels
+        Without endpoint weight or root tail.
+    """
+
+    def __init__(self, panels: LogPanels) -> None:
+        self.panels = panels
+        self._x = panels.sampling()
+        #: distances of the sampling points
+        self.distances: Array = np.concatenate([np.exp(-self._x).ravel(), panels.tail_sampling()])
+
+    def deeper(self, coefficients: Array) -> Array:
+        """Return the `deeper` integral of a function, shape (sampling points,)."""
+        panels, terms = self.panels, self.panels.degree + 1
+        blocks, tail = self._deeper
+        count = panels.panels
+        values = np.zeros_like(self._x)
+        series = coefficients[: count * terms].reshape(count, terms)
+        for k in range(count):
+            values[: count - k] += series[k:] @ blocks[k]
+        values *= np.exp(-0.5 * self._x)
+        inside = np.zeros(len(self.distances) - values.size)
+        own = np.concatenate([values.ravel(), inside])
+        return np.asarray(own + tail @ coefficients[count * terms :])
+
+    def outer(self, coefficients: Array) -> Array:
+        """Return the `outer` integral of a function, shape (sampling points,)."""
+        panels, terms = self.panels, self.panels.degree + 1
+        blocks, tail = self._outer
+        count = panels.panels
+        values = np.zeros_like(self._x)
+        series = coefficients[: count * terms].reshape(count, terms)
+        scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
+        for k in range(count):
+            values[k:] += scaled[: count - k] @ blocks[k]
+        return np.concatenate([values.ravel(), tail @ coefficients])
+
+    def across(self, coefficients: Array, other: LogPanels) -> Array:
+        """Return ``1/2 int f dd' / sqrt(2 - d - d')`` at the sampling points ``d`` of `other`.
+
+        This is what one half of an annulus contributes to the points of the other half, both of
+        unit length. Only points of the first panel come near the sources: below, the integral
+        is a polynomial in ``d`` to rounding.
+        """
+        x = other.sampling()
+        reach = float(np.exp(-other.width))
+        near = np.exp(-x[0])
+        values = self._across_matrix(near, reach) @ coefficients
+        g = 2.0 * transforms(other).distances[len(near) :] / reach - 1.0
+        series = legendre_expansion_matrix(_DEEP_POINTS, _DEEP_POINTS - 1) @ values[len(near) :]
+        return np.concatenate([values[: len(near)], series @ legendre_rows(g, _DEEP_POINTS - 1)])
+
+    @cached_property
+    def _deeper(self) -> tuple[Array, Array]:
+        panels = self.panels
+        to_end = panels.width - self._x[0]
+        blocks = deeper_blocks(to_end, panels.panels, panels.width, panels.degree)
+        return blocks.transpose(1, 2, 0).copy(), deeper_tail(self.distances, panels.end)
+
+    @cached_property
+    def _outer(self) -> tuple[Array, Array]:
+        panels = self.panels
+        mesh = panels.panels, panels.width, panels.degree
+        blocks = outer_blocks(self._x[0], *mesh).transpose(1, 2, 0).copy()
+        return blocks, outer(panels.tail_sampling(), *mesh)
+
+    def _across_matrix(self, near: Array, reach: float) -> Array:
+        """Return the matrix of `across` at points of the first panel and Gauss points below."""
+
+        def matrix() -> Array:
+            panels = self.panels
+            d = np.concatenate([near, reach * (1.0 + gauss_rule(_DEEP_POINTS)[0]) / 2.0])
+            return deeper(2.0 - d, panels.panels, panels.width, panels.degree)
+
+        return self._across.get((len(near), reach), matrix)
+
+    @cached_property
+    def _across(self) -> BoundedCache[tuple[int, float], Array]:
+        return BoundedCache("Abel transforms across an annulus", 4)
