@@ -18,6 +18,7 @@ from spectral_contact.contact.resolution import (
     SAFETY,
     decay_rates,
     expected_error,
+    on_mesh,
     panel_of,
     panel_table,
     series_of,
@@ -84,7 +85,8 @@ class _StickProblem:
         self.rate = 0.5 if alpha == 0.0 else 1.0
 
     def start(self) -> Resolution:
-        return starting_resolution(self.layer, self.tolerance, rate=self.rate, power=self.power)
+        space = starting_resolution(self.layer, self.tolerance, rate=self.rate, power=self.power)
+        return on_mesh(space, self.drive.contact.panels)
 
     def attempt(self, resolution: Resolution) -> Attempt[FullStick]:
         panels, compliance = resolution.panels, self.compliance

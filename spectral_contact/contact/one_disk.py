@@ -31,6 +31,7 @@ from spectral_contact.contact.resolution import (
     SAFETY,
     decay_rates,
     expected_error,
+    on_mesh,
     series_of,
     share_of_change,
 )
@@ -179,7 +180,8 @@ class _OneDiskProblem:
         return disk_resolution(Radius.from_logit(logit), self.alpha, self.beta, tolerance)
 
     def start(self) -> Resolution:
-        return self._resolution(self.logit, self.tolerance)
+        space = self._resolution(self.logit, self.tolerance)
+        return on_mesh(space, self.drive.contact.panels)
 
     def _factored(self, resolution: Resolution, radius: Radius) -> Factored:
         disk = disk_operators(resolution.panels)

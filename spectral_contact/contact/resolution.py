@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import ceil, log
 
 import numpy as np
@@ -20,6 +21,7 @@ __all__ = [
     "decay_rates",
     "expected_error",
     "load_vector",
+    "on_mesh",
     "panel_of",
     "panel_table",
     "series_of",
@@ -43,6 +45,8 @@ _WIDTH = 2.0
 _ROOT_DEPTH = 7.0
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
+#: A mesh with so many panels more than needed is used if it is there: three unknowns each.
+_SPARE = 8
 
 
 def starting_resolution(
@@ -81,7 +85,10 @@ def starting_resolution(
     taper = 0.0 if root_tail else rate
     missing = np.clip(1.0 - taper * (x - layer - 2.0) / digits, 0.0, 1.0)
     nearness = np.zeros(panels)
-    for bend in (layer, *bends):  # a bend takes more, measured 5 degrees at 1e-12
+    for bend in (
+        layer,
+        *(ceil(2.0 * b) / 2.0 for b in bends),
+    ):  # a bend takes more, measured 5 degrees at 1e-12
         if bend > 1.0:
             distance = np.abs(x + _WIDTH / 2.0 - bend) / (1.2 * _WIDTH)
             nearness = np.maximum(nearness, np.clip(2.6 - distance, 0.0, 1.0))
@@ -91,6 +98,18 @@ def starting_resolution(
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
     mesh = LogPanels(panels, _WIDTH, capacity, power, root_tail)
     return Resolution(mesh, tuple(degrees.tolist()))
+
+
+def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
+    """Return the space on a mesh that is already assembled, where that is little larger."""
+    own = resolution.panels
+    if mesh is None or mesh == own:
+        return resolution
+    more = mesh.panels - own.panels
+    alike = replace(own, panels=mesh.panels, degree=mesh.degree) == mesh
+    if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
+        return resolution
+    return Resolution(mesh, resolution.degrees + (_LEAST,) * more)
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:

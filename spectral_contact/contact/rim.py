@@ -16,6 +16,7 @@ from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import PressureField, Radius
+from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
@@ -78,19 +79,12 @@ class SlipSource:
 
     def half_integral(self, below: Array) -> Array:
         """Return ``int p ds / sqrt(s^2 - t^2)`` where ``rim**2 - t**2 = below``."""
-        root = below[:, None] + self.above
-        np.sqrt(root, out=root)
-        np.reciprocal(root, out=root)
-        return np.asarray(root @ self.values)
+        return root_sums(below, self.above, self.values)
 
     def fall(self, below: Array) -> Array:
         """Return by how much the half-integral at ``inner**2 - below`` is less than at the rim."""
-        root = below[:, None] + self.above
-        np.sqrt(root, out=root)
-        kernel = root + self._root
-        kernel *= root
-        np.reciprocal(kernel, out=kernel)
-        return np.asarray(below * (kernel @ (self.values / self._root)))
+        sums = root_sums(below, self.above, self.values / self._root, self._root)
+        return np.asarray(below * sums)
 
 
 def _graded(reach: float, finest: float, points: int) -> tuple[Array, Array]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import ROUNDING, starting_resolution
 from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
+from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import Annulus, Points, gap, sampled_series
 from spectral_contact.spectral.panels import LogPanels
 
@@ -153,7 +154,7 @@ def _from_stuck(zone: Stuck, points: Points) -> Array:
     for sources, values in zone.parts:
         # s^2 - t^2 through the anchor they share or the gap between anchors
         distance = points.before(sources.anchor)
-        total += (1.0 / np.sqrt(sources.offset[None, :] * -1.0 - distance[:, None])) @ values
+        total += root_sums(-distance, -sources.offset, values)
     return total
 
 

@@ -32,6 +32,7 @@ __all__ = [
     "deeper_tail",
     "outer",
     "outer_blocks",
+    "root_sums",
     "tail_values",
 ]
 
@@ -43,6 +44,8 @@ TAIL_TERMS = 3
 ROOT_TERMS = 9
 #: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
 _EXTRA = 12
+#: Entries of a kernel that are evaluated at a time: they stay in the cache.
+_STRIP = 32768
 
 
 def _smooth(u: Array) -> Array:
@@ -248,6 +251,37 @@ def _plain(e: Array, panels: int, width: float, degree: int) -> Array:
     source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
     values = (0.25 * width) * w * source / np.sqrt(np.abs(source + e[:, None, None]))
     return np.asarray(values @ legendre_values(g, degree))
+
+
+def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
+    """Return ``sum_j values_j / sqrt(near_i + far_j)``, in strips that fit the cache.
+
+    With `offset` each term is divided by ``sqrt(near_i + far_j) + offset_j`` as well.
+
+    Parameters
+    ----------
+    near : ndarray, shape (n,)
+    far : ndarray, shape (m,)
+    values : ndarray, shape (m,)
+    offset : ndarray, shape (m,), optional
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    sums = np.empty(len(near))
+    strip = max(_STRIP // max(len(far), 1), 1)
+    work = np.empty((min(strip, len(near)), len(far)))
+    spare = np.empty_like(work)
+    for start in range(0, len(near), strip):
+        part = near[start : start + strip, None]
+        roots = np.add(part, far, out=work[: len(part)])
+        np.sqrt(roots, out=roots)
+        if offset is not None:
+            roots *= np.add(roots, offset, out=spare[: len(part)])
+        np.divide(values, roots, out=roots)
+        np.sum(roots, axis=1, out=sums[start : start + strip])
+    return sums
 
 
 def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
