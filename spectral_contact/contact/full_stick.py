@@ -33,6 +33,12 @@ __all__ = ["FullStick", "solve_full_stick"]
 Array = NDArray[np.float64]
 
 
+#: A share bounds the change on its whole panel by moduli of coefficients. At the place of the
+#: largest q/p that is too much by far: without this factor the estimate was 34 times the error at
+#: the least, over 45 random scenes whose error exceeds rounding.
+_AT_ONE_PLACE = 1.0 / 6.0
+
+
 @dataclass(frozen=True, slots=True)
 class FullStick:
     """Solution of the full-stick problem for kappa = 1.
@@ -131,7 +137,7 @@ class _StickProblem:
 
         def ratio_error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""
-            return rounding + sum(float(share[panel_of(p, y)]) for p, share in parts)
+            return rounding + _AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
 
         stick = FullStick(
             compliance,

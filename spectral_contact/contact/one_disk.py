@@ -35,7 +35,13 @@ from spectral_contact.contact.resolution import (
     series_of,
     share_of_change,
 )
-from spectral_contact.contact.rim import SlipSource, disk_resolution, interpolate, rim_target
+from spectral_contact.contact.rim import (
+    QUADRATURE_SHARE,
+    SlipSource,
+    disk_resolution,
+    interpolate,
+    rim_target,
+)
 from spectral_contact.fields import DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
@@ -126,6 +132,8 @@ class _OneDiskProblem:
         self.beta = beta
         self.friction = friction
         self.tolerance = tolerance
+        # never coarse: noise in the target looks like detail to resolve
+        self.quadrature = min(max(1e-3 * tolerance, 1e-14), 1e-8)
         self.alpha = drive.contact.compliance
         if guess is not None:  # in a space that sees a narrow annulus
             space = self._resolution(guess, tolerance)
@@ -222,16 +230,13 @@ class _OneDiskProblem:
         return _Trial(radius, -rim, coefficients, factored, values, unit)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
-        # never coarse: noise in the target looks like detail to resolve
-        quadrature = min(max(1e-3 * self.tolerance, 1e-14), 1e-8)
-
         def mismatch(logit: float) -> float:
-            return self._trial(resolution, logit, quadrature).mismatch
+            return self._trial(resolution, logit, self.quadrature).mismatch
 
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
         radius = Radius.from_logit(self.logit)
         factored = self._factored(resolution, radius)
-        trial = self._at(self.drive, resolution, radius, factored, quadrature)
+        trial = self._at(self.drive, resolution, radius, factored, self.quadrature)
         return self._assess(resolution, trial)
 
     def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
@@ -262,7 +267,7 @@ class _OneDiskProblem:
             strays = moved.target - disk.half_integral @ moved.coefficients
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the source quadrature leaves out
-        noise = 8.0 * ROUNDING + 1e-6 * self.tolerance
+        noise = 8.0 * ROUNDING + QUADRATURE_SHARE * self.quadrature
         shift += noise * float(self.drive.target(np.array(radius.rest)))
         shift /= abs(self.slope)
         misfit = trial.target - disk.half_integral @ coefficients

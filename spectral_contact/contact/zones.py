@@ -24,7 +24,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     table_rates,
 )
-from spectral_contact.contact.rim import disk_resolution
+from spectral_contact.contact.rim import QUADRATURE_SHARE, disk_resolution
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     Stuck,
@@ -92,6 +92,7 @@ class _ZonesProblem:
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
+        self.quadrature = min(0.01 * tolerance, 1e-8)
         self.logits = np.array(layout.logits)
         self.coarse = self._resolution(_COARSE)
         self._coarse_counts = self._panel_counts
@@ -193,7 +194,7 @@ class _ZonesProblem:
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
-        trial = self._find(resolution, 0.01 * self.tolerance, 1e-11)
+        trial = self._find(resolution, self.quadrature, 1e-11)
         return self._assess(resolution, trial)
 
     def _assess(self, resolution: Resolution, trial: ZoneTractions) -> Attempt[ZonesSolution]:
@@ -234,7 +235,7 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            worst * lost / shear + 1e-6 * self.tolerance + 16.0 * ROUNDING,
+            worst * lost / shear + QUADRATURE_SHARE * self.quadrature + 16.0 * ROUNDING,
             self._boundary_errors(trial, worst * np.abs(coarse.mismatch - trial.mismatch)),
             worst * stray,
         )
@@ -248,9 +249,7 @@ class _ZonesProblem:
         problem = copy(self)
         problem.system = replace(self.system, drive=Drive(self.system.drive.contact.coarser))
         degrees = tuple(n - 2 if n > 3 else max(n - 1, 1) for n in resolution.degrees)
-        coarse = problem._trial(
-            replace(resolution, degrees=degrees), self.logits, 0.01 * self.tolerance
-        )
+        coarse = problem._trial(replace(resolution, degrees=degrees), self.logits, self.quadrature)
         return (
             trial.sticks.full(trial.outer),
             coarse.sticks.full(coarse.outer),
@@ -315,7 +314,7 @@ class _ZonesProblem:
         jacobian = self._differences(self.coarse, self.logits, base, _COARSE)
         self._panel_counts = counts
         # the conditions themselves hold to rounding and to the source quadrature
-        errors = errors + 20.0 * ROUNDING + 1e-5 * self.tolerance
+        errors = errors + 20.0 * ROUNDING + QUADRATURE_SHARE * self.quadrature
         shift = np.abs(np.linalg.inv(jacobian)) @ errors
         return tuple(
             (float(d * r.rest) / 2.0 + ROUNDING, float(d * r.square) + ROUNDING)

@@ -27,7 +27,6 @@ __all__ = [
     "TAIL_TERMS",
     "beyond",
     "deeper",
-    "deeper_aligned",
     "deeper_blocks",
     "deeper_tail",
     "outer",
@@ -141,30 +140,6 @@ def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> A
         values = (0.25 * width) * w * np.exp(-offset / 2.0) / np.sqrt(-np.expm1(-u))
         blocks[:, 2:] = values @ legendre_values(g, degree)
     return blocks
-
-
-def deeper_aligned(to_end: Array, panels: int, width: float, degree: int, power: float) -> Array:
-    """Return the `deeper` integral at the same offsets on every panel, tail sources left out.
-
-    Parameters
-    ----------
-    to_end : ndarray, shape (n,)
-        Distance in ``x`` of the points to the deep end of their panel.
-    panels, width, degree, power
-        As in `deeper_blocks`.
-
-    Returns
-    -------
-    ndarray, shape (panels * n, panels * (degree + 1))
-        Assembled from the blocks of one panel: the others are shifts of it.
-    """
-    n, terms = len(to_end), degree + 1
-    blocks = deeper_blocks(to_end, panels, width, degree, power).reshape(n, -1)
-    matrix = np.zeros((panels * n, panels * terms))
-    for i in range(panels):
-        root = np.exp((to_end - (i + 1) * width) * (0.5 + power))[:, None]
-        matrix[i * n : (i + 1) * n, i * terms :] = blocks[:, : (panels - i) * terms] * root
-    return matrix
 
 
 def tail_values(d: Array, end: float, terms: int, root: bool) -> Array:

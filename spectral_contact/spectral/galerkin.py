@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from scipy.linalg import blas, lapack
 
 from spectral_contact.spectral.abel import (
-    deeper_aligned,
     deeper_blocks,
     deeper_tail,
     tail_values,
@@ -257,13 +256,15 @@ def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) 
     p, h, degree = panels.panels, panels.width, panels.degree
     terms, start = degree + 1, len(first)
     matrix = np.zeros((len(nodes.d), panels.size))
-    root = nodes.d[:start, None] ** (0.5 + panels.power)
+    root = nodes.d[:, None] ** (0.5 + panels.power)
     blocks = deeper_blocks(first, p, h, degree, panels.power)
-    matrix[:start, : p * terms] = blocks.reshape(start, -1) * root
-    rest = deeper_aligned(other, p - 1, h, degree, panels.power) if p > 1 else np.zeros((0, 0))
-    # one panel deeper all distances are exp(-h) times smaller
-    rest *= np.exp(-h * (0.5 + panels.power))
-    matrix[start : start + len(rest), terms : p * terms] = rest
+    np.multiply(blocks.reshape(start, -1), root[:start], out=matrix[:start, : p * terms])
+    if p > 1:
+        blocks = deeper_blocks(other, p - 1, h, degree, panels.power).reshape(len(other), -1)
+    for i in range(1, p):
+        rows = slice(start, start := start + len(other))
+        own = blocks[:, : (p - i) * terms]
+        np.multiply(own, root[rows], out=matrix[rows, i * terms : p * terms])
     matrix[:, p * terms :] = deeper_tail(
         nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
     )
