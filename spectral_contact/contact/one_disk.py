@@ -35,13 +35,7 @@ from spectral_contact.contact.resolution import (
     series_of,
     share_of_change,
 )
-from spectral_contact.contact.rim import (
-    QUADRATURE_SHARE,
-    SlipSource,
-    disk_resolution,
-    interpolate,
-    rim_target,
-)
+from spectral_contact.contact.rim import SlipSource, disk_resolution, interpolate, rim_target
 from spectral_contact.fields import DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
@@ -266,8 +260,8 @@ class _OneDiskProblem:
             lost += propagated * abs(part + 2.0 * pi * self.friction * outside)
             strays = moved.target - disk.half_integral @ moved.coefficients
             stray = propagated * float(np.abs(strays).max())
-        # rounding, and what the source quadrature leaves out
-        noise = 8.0 * ROUNDING + QUADRATURE_SHARE * self.quadrature
+        # rounding, and what the quadrature of the source and interpolation of the target leave out
+        noise = 8.0 * ROUNDING + 1e-6 * self.tolerance
         shift += noise * float(self.drive.target(np.array(radius.rest)))
         shift /= abs(self.slope)
         misfit = trial.target - disk.half_integral @ coefficients

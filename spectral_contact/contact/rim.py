@@ -22,13 +22,9 @@ from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["QUADRATURE_SHARE", "SlipSource", "disk_resolution", "interpolate", "rim_target"]
+__all__ = ["SlipSource", "disk_resolution", "interpolate", "rim_target"]
 
 Array = NDArray[np.float64]
-
-#: True error of a `SlipSource` in units of its `tolerance`: at most this, over alpha from 0 to 1e6,
-#: radii and points at all distances (8.4e-4 at 1e-5, 4.8e-4 at 1e-8, 5.2e-4 at 1e-10).
-QUADRATURE_SHARE = 1e-3
 
 
 class SlipSource:

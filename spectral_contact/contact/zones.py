@@ -24,7 +24,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     table_rates,
 )
-from spectral_contact.contact.rim import QUADRATURE_SHARE, disk_resolution
+from spectral_contact.contact.rim import disk_resolution
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     Stuck,
@@ -235,7 +235,7 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            worst * lost / shear + QUADRATURE_SHARE * self.quadrature + 16.0 * ROUNDING,
+            worst * lost / shear + 1e-6 * self.tolerance + 16.0 * ROUNDING,
             self._boundary_errors(trial, worst * np.abs(coarse.mismatch - trial.mismatch)),
             worst * stray,
         )
@@ -314,7 +314,7 @@ class _ZonesProblem:
         jacobian = self._differences(self.coarse, self.logits, base, _COARSE)
         self._panel_counts = counts
         # the conditions themselves hold to rounding and to the source quadrature
-        errors = errors + 20.0 * ROUNDING + QUADRATURE_SHARE * self.quadrature
+        errors = errors + 20.0 * ROUNDING + 1e-5 * self.tolerance
         shift = np.abs(np.linalg.inv(jacobian)) @ errors
         return tuple(
             (float(d * r.rest) / 2.0 + ROUNDING, float(d * r.square) + ROUNDING)
