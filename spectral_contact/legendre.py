@@ -16,12 +16,13 @@ def legendre_rows(x: Array, degree: int) -> Array:
     values[0] = 1.0
     if degree > 0:
         values[1] = x
+    product = np.empty(x.shape)
     for n in range(2, degree + 1):
-        current = values[n, ...]
-        np.multiply(x, values[n - 1], out=current)
-        current *= 2 * n - 1
-        current -= (n - 1) * values[n - 2]
-        current /= n  # integers first: their products round less than fractions do
+        # x P + (1 - 1/n) (x P - P'), which rounds the factor in the smaller part alone
+        np.multiply(x, values[n - 1, ...], out=product)
+        current = np.subtract(product, values[n - 2, ...], out=values[n, ...])
+        current *= (n - 1) / n
+        current += product
     return values
 
 
