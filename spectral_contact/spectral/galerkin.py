@@ -21,7 +21,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import blas, lapack
+from scipy.linalg import lapack
 
 from spectral_contact.spectral.abel import (
     deeper_blocks,
@@ -274,16 +274,14 @@ def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) 
 def _gram(panels: LogPanels, half_integral: Array, weights: Array) -> Array:
     """Return ``H^T W H``, in strips of nodes: a node sees only its own panel and deeper ones."""
     terms, (first, other) = panels.degree + 1, panels.node_counts
-    gram = np.zeros((panels.size, panels.size), order="F")
+    gram = np.zeros((panels.size, panels.size))
     cuts = sorted({0, *(round(panels.panels * k / 6) for k in range(1, 6)), panels.panels})
     for low, high in pairwise(cuts):
         start = 0 if low == 0 else first + (low - 1) * other
         stop = len(weights) if high == panels.panels else first + (high - 1) * other
         strip = half_integral[start:stop, low * terms :] * np.sqrt(weights[start:stop, None])
-        # dsyrk fills one triangle in half the time; `strip.T` is Fortran-ordered, so no copy
-        gram[low * terms :, low * terms :] += blas.dsyrk(1.0, strip.T)
-    upper = np.triu(gram, 1)
-    gram += upper.T
+        # of a matrix and its own transpose NumPy computes one triangle, in half the time
+        gram[low * terms :, low * terms :] += strip.T @ strip
     return gram
 
 
