@@ -132,7 +132,7 @@ class Drive:
 
 def _mean_outside(panels: LogPanels, series: LogSeries) -> LogSeries:
     """Return ``(1/y) int_0^y series dy``, panel by panel from the edge inward."""
-    g, w = gauss_rule(panels.degree + 8)
+    g, w = gauss_rule(panels.degree + 12)  # a rule that the panels use, too
     end, h = panels.end, panels.width
     tail_d = panels.tail_sampling()
     degree = len(series.tail) - 1

@@ -105,7 +105,7 @@ class _StickProblem:
         change = factored.change(solution)
         series = series_of(panels, solution)
         traction = DiskSeries(EDGE, series)
-        shear = float(disk.shear_moments @ solution)
+        shear = float(space.shear_moments @ solution)
         rates = decay_rates(resolution, solution)
         normal = self.drive.contact
         # the change that the pressure's last degrees make
@@ -119,7 +119,7 @@ class _StickProblem:
         traction_error = float(shares.max()) + rounding
         traction_error += propagated * float(share_of_change(panels, moved, series).max())
         # the shear superconverges, as far as its dual, rough at the centre, is resolved
-        moments = disk.shear_moments
+        moments = space.shear_moments
         shear_error = 2.0 * SAFETY * own * float(abs(moments @ change.coefficients)) / shear
         shear_error += propagated * float(abs(moments @ moved)) / shear + 4.0 * ROUNDING
         if self.pointwise:

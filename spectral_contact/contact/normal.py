@@ -111,7 +111,7 @@ class _NormalProblem:
         factored = space.factor(compliance)
         solution = factored.solve(target, load, correct=self.pointwise and weight is None)
         change = factored.change(solution)
-        half_integral = disk.half_integral @ solution
+        half_integral = space.half_integral(solution)
         # int p s ds = (2/pi) int F dt, for unit approach
         moment = 2.0 / pi * float(disk.nodes.weights @ half_integral) + known
         approach = 1.0 / (2.0 * pi * moment)

@@ -236,7 +236,8 @@ class _OneDiskProblem:
     def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
         """Turn the final trial into a solution with its errors."""
         panels, radius, coefficients = resolution.panels, trial.radius, trial.coefficients
-        disk, normal = disk_operators(panels), self.drive.contact
+        space, normal = trial.factored.space, self.drive.contact
+        nodes = space.operator.disk.nodes
         series = series_of(panels, coefficients)
         rates = decay_rates(resolution, coefficients)
         change = trial.factored.change(coefficients).coefficients
@@ -244,8 +245,8 @@ class _OneDiskProblem:
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
         error = float(indicators.max()) + 20.0 * ROUNDING
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
-        shear = radius.square * float(disk.shear_moments @ coefficients) + outside
-        lost = 2.0 * SAFETY * own * radius.square * abs(float(disk.shear_moments @ change))
+        shear = radius.square * float(space.shear_moments @ coefficients) + outside
+        lost = 2.0 * SAFETY * own * radius.square * abs(float(space.shear_moments @ change))
         # what moves the rim value moves the radius: the disk's own change, then the pressure's
         shift = stray = 0.0
         if trial.unit > 0.0:
@@ -256,17 +257,17 @@ class _OneDiskProblem:
             error += propagated * share
             shift += 2.0 * propagated * abs(moved.mismatch)
             outside = float(self.drive.change.load_outside(np.array(radius.rest)))
-            part = radius.square * float(disk.shear_moments @ moved.coefficients)
+            part = radius.square * float(space.shear_moments @ moved.coefficients)
             lost += propagated * abs(part + 2.0 * pi * self.friction * outside)
-            strays = moved.target - disk.half_integral @ moved.coefficients
+            strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out
         noise = 8.0 * ROUNDING + 1e-6 * self.tolerance
         shift += noise * float(self.drive.target(np.array(radius.rest)))
         shift /= abs(self.slope)
-        misfit = trial.target - disk.half_integral @ coefficients
-        stray = SAFETY * own * float(np.abs(disk.half_integral @ change).max()) + stray
-        weights = radius.value**3 * disk.nodes.weights * disk.nodes.rest
+        misfit = trial.target - space.half_integral(coefficients)
+        stray = SAFETY * own * float(np.abs(space.half_integral(change)).max()) + stray
+        weights = radius.value**3 * nodes.weights * nodes.rest
         value = OneDisk(
             radius,
             DiskSeries(radius, series),
@@ -275,12 +276,11 @@ class _OneDiskProblem:
             lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
             shift * radius.rest / 2.0 + ROUNDING,
             shift * radius.square + ROUNDING,
-            ((Points(radius, -radius.square * disk.nodes.d), weights * misfit),),
+            ((Points(radius, -radius.square * nodes.d), weights * misfit),),
             panels.panels * panels.width,
             stray,
         )
-        unknowns = disk.tangential.space(resolution.degrees).unknowns
-        return Attempt(value, error, indicators, rates, unknowns)
+        return Attempt(value, error, indicators, rates, space.unknowns)
 
 
 def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:

@@ -166,7 +166,7 @@ def _active_set(drive: Drive, cells: LogPanels, beta: float, bound: Array) -> Ar
     operator = disk.tangential
     n = len(bound)
     target = drive.target(disk.nodes.d)
-    right = ((operator.weights * target) @ operator.half_integral)[:n]
+    right = ((operator.weights * target) @ disk.half_integral)[:n]
     matrix = (operator.gram + beta * operator.mass)[:n, :n]
     diagonal = matrix.diagonal()
     states = np.zeros(n, dtype=int)

@@ -136,7 +136,7 @@ class ZoneSystem:
         falls, at_rim = sticks.falls(panels, rim)
         targets = np.column_stack([fixed, np.ones_like(fixed), falls])
         responses = factored.solve(targets)
-        misfits = targets - disk.half_integral @ responses
+        misfits = targets - factored.space.half_integral(responses)
         slips = self._slip_annuli(radii, quadrature)
         grid = self._outer_grid(sticks, slips)
         weights = rim.value**3 * disk.tangential.weights

@@ -34,7 +34,6 @@ from spectral_contact.contact.zone_search import Layout
 from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points
-from spectral_contact.spectral.galerkin import disk_operators
 
 __all__ = ["ZonesSolution", "solve_zones"]
 
@@ -258,14 +257,13 @@ class _ZonesProblem:
 
     def _misfit(self, trial: ZoneTractions, full: Array) -> list[Array]:
         """Return E at the disk nodes, then on the outer grid."""
-        disk = disk_operators(trial.factored.space.operator.panels)
-        inner = trial.target - disk.half_integral @ trial.disk
+        inner = trial.target - trial.factored.space.half_integral(trial.disk)
         return [inner, *(t - self._others(trial, p, full) for _, p, _, t in trial.grid)]
 
     def _shear(self, trial: ZoneTractions, full: Array) -> float:
         """Return ``2 pi int q s ds`` over all zones."""
-        disk = disk_operators(trial.factored.space.operator.panels)
-        moment = trial.radii[0].square * float(disk.shear_moments @ trial.disk) / (2.0 * pi)
+        shear = float(trial.factored.space.shear_moments @ trial.disk)
+        moment = trial.radii[0].square * shear / (2.0 * pi)
         for family, part in trial.sticks.parts():
             points, matrix = family.sources()
             moment += float(np.sqrt(points.z) @ (matrix @ full[part]))
@@ -281,7 +279,7 @@ class _ZonesProblem:
 
     def _stuck(self, trial: ZoneTractions, misfit: list[Array]) -> list[Stuck]:
         rim = trial.radii[0]
-        nodes = disk_operators(trial.factored.space.operator.panels).nodes
+        nodes = trial.factored.space.operator.disk.nodes
         weights = rim.value**3 * nodes.weights * nodes.rest
         stuck = [Stuck(rim, ((Points(rim, -rim.square * nodes.d), weights * misfit[0]),))]
         for k in self.system.stick_annuli():

@@ -95,8 +95,13 @@ def deeper_blocks(
         lower, upper = upper, upper + width
     if panels > 2:
         start = to_end[:, None] + width * np.arange(1, panels - 1)
-        u = start[:, :, None] + width * (1.0 + g) / 2.0
-        values = (0.25 * width) * w * np.exp(-(1.0 + power) * u) / np.sqrt(-np.expm1(-u))
+        # far enough for 1 - exp(-u) to lose nothing, and exp(-u) is a product
+        step = width * (1.0 + g) / 2.0
+        values = np.exp(-start)[:, :, None] * np.exp(-step)
+        np.subtract(1.0, values, out=values)
+        np.sqrt(values, out=values)
+        np.divide((0.25 * width) * w * np.exp(-(1.0 + power) * step), values, out=values)
+        values *= np.exp(-(1.0 + power) * start)[:, :, None]
         blocks[:, 2:] = values @ legendre_values(g, degree)
     return blocks
 

@@ -43,6 +43,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+#: Strips of nodes in which a Gram matrix is summed.
+_STRIPS = 8
 #: Above this compliance the normal equations lose no more than 30 eps, and need no correction.
 _HARMLESS = 1e-3
 
@@ -68,52 +70,122 @@ class DiskOperators:
 
     def __init__(self, panels: LogPanels) -> None:
         self.panels = panels
-        nodes, first, other = panels.nodes()
-        self.nodes: Nodes = nodes
-        self.half_integral: Array = _half_integral(panels, nodes, first, other)
+        self.nodes: Nodes
+        self.nodes, first, other = panels.nodes()
+        # blocks of the half-integral, which depend on panel differences alone
+        p, form = panels.panels, (panels.width, panels.degree, panels.power)
+        self._first = deeper_blocks(first, p, *form).reshape(len(first), -1)
+        self._other = deeper_blocks(other, max(p - 1, 1), *form).reshape(len(other), -1)
+        self._tail = deeper_tail(
+            self.nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
+        )
 
     @cached_property
     def normal(self) -> GalerkinOperator:
         """Projection of K1 with the mass matrix ``<phi, psi> = int phi psi s ds``."""
-        mass = _block_diagonal(self.panels, 0.5, 0.0)
-        return GalerkinOperator(self.panels, self.half_integral, self.nodes.weights / np.pi, mass)
+        return GalerkinOperator(self, self.nodes.weights / np.pi, (0.5, 0.0))
 
     @cached_property
     def tangential(self) -> GalerkinOperator:
         """Projection of K2 for ``q = s u`` with the mass matrix ``int u v s**3 ds``."""
-        mass = _block_diagonal(self.panels, 0.5, -0.5)
         weights = self.nodes.weights * self.nodes.rest / np.pi
-        return GalerkinOperator(self.panels, self.half_integral, weights, mass)
+        return GalerkinOperator(self, weights, (0.5, -0.5))
 
     @cached_property
-    def shear_moments(self) -> Array:
-        """Vector of ``2 pi int q s ds = 2 pi int t F dt`` for ``q = s phi``, (4.3)."""
-        t = np.sqrt(self.nodes.rest)
-        return np.asarray(2.0 * np.pi * ((self.nodes.weights * t) @ self.half_integral))
+    def half_integral(self) -> Array:
+        """Half-integrals of all basis functions at the nodes, shape (nodes, size)."""
+        return self.half_integral_of(np.arange(self.panels.size))
+
+    def half_integral_of(self, columns: NDArray[np.int_]) -> Array:
+        """Return the half-integrals of the basis functions `columns`, an increasing list."""
+        panels, (first, other) = self.panels, self.panels.node_counts
+        matrix = np.zeros((len(self.nodes.d), len(columns)))
+        root = self.nodes.d[:, None] ** (0.5 + panels.power)
+        last = int(np.searchsorted(columns, panels.panels * (panels.degree + 1)))
+        stop = 0
+        for i, seen in enumerate(_starts(panels, columns)):
+            start, stop = stop, stop + (other if i else first)
+            blocks = self._other if i else self._first
+            own = blocks.take(columns[seen:last] - i * (panels.degree + 1), axis=1)
+            np.multiply(own, root[start:stop], out=matrix[start:stop, seen:last])
+        tail = columns[last:] - panels.panels * (panels.degree + 1)
+        matrix[:, last:] = self._tail[:, tail]
+        return matrix
 
 
 class GalerkinOperator:
-    """Gram matrix, mass matrix and node weights of one projected kernel.
+    """One projected kernel: spaces to solve in, and its matrices in the whole basis.
 
-    Attributes
+    Parameters
     ----------
-    half_integral : ndarray, shape (nodes, size)
-        Half-integrals of the basis functions at the nodes.
+    disk : DiskOperators
+        Whose half-integrals it is made of.
     weights : ndarray, shape (nodes,)
         Weights of the Gram form, 1/pi included.
-    mass : ndarray, shape (size, size)
-        Mass matrix, block diagonal.
-    gram : ndarray, shape (size, size)
-        ``half_integral.T @ diag(weights) @ half_integral``.
+    measure : tuple of float
+        ``(a, b)`` of the mass matrix ``int phi psi (a + b d) dd``.
     """
 
-    def __init__(self, panels: LogPanels, half_integral: Array, weights: Array, mass: Array):
-        self.panels = panels
-        self.half_integral = half_integral
+    def __init__(self, disk: DiskOperators, weights: Array, measure: tuple[float, float]):
+        self.disk = disk
+        self.panels = disk.panels
         self.weights = weights
-        self.mass = mass
-        self.gram: Array = _gram(panels, half_integral, weights)
+        self.measure = measure
         self._spaces: BoundedCache[tuple[int, ...], Space] = BoundedCache("Galerkin spaces", 24)
+
+    @cached_property
+    def gram(self) -> Array:
+        """Gram matrix ``half_integral.T @ diag(weights) @ half_integral``, (size, size)."""
+        return self.gram_of(np.arange(self.panels.size), self.disk.half_integral)
+
+    @cached_property
+    def mass(self) -> Array:
+        """Mass matrix, block diagonal, (size, size)."""
+        return self.mass_of(np.arange(self.panels.size))
+
+    def gram_of(self, columns: NDArray[np.int_], half_integral: Array) -> Array:
+        """Return the Gram matrix of the basis functions `columns`, an increasing list.
+
+        A node sees only its own panel and deeper ones, so the sum runs in strips of nodes.
+        """
+        starts, (first, other) = _starts(self.panels, columns), self.panels.node_counts
+        gram = np.zeros((len(columns), len(columns)))
+        cuts = sorted({round(self.panels.panels * k / _STRIPS) for k in range(_STRIPS + 1)})
+        for low, high in pairwise(cuts):
+            start = 0 if low == 0 else first + (low - 1) * other
+            stop = len(self.weights) if high == len(starts) else first + (high - 1) * other
+            seen = starts[low]
+            strip = half_integral[start:stop, seen:] * np.sqrt(self.weights[start:stop, None])
+            # of a matrix and its own transpose NumPy computes one triangle, in half the time
+            gram[seen:, seen:] += strip.T @ strip
+        return gram
+
+    def mass_of(self, columns: NDArray[np.int_]) -> Array:
+        """Return the mass matrix of the basis functions `columns`, an increasing list."""
+        panels, (a, b) = self.panels, self.measure
+        matrix = np.zeros((len(columns), len(columns)))
+        if panels.power != 0.0:
+            return matrix  # not square integrable: such panels serve zero compliance alone
+        one, two = self._panel_masses
+        last = int(np.searchsorted(columns, panels.panels * (panels.degree + 1)))
+        bounds = [*_starts(panels, columns), last]
+        for j, (low, high) in enumerate(pairwise(bounds)):
+            grid = np.ix_(*[columns[low:high] - j * (panels.degree + 1)] * 2)
+            d = np.exp(-j * panels.width)
+            matrix[low:high, low:high] = d * (a * one[grid] + b * d * two[grid])
+        g, w = gauss_rule(panels.tail_terms + 3)
+        v = (1.0 + g) / 2.0
+        d = panels.end * v**2
+        values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
+        values = values[:, columns[last:] - panels.panels * (panels.degree + 1)]
+        weight = w * v * panels.end * (a + b * d)
+        matrix[last:, last:] = (values.T * weight) @ values
+        return matrix
+
+    @cached_property
+    def _panel_masses(self) -> tuple[Array, Array]:
+        """Mass of the first panel with the densities 1 and ``d``."""
+        return self.panels.panel_gram(1.0), self.panels.panel_gram(2.0)
 
     def space(self, degrees: tuple[int, ...]) -> Space:
         """Return the subspace with these degrees on the panels, the tail whole (cached)."""
@@ -161,15 +233,39 @@ class Space:
         self.kept = sum(map(len, keep))
         #: basis functions of the space, those of the coarser space first
         self.index = np.concatenate(keep + shed)
-        grid = np.ix_(self.index, self.index)
-        self._gram = operator.gram[grid]
-        self._mass = operator.mass[grid]
-        self._half_integral = operator.half_integral[:, self.index]
+        # panel by panel, as the half-integral is triangular, and from there to the order above
+        self._sorted = np.argsort(self.index)
+        self._place = np.argsort(self._sorted)
+        columns = self.index[self._sorted]
+        order = np.ix_(self._place, self._place)
+        self._half_integral = operator.disk.half_integral_of(columns)
+        self._gram = operator.gram_of(columns, self._half_integral)[order]
+        self._mass = operator.mass_of(columns)[order]
 
     @property
     def unknowns(self) -> int:
         """Number of unknowns."""
         return len(self.index)
+
+    @cached_property
+    def shear_moments(self) -> Array:
+        """Vector of ``2 pi int q s ds = 2 pi int t F dt`` for ``q = s phi``, (4.3), (size,)."""
+        nodes = self.operator.disk.nodes
+        density = 2.0 * np.pi * nodes.weights * np.sqrt(nodes.rest)
+        moments = np.zeros(self.operator.panels.size)
+        moments[self.index[self._sorted]] = density @ self._half_integral
+        return moments
+
+    def half_integral(self, coefficients: Array) -> Array:
+        """Return the half-integral at the nodes of a function of the space."""
+        return np.asarray(self._half_integral @ coefficients[self.index[self._sorted]])
+
+    def moments(self, density: Array) -> Array:
+        """Return the inner products of the half-integrals with a density, in order of `index`.
+
+        The density is given at the nodes, several as rows.
+        """
+        return np.asarray(((self.operator.weights * density) @ self._half_integral)[..., self._place])
 
     def factor(self, compliance: float) -> Factored:
         """Factor ``compliance * mass + gram`` on the space.
@@ -188,11 +284,14 @@ class Factored:
     def __init__(self, space: Space, compliance: float) -> None:
         self.space = space
         self.compliance = compliance
-        matrix = space._gram if compliance == 0.0 else space._gram + compliance * space._mass
+        matrix = compliance * space._mass
+        matrix += space._gram
         self.scale = 1.0 / np.sqrt(matrix.diagonal())
-        # the transposed view is Fortran-ordered, which LAPACK takes without a copy
-        self._scaled = (matrix * self.scale * self.scale[:, None]).T
-        self._factor, info = lapack.dpotrf(self._scaled, lower=1, clean=0)
+        matrix *= self.scale
+        matrix *= self.scale[:, None]
+        # The transposed view is Fortran-ordered, which LAPACK takes without a copy. The factor
+        # replaces the lower triangle; the upper one stays as it is, and `change` needs it.
+        self._factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
 
@@ -216,20 +315,17 @@ class Factored:
         """
         space, scale = self.space, self.scale
         fixed = 0.0 if load is None else self.compliance * load[space.index]
-        values: Array = np.zeros(0)
+        coefficients = np.zeros((space.operator.panels.size, *target.shape[1:]))
         misfit = target
         rounds = 2 if correct and self.compliance < _HARMLESS else 1
         for correction in range(rounds):
-            residual = (space.operator.weights * misfit.T) @ space._half_integral - fixed
+            residual = space.moments(misfit.T) - fixed
             if correction and self.compliance != 0.0:
-                residual -= self.compliance * (space._mass @ values).T
+                residual -= self.compliance * (space._mass @ coefficients[space.index]).T
             step, _ = lapack.dpotrs(self._factor, (residual * scale).T, lower=1)
-            step = (step.T * scale).T
-            values = values + step if correction else step
+            coefficients[space.index] += (step.T * scale).T
             if correction + 1 < rounds:
-                misfit = target - space._half_integral @ values
-        coefficients = np.zeros((space.operator.panels.size, *target.shape[1:]))
-        coefficients[space.index] = values
+                misfit = target - space.half_integral(coefficients)
         return coefficients
 
     def change(self, coefficients: Array) -> Change:
@@ -240,7 +336,7 @@ class Factored:
         """
         k, index, scale = self.space.kept, self.space.index, self.scale
         shed = coefficients[index[k:]] / scale[k:]
-        right = self._scaled[:k, k:] @ shed
+        right = self._factor[:k, k:] @ shed
         step, _ = lapack.dpotrs(self._factor[:k, :k], right, lower=1)
         change = np.zeros_like(coefficients)
         change[index[:k]] = step * scale[:k]
@@ -251,56 +347,7 @@ class Factored:
         return Change(change, np.asarray(energies, dtype=float))
 
 
-def _half_integral(panels: LogPanels, nodes: Nodes, first: Array, other: Array) -> Array:
-    """Assemble the half-integral matrix from blocks that depend on panel differences alone."""
-    p, h, degree = panels.panels, panels.width, panels.degree
-    terms, start = degree + 1, len(first)
-    matrix = np.zeros((len(nodes.d), panels.size))
-    root = nodes.d[:, None] ** (0.5 + panels.power)
-    blocks = deeper_blocks(first, p, h, degree, panels.power)
-    np.multiply(blocks.reshape(start, -1), root[:start], out=matrix[:start, : p * terms])
-    if p > 1:
-        blocks = deeper_blocks(other, p - 1, h, degree, panels.power).reshape(len(other), -1)
-    for i in range(1, p):
-        rows = slice(start, start := start + len(other))
-        own = blocks[:, : (p - i) * terms]
-        np.multiply(own, root[rows], out=matrix[rows, i * terms : p * terms])
-    matrix[:, p * terms :] = deeper_tail(
-        nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
-    )
-    return matrix
-
-
-def _gram(panels: LogPanels, half_integral: Array, weights: Array) -> Array:
-    """Return ``H^T W H``, in strips of nodes: a node sees only its own panel and deeper ones."""
-    terms, (first, other) = panels.degree + 1, panels.node_counts
-    gram = np.zeros((panels.size, panels.size))
-    cuts = sorted({0, *(round(panels.panels * k / 6) for k in range(1, 6)), panels.panels})
-    for low, high in pairwise(cuts):
-        start = 0 if low == 0 else first + (low - 1) * other
-        stop = len(weights) if high == panels.panels else first + (high - 1) * other
-        strip = half_integral[start:stop, low * terms :] * np.sqrt(weights[start:stop, None])
-        # of a matrix and its own transpose NumPy computes one triangle, in half the time
-        gram[low * terms :, low * terms :] += strip.T @ strip
-    return gram
-
-
-def _block_diagonal(panels: LogPanels, first: float, second: float) -> Array:
-    """Return ``int phi psi (first + second d) dd``, block diagonal, tail included."""
-    terms, h = panels.degree + 1, panels.width
-    matrix = np.zeros((panels.size, panels.size))
-    if panels.power != 0.0:
-        return matrix  # not square integrable: such panels serve zero compliance alone
-    one = first * panels.panel_gram(1.0)
-    two = second * panels.panel_gram(2.0)
-    for j in range(panels.panels):
-        block = slice(j * terms, (j + 1) * terms)
-        matrix[block, block] = np.exp(-j * h) * (one + np.exp(-j * h) * two)
-    g, w = gauss_rule(panels.tail_terms + 3)
-    v = (1.0 + g) / 2.0
-    d = panels.end * v**2
-    values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
-    weight = w * v * panels.end * (first + second * d)
-    tail = slice(panels.panels * terms, None)
-    matrix[tail, tail] = (values.T * weight) @ values
-    return matrix
+def _starts(panels: LogPanels, columns: NDArray[np.int_]) -> list[int]:
+    """Return where in the increasing list `columns` each panel begins."""
+    ends = np.arange(panels.panels) * (panels.degree + 1)
+    return [int(i) for i in np.searchsorted(columns, ends)]

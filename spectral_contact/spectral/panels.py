@@ -141,7 +141,7 @@ class LogPanels:
 
     def panel_gram(self, decay: float) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""
-        g, w = gauss_rule(self.degree + 14)
+        g, w = gauss_rule(self.degree + 12)
         values = legendre_values(g, self.degree)
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)
