@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 
@@ -29,10 +29,7 @@ Array = NDArray[np.float64]
 
 EDGE = Radius(1.0, 0.0)
 
-#: Chebyshev points and the matrix from values there to Chebyshev coefficients.
-_NODES = np.cos(np.pi * (np.arange(14) + 0.5) / 14.0)
-_FIT = np.cos(np.outer(np.arange(14), np.arccos(_NODES))) * (2.0 / 14.0)
-_FIT[0] /= 2.0
+_NODES, _FIT = chebyshev_interpolation(14)
 
 
 class Drive:

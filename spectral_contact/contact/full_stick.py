@@ -213,7 +213,7 @@ def _ratios(drive: Drive, traction: DiskSeries, depth: float) -> tuple[float, fl
     low, high = 1e-3, depth
     best, where = abs(edge), inf
     for _ in range(6):  # zoom on the maximum; its value is right to the square of the spacing
-        x = np.linspace(low, high, 65 if low > 1e-3 else 257)
+        x = np.linspace(low, high, 33 if low > 1e-3 else 129)
         values = ratio(x)
         i = int(np.argmax(values))
         if values[i] <= best * (1.0 + 4e-16) and where == inf:

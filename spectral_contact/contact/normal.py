@@ -103,7 +103,8 @@ class _NormalProblem:
         disk = disk_operators(panels)
         space = disk.normal.space(resolution.degrees)
         if weight is None:
-            target, load, known = np.full(len(disk.nodes.d), 2.0), None, 0.0
+            target: Array | float = 2.0
+            load, known = None, 0.0
         else:
             target = weight.deficit(disk.nodes.d)
             load = load_vector(panels, lambda d: 0.5 * weight(d))
@@ -111,9 +112,8 @@ class _NormalProblem:
         factored = space.factor(compliance)
         solution = factored.solve(target, load, correct=self.pointwise and weight is None)
         change = factored.change(solution)
-        half_integral = space.half_integral(solution)
         # int p s ds = (2/pi) int F dt, for unit approach
-        moment = 2.0 / pi * float(disk.nodes.weights @ half_integral) + known
+        moment = 2.0 * float(space.constant_moments @ solution[space.index]) + known
         approach = 1.0 / (2.0 * pi * moment)
         coefficients = solution * approach
         scaled = None if weight is None else weight.times(approach)

@@ -18,7 +18,7 @@ conditioned as the smooth limit, where ``m = 0``.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, pi
 
 import numpy as np
@@ -224,14 +224,28 @@ class _OneDiskProblem:
         return _Trial(radius, -rim, coefficients, factored, values, unit)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
+        trials: list[tuple[float, _Trial]] = []
+
         def mismatch(logit: float) -> float:
-            return self._trial(resolution, logit, self.quadrature).mismatch
+            trials.append((logit, self._trial(resolution, logit, self.quadrature)))
+            return trials[-1][1].mismatch
 
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
-        radius = Radius.from_logit(self.logit)
-        factored = self._factored(resolution, radius)
-        trial = self._at(self.drive, resolution, radius, factored, self.quadrature)
-        return self._assess(resolution, trial)
+        (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
+        step, lag = self.logit - last, self.logit - before
+        if before != last and abs(step * lag) <= 1e-3 * self.tolerance:
+            # what is linear in the last two trials is right to the square of so small a step
+            ratio = step / (last - before)
+            final = replace(
+                second,
+                radius=Radius.from_logit(self.logit),
+                coefficients=second.coefficients
+                + ratio * (second.coefficients - first.coefficients),
+                target=second.target + ratio * (second.target - first.target),
+            )
+        else:
+            final = self._trial(resolution, self.logit, self.quadrature)
+        return self._assess(resolution, final)
 
     def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
         """Turn the final trial into a solution with its errors."""

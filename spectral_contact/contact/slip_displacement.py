@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import EDGE, Drive
@@ -21,6 +22,7 @@ from spectral_contact.contact.resolution import ROUNDING, starting_resolution
 from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import Annulus, Points, gap, sampled_series
+from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
@@ -34,6 +36,9 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+#: For a singularity as far off as the interval is wide the error is 5.8**-24, which is rounding.
+_NODES, _FIT = chebyshev_interpolation(24)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +132,7 @@ def slip_displacement(
             points = family.sampling()
             total = own[start : start + len(points.offset)]
             for inner in stuck:
-                total += _from_stuck(inner, points)
+                total += _from_stuck(inner, points, smooth=family is annulus.families[1])
             for inner_zone in zones:
                 if inner_zone is zone:
                     break
@@ -146,11 +151,19 @@ def slip_displacement(
     return fields, samples, largest, 2.0 * unresolved
 
 
-def _from_stuck(zone: Stuck, points: Points) -> Array:
-    """Integrate over a stick zone that lies inside `points`; zero for one outside."""
+def _from_stuck(zone: Stuck, points: Points, *, smooth: bool = False) -> Array:
+    """Integrate over a stick zone that lies inside `points`; zero for one outside.
+
+    With `smooth` the points fill the outer half of an annulus, all farther from the zone than
+    that half is wide: there a polynomial in ``s**2`` through few points is right to rounding.
+    """
     total = np.zeros(len(points.offset))
     if float(np.min(points.before(zone.outer))) > 0.0:
         return total
+    if smooth:
+        reach = float(points.offset[np.argmax(np.abs(points.offset))])
+        fit = _FIT @ _from_stuck(zone, Points(points.anchor, reach * (1.0 + _NODES) / 2.0))
+        return np.asarray(chebyshev.chebval(2.0 * points.offset / reach - 1.0, fit))
     for sources, values in zone.parts:
         # s^2 - t^2 through the anchor they share or the gap between anchors
         distance = points.before(sources.anchor)

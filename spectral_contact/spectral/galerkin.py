@@ -38,12 +38,13 @@ __all__ = [
     "Factored",
     "GalerkinOperator",
     "Space",
+    "Strip",
     "disk_operators",
 ]
 
 Array = NDArray[np.float64]
 
-#: Strips of nodes in which a Gram matrix is summed.
+#: Strips into which the half-integral is cut, so that its zeros cost nothing.
 _STRIPS = 8
 #: Above this compliance the normal equations lose no more than 30 eps, and need no correction.
 _HARMLESS = 1e-3
@@ -54,6 +55,25 @@ _OPERATORS: BoundedCache[LogPanels, DiskOperators] = BoundedCache("disk operator
 def disk_operators(panels: LogPanels) -> DiskOperators:
     """Return the operators of the unit disk on these panels, assembled once (cached)."""
     return _OPERATORS.get(panels, lambda: DiskOperators(panels))
+
+
+@dataclass(frozen=True, slots=True)
+class Strip:
+    """Half-integrals at consecutive nodes, which see only their own panel and deeper ones.
+
+    Attributes
+    ----------
+    rows : slice
+        The nodes.
+    seen : int
+        The first column that is not zero.
+    values : ndarray
+        The columns from there on.
+    """
+
+    rows: slice
+    seen: int
+    values: Array
 
 
 class DiskOperators:
@@ -94,23 +114,35 @@ class DiskOperators:
     @cached_property
     def half_integral(self) -> Array:
         """Half-integrals of all basis functions at the nodes, shape (nodes, size)."""
-        return self.half_integral_of(np.arange(self.panels.size))
+        matrix = np.zeros((len(self.nodes.d), self.panels.size))
+        for strip in self.strips(np.arange(self.panels.size)):
+            matrix[strip.rows, strip.seen :] = strip.values
+        return matrix
 
-    def half_integral_of(self, columns: NDArray[np.int_]) -> Array:
+    def strips(self, columns: NDArray[np.int_]) -> list[Strip]:
         """Return the half-integrals of the basis functions `columns`, an increasing list."""
         panels, (first, other) = self.panels, self.panels.node_counts
-        matrix = np.zeros((len(self.nodes.d), len(columns)))
+        terms = panels.degree + 1
+        starts = np.searchsorted(columns, np.arange(panels.panels + 1) * terms).tolist()
+        last = starts[-1]
         root = self.nodes.d[:, None] ** (0.5 + panels.power)
-        last = int(np.searchsorted(columns, panels.panels * (panels.degree + 1)))
-        stop = 0
-        for i, seen in enumerate(_starts(panels, columns)):
-            start, stop = stop, stop + (other if i else first)
-            blocks = self._other if i else self._first
-            own = blocks.take(columns[seen:last] - i * (panels.degree + 1), axis=1)
-            np.multiply(own, root[start:stop], out=matrix[start:stop, seen:last])
-        tail = columns[last:] - panels.panels * (panels.degree + 1)
-        matrix[:, last:] = self._tail[:, tail]
-        return matrix
+        cuts = sorted({round(panels.panels * k / _STRIPS) for k in range(_STRIPS + 1)})
+        result, stop = [], 0
+        for low, high in pairwise(cuts):
+            start, seen = stop, starts[low]
+            stop = first + (high - 1) * other if high < panels.panels else len(root)
+            values = np.zeros((stop - start, len(columns) - seen))
+            end = 0
+            for i in range(low, high):
+                begin, end = end, end + (other if i else first)
+                blocks = self._other if i else self._first
+                own = blocks.take(columns[starts[i] : last] - i * terms, axis=1)
+                scaled = values[begin:end, starts[i] - seen : last - seen]
+                np.multiply(own, root[start + begin : start + end], out=scaled)
+            tail = columns[last:] - panels.panels * terms
+            values[:, last - seen :] = self._tail[start:stop, tail]
+            result.append(Strip(slice(start, stop), seen, values))
+        return result
 
 
 class GalerkinOperator:
@@ -136,28 +168,21 @@ class GalerkinOperator:
     @cached_property
     def gram(self) -> Array:
         """Gram matrix ``half_integral.T @ diag(weights) @ half_integral``, (size, size)."""
-        return self.gram_of(np.arange(self.panels.size), self.disk.half_integral)
+        return self.gram_of(self.disk.strips(np.arange(self.panels.size)))
 
     @cached_property
     def mass(self) -> Array:
         """Mass matrix, block diagonal, (size, size)."""
         return self.mass_of(np.arange(self.panels.size))
 
-    def gram_of(self, columns: NDArray[np.int_], half_integral: Array) -> Array:
-        """Return the Gram matrix of the basis functions `columns`, an increasing list.
-
-        A node sees only its own panel and deeper ones, so the sum runs in strips of nodes.
-        """
-        starts, (first, other) = _starts(self.panels, columns), self.panels.node_counts
-        gram = np.zeros((len(columns), len(columns)))
-        cuts = sorted({round(self.panels.panels * k / _STRIPS) for k in range(_STRIPS + 1)})
-        for low, high in pairwise(cuts):
-            start = 0 if low == 0 else first + (low - 1) * other
-            stop = len(self.weights) if high == len(starts) else first + (high - 1) * other
-            seen = starts[low]
-            strip = half_integral[start:stop, seen:] * np.sqrt(self.weights[start:stop, None])
+    def gram_of(self, strips: list[Strip]) -> Array:
+        """Return the Gram matrix of the basis functions in the strips."""
+        size = strips[0].values.shape[1]
+        gram = np.zeros((size, size))
+        for strip in strips:
+            weighted = strip.values * np.sqrt(self.weights[strip.rows, None])
             # of a matrix and its own transpose NumPy computes one triangle, in half the time
-            gram[seen:, seen:] += strip.T @ strip
+            gram[strip.seen :, strip.seen :] += weighted.T @ weighted
         return gram
 
     def mass_of(self, columns: NDArray[np.int_]) -> Array:
@@ -167,8 +192,9 @@ class GalerkinOperator:
         if panels.power != 0.0:
             return matrix  # not square integrable: such panels serve zero compliance alone
         one, two = self._panel_masses
-        last = int(np.searchsorted(columns, panels.panels * (panels.degree + 1)))
-        bounds = [*_starts(panels, columns), last]
+        starts = np.arange(panels.panels + 1) * (panels.degree + 1)
+        bounds = np.searchsorted(columns, starts).tolist()
+        last = bounds[-1]
         for j, (low, high) in enumerate(pairwise(bounds)):
             grid = np.ix_(*[columns[low:high] - j * (panels.degree + 1)] * 2)
             d = np.exp(-j * panels.width)
@@ -238,8 +264,8 @@ class Space:
         self._place = np.argsort(self._sorted)
         columns = self.index[self._sorted]
         order = np.ix_(self._place, self._place)
-        self._half_integral = operator.disk.half_integral_of(columns)
-        self._gram = operator.gram_of(columns, self._half_integral)[order]
+        self._strips = operator.disk.strips(columns)
+        self._gram = operator.gram_of(self._strips)[order]
         self._mass = operator.mass_of(columns)[order]
 
     @property
@@ -248,24 +274,37 @@ class Space:
         return len(self.index)
 
     @cached_property
+    def constant_moments(self) -> Array:
+        """Moments, as below, of the density 1: the load of a pressure is 4 pi times its product."""
+        return self.moments(np.ones(len(self.operator.weights)))
+
+    @cached_property
     def shear_moments(self) -> Array:
         """Vector of ``2 pi int q s ds = 2 pi int t F dt`` for ``q = s phi``, (4.3), (size,)."""
         nodes = self.operator.disk.nodes
         density = 2.0 * np.pi * nodes.weights * np.sqrt(nodes.rest)
         moments = np.zeros(self.operator.panels.size)
-        moments[self.index[self._sorted]] = density @ self._half_integral
+        moments[self.index] = self._against(density)
         return moments
 
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes of a function of the space."""
-        return np.asarray(self._half_integral @ coefficients[self.index[self._sorted]])
+        values = coefficients[self.index[self._sorted]]
+        return np.concatenate([s.values @ values[s.seen :] for s in self._strips])
 
     def moments(self, density: Array) -> Array:
         """Return the inner products of the half-integrals with a density, in order of `index`.
 
         The density is given at the nodes, several as rows.
         """
-        return np.asarray(((self.operator.weights * density) @ self._half_integral)[..., self._place])
+        return self._against(self.operator.weights * density)
+
+    def _against(self, density: Array) -> Array:
+        """Return the sums of the half-integrals times a density, in order of `index`."""
+        sums = np.zeros((*density.shape[:-1], len(self.index)))
+        for strip in self._strips:
+            sums[..., strip.seen :] += density[..., strip.rows] @ strip.values
+        return sums[..., self._place]
 
     def factor(self, compliance: float) -> Factored:
         """Factor ``compliance * mass + gram`` on the space.
@@ -295,13 +334,16 @@ class Factored:
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
 
-    def solve(self, target: Array, load: Array | None = None, *, correct: bool = True) -> Array:
+    def solve(
+        self, target: Array | float, load: Array | None = None, *, correct: bool = True
+    ) -> Array:
         """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
 
         Parameters
         ----------
-        target : ndarray, shape (nodes,) or (nodes, k)
-            What the half-integral should be; columns are targets of their own.
+        target : ndarray, shape (nodes,) or (nodes, k), or float
+            What the half-integral should be; columns are targets of their own, a number is a
+            constant.
         load : ndarray, shape (size,), optional
             Inner products of the basis with a known part of the solution, the lift.
         correct : bool
@@ -315,11 +357,14 @@ class Factored:
         """
         space, scale = self.space, self.scale
         fixed = 0.0 if load is None else self.compliance * load[space.index]
-        coefficients = np.zeros((space.operator.panels.size, *target.shape[1:]))
+        coefficients = np.zeros((space.operator.panels.size, *np.shape(target)[1:]))
         misfit = target
         rounds = 2 if correct and self.compliance < _HARMLESS else 1
         for correction in range(rounds):
-            residual = space.moments(misfit.T) - fixed
+            if isinstance(misfit, float):
+                residual = misfit * space.constant_moments - fixed
+            else:
+                residual = space.moments(misfit.T) - fixed
             if correction and self.compliance != 0.0:
                 residual -= self.compliance * (space._mass @ coefficients[space.index]).T
             step, _ = lapack.dpotrs(self._factor, (residual * scale).T, lower=1)
@@ -345,9 +390,3 @@ class Factored:
         panel = np.minimum(index // (panels.degree + 1), panels.panels - 1)
         energies = np.bincount(panel, weights=(change[index] / scale) ** 2)
         return Change(change, np.asarray(energies, dtype=float))
-
-
-def _starts(panels: LogPanels, columns: NDArray[np.int_]) -> list[int]:
-    """Return where in the increasing list `columns` each panel begins."""
-    ends = np.arange(panels.panels) * (panels.degree + 1)
-    return [int(i) for i in np.searchsorted(columns, ends)]

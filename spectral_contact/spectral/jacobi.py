@@ -15,6 +15,7 @@ from spectral_contact.legendre import legendre_rows
 from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = [
+    "chebyshev_interpolation",
     "chebyshev_values",
     "gauss_rule",
     "jacobi_values",
@@ -162,6 +163,26 @@ def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
         Shape ``(degree + 1, points)``; the discrete orthogonal projection.
     """
     return _EXPANSIONS.get((points, degree), lambda: _frozen_expansion(points, degree))
+
+
+def chebyshev_interpolation(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return Chebyshev points on [-1, 1] and the matrix from values there to coefficients.
+
+    Parameters
+    ----------
+    points : int
+        Number of points, zeros of ``T_points``; at least 1.
+
+    Returns
+    -------
+    nodes : ndarray, shape (points,)
+    matrix : ndarray, shape (points, points)
+        Row n gives the coefficient of T_n in the interpolant.
+    """
+    angle = np.pi * (np.arange(points) + 0.5) / points
+    matrix = np.cos(np.outer(np.arange(points), angle)) * (2.0 / points)
+    matrix[0] /= 2.0
+    return np.cos(angle), matrix
 
 
 def _frozen_expansion(points: int, degree: int) -> NDArray[np.float64]:
