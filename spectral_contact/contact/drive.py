@@ -45,14 +45,17 @@ class Drive:
         self.contact = contact
         self.pressure = contact.pressure
         self._outer: LogSeries | None = None
-        self._load: LogSeries | None = None
         if contact.panels is not None:
             panels = contact.panels
             own = transforms(panels)
             values = 2.0 * own.outer(contact.coefficients) / np.sqrt(1.0 - own.distances)
             self._outer = sampled_series(panels, values)
-            assert contact.pressure.series is not None
-            self._load = _mean_outside(panels, contact.pressure.series)
+
+    @cached_property
+    def _load(self) -> LogSeries | None:
+        """Mean of the pressure's series between a radius and the edge."""
+        panels, series = self.contact.panels, self.pressure.series
+        return None if panels is None or series is None else _mean_outside(panels, series)
 
     @cached_property
     def change(self) -> Drive | None:

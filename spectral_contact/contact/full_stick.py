@@ -111,7 +111,7 @@ class _StickProblem:
         # the change that the pressure's last degrees make
         moved = np.zeros_like(solution)
         if self.drive.change is not None:
-            moved = factored.solve(self.drive.change.target(nodes.d))
+            moved = factored.solve(self.drive.change.target(nodes.d), correct=False)
         shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
         own = float(rates[np.argmax(shares)])
         propagated = SAFETY * normal.rate**2

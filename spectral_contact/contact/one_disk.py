@@ -204,17 +204,17 @@ class _OneDiskProblem:
         tolerance: float,
     ) -> _Trial:
         """Solve for a drive, which may be the change of one: all is linear in the pressure."""
-        panels = resolution.panels
+        panels, correct = resolution.panels, tolerance < 1e-3
         source = SlipSource(drive.pressure, radius, EDGE, self.alpha, tolerance)
         at_rim = np.array(radius.rest)
         balance, target = rim_target(drive, radius, [(self.friction, source)], keep=self.beta > 0.0)
         values = interpolate(panels, target)
         rim, unit = -balance, 0.0
         if self.beta == 0.0:
-            coefficients = factored.solve(values)
+            coefficients = factored.solve(values, correct=correct)
         else:
             targets = np.column_stack([values, np.ones_like(values)])
-            both = factored.solve(targets)
+            both = factored.solve(targets, correct=correct)
             coefficients, response = both[:, 0], both[:, 1]
             unit = series_of(panels, response).limit
             slipping = self.friction * float(drive.pressure.at(at_rim))

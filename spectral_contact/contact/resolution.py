@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spectral_contact.adaptive import Resolution
 from spectral_contact.fields import LogSeries
 from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
@@ -39,6 +40,7 @@ ROUNDING = 2e-15
 _POINTWISE = 1.3
 #: What a change does to a functional or through a linear map, times this and a power of the rate.
 SAFETY = 4.5
+_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
 _WIDTH = 2.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
@@ -75,8 +77,21 @@ def starting_resolution(
     bends : tuple of float
         ``x`` of further features, where the solution turns from one law to another.
     """
+    # like scenes share their spaces
+    layer, *turns = (ceil(2.0 * x) / 2.0 for x in (layer, *bends))
+    form = (layer, tolerance, rate, power, root_tail, tuple(turns))
+    return _FIRST_SPACES.get(form, lambda: _first_space(*form))
+
+
+def _first_space(
+    layer: float,
+    tolerance: float,
+    rate: float,
+    power: float,
+    root_tail: bool,
+    bends: tuple[float, ...],
+) -> Resolution:
     digits = -log(tolerance)
-    layer = ceil(2.0 * layer) / 2.0  # like scenes share their spaces
     depth = layer + (_ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
     panels = 4 * ceil(depth / _WIDTH / 4.0)  # few distinct meshes, so that caches are shared
     top: Array = np.full(panels, _LEAST + ceil(0.45 * digits))
@@ -85,10 +100,7 @@ def starting_resolution(
     taper = 0.0 if root_tail else rate
     missing = np.clip(1.0 - taper * (x - layer - 2.0) / digits, 0.0, 1.0)
     nearness = np.zeros(panels)
-    for bend in (
-        layer,
-        *(ceil(2.0 * b) / 2.0 for b in bends),
-    ):  # a bend takes more, measured 5 degrees at 1e-12
+    for bend in (layer, *bends):  # a bend takes more, measured 5 degrees at 1e-12
         if bend > 1.0:
             distance = np.abs(x + _WIDTH / 2.0 - bend) / (1.2 * _WIDTH)
             nearness = np.maximum(nearness, np.clip(2.6 - distance, 0.0, 1.0))
@@ -144,9 +156,9 @@ def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
     pairs = np.maximum(table[:, 1:], table[:, :-1])
     last = pairs[rows, np.maximum(degrees - 1, 0)]
     before = pairs[rows, np.maximum(degrees - 3, 0)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.sqrt(last / before)
-    return np.clip(np.where(degrees >= 4, np.nan_to_num(rate, nan=0.6), 0.3), 0.05, 0.6)
+    rate = np.sqrt(np.divide(last, before, out=np.ones_like(last), where=before > 0.0))
+    rate[degrees < 4] = 0.3
+    return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
 
 
 def expected_error(change: Array, rates: Array) -> Array:

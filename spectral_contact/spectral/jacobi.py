@@ -129,8 +129,8 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
         raise ValueError(f"points = {points}: must be at least 1")
     if points == 1:  # LAPACK takes no empty array
         return np.zeros(1), np.full(1, 2.0)
-    k = np.arange(1.0, points)
-    eigenvalues, _ = lapack.dsterf(np.zeros(points), k / np.sqrt(4.0 * k * k - 1.0))
+    order = np.arange(1.0, points)
+    eigenvalues, _ = lapack.dsterf(np.zeros(points), order / np.sqrt(4.0 * order * order - 1.0))
     start = eigenvalues.astype(np.longdouble)
     before: NDArray[np.longdouble] = np.ones_like(start)
     value: NDArray[np.longdouble] = start.copy()

@@ -143,7 +143,9 @@ def test_weights_integrate_over_the_radius(panels):
 @MESHES
 def test_shear_moments(panels):
     # 2 pi int s u s ds = pi int u sqrt(1 - d) dd
-    moments = disk_operators(panels).tangential.space((panels.degree,) * panels.panels).shear_moments
+    moments = (
+        disk_operators(panels).tangential.space((panels.degree,) * panels.panels).shear_moments
+    )
     exact = np.pi * special.beta(1 + panels.power, 1.5)
     assert_allclose(moments @ constant(panels), exact, rtol=3e-15)
     end = mp.exp(-mp.mpf(panels.width))
