@@ -18,6 +18,7 @@ from spectral_contact.contact.resolution import (
     SAFETY,
     decay_rates,
     expected_error,
+    functional_error,
     on_mesh,
     panel_of,
     panel_table,
@@ -113,14 +114,12 @@ class _StickProblem:
         if self.drive.change is not None:
             moved = factored.solve(self.drive.change.target(nodes.d), correct=False)
         shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
-        own = float(rates[np.argmax(shares)])
         propagated = SAFETY * normal.rate**2
         rounding = 20.0 * ROUNDING
         traction_error = float(shares.max()) + rounding
         traction_error += propagated * float(share_of_change(panels, moved, series).max())
-        # the shear superconverges, as far as its dual, rough at the centre, is resolved
         moments = space.shear_moments
-        shear_error = 2.0 * SAFETY * own * float(abs(moments @ change.coefficients)) / shear
+        shear_error = functional_error(factored, moments, change, rates, resolution) / shear
         shear_error += propagated * float(abs(moments @ moved)) / shear + 4.0 * ROUNDING
         if self.pointwise:
             indicators, error = shares, traction_error

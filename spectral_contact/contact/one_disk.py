@@ -29,13 +29,16 @@ from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import (
     ROUNDING,
     SAFETY,
+    boundary_error,
     decay_rates,
     expected_error,
+    functional_error,
     on_mesh,
     series_of,
     share_of_change,
 )
 from spectral_contact.contact.rim import SlipSource, disk_resolution, interpolate, rim_target
+from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.fields import DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
@@ -109,6 +112,8 @@ class _Trial:
     factored: Factored
     target: Array
     unit: float
+    unresolved: float
+    slipping: float
 
 
 class _OneDiskProblem:
@@ -126,8 +131,8 @@ class _OneDiskProblem:
         self.beta = beta
         self.friction = friction
         self.tolerance = tolerance
-        # never coarse: noise in the target looks like detail to resolve
-        self.quadrature = min(max(1e-3 * tolerance, 1e-14), 1e-8)
+        # never coarse: noise in the target looks like detail to resolve, and digits here are cheap
+        self.quadrature = min(max(1e-3 * tolerance, 1e-14), 1e-13)
         self.alpha = drive.contact.compliance
         if guess is not None:  # in a space that sees a narrow annulus
             space = self._resolution(guess, tolerance)
@@ -208,8 +213,8 @@ class _OneDiskProblem:
         source = SlipSource(drive.pressure, radius, EDGE, self.alpha, tolerance)
         at_rim = np.array(radius.rest)
         balance, target = rim_target(drive, radius, [(self.friction, source)], keep=self.beta > 0.0)
-        values = interpolate(panels, target)
-        rim, unit = -balance, 0.0
+        values, unresolved = interpolate(panels, target)
+        rim, unit, slipping = -balance, 0.0, self.friction * source.at_rim
         if self.beta == 0.0:
             coefficients = factored.solve(values, correct=correct)
         else:
@@ -217,11 +222,11 @@ class _OneDiskProblem:
             both = factored.solve(targets, correct=correct)
             coefficients, response = both[:, 0], both[:, 1]
             unit = series_of(panels, response).limit
-            slipping = self.friction * float(drive.pressure.at(at_rim))
-            rim = (slipping - series_of(panels, coefficients).limit) / unit
+            at_end = self.friction * float(drive.pressure.at(at_rim))
+            rim = (at_end - series_of(panels, coefficients).limit) / unit
             coefficients = coefficients + rim * response
             values = values + rim
-        return _Trial(radius, -rim, coefficients, factored, values, unit)
+        return _Trial(radius, -rim, coefficients, factored, values, unit, unresolved, slipping)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
         trials: list[tuple[float, _Trial]] = []
@@ -254,13 +259,15 @@ class _OneDiskProblem:
         nodes = space.operator.disk.nodes
         series = series_of(panels, coefficients)
         rates = decay_rates(resolution, coefficients)
-        change = trial.factored.change(coefficients).coefficients
+        last = trial.factored.change(coefficients)
+        change = last.coefficients
         indicators = expected_error(share_of_change(panels, change, series), rates)
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
         error = float(indicators.max()) + 20.0 * ROUNDING
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(space.shear_moments @ coefficients) + outside
-        lost = 2.0 * SAFETY * own * radius.square * abs(float(space.shear_moments @ change))
+        moments = space.shear_moments
+        lost = radius.square * functional_error(trial.factored, moments, last, rates, resolution)
         # what moves the rim value moves the radius: the disk's own change, then the pressure's
         shift = stray = 0.0
         if trial.unit > 0.0:
@@ -269,27 +276,31 @@ class _OneDiskProblem:
             moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share
-            shift += 2.0 * propagated * abs(moved.mismatch)
+            # the mismatch alone may be small by accident: its parts cancel
+            shift += 2.0 * propagated * (abs(moved.mismatch) + abs(moved.slipping))
             outside = float(self.drive.change.load_outside(np.array(radius.rest)))
             part = radius.square * float(space.shear_moments @ moved.coefficients)
             lost += propagated * abs(part + 2.0 * pi * self.friction * outside)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out
-        noise = 8.0 * ROUNDING + 1e-6 * self.tolerance
-        shift += noise * float(self.drive.target(np.array(radius.rest)))
+        noise = 8.0 * ROUNDING + self.quadrature
+        shift += noise * float(self.drive.target(np.array(radius.rest))) + trial.unresolved
         shift /= abs(self.slope)
         misfit = trial.target - space.half_integral(coefficients)
-        stray = SAFETY * own * float(np.abs(space.half_integral(change)).max()) + stray
         weights = radius.value**3 * nodes.weights * nodes.rest
+        lost_misfit = (
+            Points(radius, -radius.square * nodes.d),
+            weights * space.half_integral(change),
+        )
+        stray += SAFETY * own * largest_displacement([Stuck(radius, (lost_misfit,))], radius, EDGE)
         value = OneDisk(
             radius,
             DiskSeries(radius, series),
             shear,
             error,
             lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
-            shift * radius.rest / 2.0 + ROUNDING,
-            shift * radius.square + ROUNDING,
+            *boundary_error(shift, radius),
             ((Points(radius, -radius.square * nodes.d), weights * misfit),),
             panels.panels * panels.width,
             stray,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import inf
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -226,7 +227,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
         [], [Slipping(annulus, 1, misfit[0])], drive.pressure, beta, friction
     )
     error = drive.contact.pressure_error
-    stray = 4.0 * (unresolved + error) + tolerance * 1e-3
+    stray = 3.0 * unresolved + 4.0 * error + tolerance * 1e-3
     slip_error = _displacement_error(drive, EDGE, stray, beta, friction, largest)
     wrong = float(samples[0].max()) / largest
     return PartialSlip(
@@ -270,7 +271,7 @@ def _one_disk_outcome(
     excess = _stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
     slip_error = _displacement_error(
-        drive, EDGE, disk.stray + 4.0 * unresolved, beta, friction, largest
+        drive, EDGE, disk.stray + 3.0 * unresolved, beta, friction, largest
     )
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
     consistent = _obeys(excess, error, float(samples[0].max()) / largest, slip_error)
@@ -326,7 +327,8 @@ def _displacement_error(
         y = max(outermost.rest, drive.contact.compliance)
         largest_p = float(drive.pressure.at(np.array(min(y, 1.0))))
         direct = beta * friction * largest_p * drive.contact.pressure_error
-    return (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
+    error = (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
+    return error if error <= 1.0 else inf  # no digit is known
 
 
 def _stick_excess(
@@ -371,7 +373,7 @@ def _zones_outcome(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
     slip_error = _displacement_error(
-        drive, outermost, solved.stray + 4.0 * unresolved, beta, friction, largest
+        drive, outermost, solved.stray + 3.0 * unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)
     return PartialSlip(

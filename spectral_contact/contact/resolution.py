@@ -4,23 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import ceil, log
+from math import ceil, inf, log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.fields import LogSeries
+from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.galerkin import Change, Factored
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
     "ROUNDING",
     "SAFETY",
+    "boundary_error",
     "decay_rates",
     "expected_error",
+    "functional_error",
     "load_vector",
     "on_mesh",
     "panel_of",
@@ -40,6 +43,8 @@ ROUNDING = 2e-15
 _POINTWISE = 1.3
 #: What a change does to a functional or through a linear map, times this and a power of the rate.
 SAFETY = 4.5
+#: Largest error of ``logit(c**2)`` that is taken for small.
+_LINEAR = 1.0 / 3.0
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
 _WIDTH = 2.0
@@ -161,9 +166,44 @@ def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
     return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
 
 
+def boundary_error(shift: float, radius: Radius) -> tuple[float, float]:
+    """Return the relative errors of a radius and of its distance to the edge.
+
+    Infinite where the shift of the logit is so large that a linear estimate of it means nothing.
+    """
+    if shift > _LINEAR:
+        return inf, inf
+    return shift * radius.rest / 2.0 + ROUNDING, shift * radius.square + ROUNDING
+
+
 def expected_error(change: Array, rates: Array) -> Array:
     """Return the estimate of the error left on every panel, from the change of two degrees."""
     return np.asarray(_POINTWISE * change * rates)
+
+
+def functional_error(
+    factored: Factored, functional: Array, change: Change, rates: Array, resolution: Resolution
+) -> float:
+    """Return the estimate of the error of a linear functional of a Galerkin solution.
+
+    It is the energy product of the errors of the solution and of its dual, panel by panel, so it
+    falls as fast as the two together, and no sign can make it small by accident.
+
+    Parameters
+    ----------
+    factored : Factored
+    functional : ndarray, shape (size,)
+        Values of the functional on the basis.
+    change : Change
+        Last change of the solution.
+    rates : ndarray, shape (panels,)
+        By what factor one more degree lowers it.
+    resolution : Resolution
+        The space.
+    """
+    dual = factored.dual(functional)
+    weights = np.sqrt(change.energies * factored.change(dual).energies)
+    return float(weights @ (rates * decay_rates(resolution, dual)))
 
 
 def panel_of(panels: LogPanels, y: float) -> int:

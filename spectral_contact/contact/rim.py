@@ -151,11 +151,17 @@ def rim_target(
     return balance, function
 
 
-def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> Array:
+def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[Array, float]:
     """Return a function of ``d`` at the Galerkin nodes, sampled where it is cheap.
 
     On every panel it is analytic in ``x``: a Legendre expansion from few samples serves the many
     nodes. The tail is sampled at the nodes themselves.
+
+    Returns
+    -------
+    values : ndarray, shape (nodes, ...)
+    unresolved : float
+        The last two coefficients, at their largest: what the expansion leaves out is less.
     """
     start, count = panels.node_counts
     x = panels.sampling()
@@ -173,4 +179,5 @@ def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> Array:
     first = np.tensordot(basis[:start], coefficients[0], axes=1)
     others = np.einsum("qk,jk...->jq...", basis[start:], coefficients[1:])
     flat = others.reshape(-1, *values.shape[1:])
-    return np.concatenate([first, flat, values[x.size :]])
+    unresolved = float(np.abs(coefficients[:, -2:]).sum(axis=1).max())
+    return np.concatenate([first, flat, values[x.size :]]), unresolved

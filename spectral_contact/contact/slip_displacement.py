@@ -30,6 +30,7 @@ __all__ = [
     "Stuck",
     "annulus_between",
     "free_displacement",
+    "largest_displacement",
     "pressure_expansion",
     "slip_displacement",
     "slip_misfit",
@@ -131,7 +132,7 @@ def slip_displacement(
         for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
             points = family.sampling()
             total = own[start : start + len(points.offset)]
-            for inner in stuck:
+            for inner in _inside(stuck, annulus.inner):
                 total += _from_stuck(inner, points, smooth=family is annulus.families[1])
             for inner_zone in zones:
                 if inner_zone is zone:
@@ -151,24 +152,39 @@ def slip_displacement(
     return fields, samples, largest, 2.0 * unresolved
 
 
+def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
+    """Return the zones that lie inside a radius."""
+    return [zone for zone in stuck if zone.outer.rest >= radius.rest]
+
+
 def _from_stuck(zone: Stuck, points: Points, *, smooth: bool = False) -> Array:
-    """Integrate over a stick zone that lies inside `points`; zero for one outside.
+    """Integrate over a stick zone that lies inside `points`.
 
     With `smooth` the points fill the outer half of an annulus, all farther from the zone than
     that half is wide: there a polynomial in ``s**2`` through few points is right to rounding.
     """
-    total = np.zeros(len(points.offset))
-    if float(np.min(points.before(zone.outer))) > 0.0:
-        return total
     if smooth:
         reach = float(points.offset[np.argmax(np.abs(points.offset))])
         fit = _FIT @ _from_stuck(zone, Points(points.anchor, reach * (1.0 + _NODES) / 2.0))
         return np.asarray(chebyshev.chebval(2.0 * points.offset / reach - 1.0, fit))
+    total = np.zeros(len(points.offset))
     for sources, values in zone.parts:
         # s^2 - t^2 through the anchor they share or the gap between anchors
         distance = points.before(sources.anchor)
         total += root_sums(-distance, -sources.offset, values)
     return total
+
+
+def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> float:
+    """Return the largest displacement on an annulus that E in the stick zones inside makes.
+
+    Seen at points graded to the inner end, where it is largest.
+    """
+    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, 40.0, 41)))
+    total = np.zeros(len(points.offset))
+    for zone in _inside(stuck, inner):
+        total += _from_stuck(zone, points)
+    return float(np.abs(total / (pi * np.sqrt(points.z))).max())
 
 
 def _from_slipping(zone: Slipping, points: Points) -> Array:

@@ -96,4 +96,5 @@ class StickAnnuli:
             return np.hstack(blocks)[:, self.columns]
 
         at_rim = [(1.0 / np.sqrt(a)) @ m for (_, m), a in zip(sources, above, strict=True)]
-        return interpolate(panels, function), np.concatenate(at_rim)[self.columns]
+        values, _ = interpolate(panels, function)
+        return values, np.concatenate(at_rim)[self.columns]

@@ -48,6 +48,8 @@ class ZoneTractions:
     grid : list
         Zone, nodes, weights of ``t^2 dt / pi`` and target outside the disk.
     slips : list of Annulus
+    unresolved : float
+        What the disk's target leaves out, relative to its value at the rim.
     """
 
     radii: tuple[Radius, ...]
@@ -60,6 +62,7 @@ class ZoneTractions:
     outer: Array
     grid: list[tuple[int, Points, Array, Array]]
     slips: list[Annulus]
+    unresolved: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +135,7 @@ class ZoneSystem:
         # disk targets: what does not depend on the annuli, the rim value, every annulus function
         sources = self._sources(radii, quadrature)
         _, function = rim_target(self.drive, rim, sources, keep=True)
-        fixed = interpolate(panels, function)
+        fixed, unresolved = interpolate(panels, function)
         falls, at_rim = sticks.falls(panels, rim)
         targets = np.column_stack([fixed, np.ones_like(fixed), falls])
         responses = factored.solve(targets)
@@ -171,6 +174,7 @@ class ZoneSystem:
             outer,
             grid,
             slips,
+            unresolved / float(self.drive.target(np.array(rim.rest))),
         )
 
     def _sticks(

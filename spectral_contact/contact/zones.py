@@ -18,6 +18,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
     ROUNDING,
     SAFETY,
+    boundary_error,
     decay_rates,
     expected_error,
     series_of,
@@ -28,6 +29,7 @@ from spectral_contact.contact.rim import disk_resolution
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     Stuck,
+    largest_displacement,
     slip_misfit,
 )
 from spectral_contact.contact.zone_search import Layout
@@ -91,7 +93,7 @@ class _ZonesProblem:
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
-        self.quadrature = min(0.01 * tolerance, 1e-8)
+        self.quadrature = min(0.01 * tolerance, 1e-10)
         self.logits = np.array(layout.logits)
         self.coarse = self._resolution(_COARSE)
         self._coarse_counts = self._panel_counts
@@ -205,11 +207,13 @@ class _ZonesProblem:
         rates = [decay_rates(disk_space, trial.disk)]
         shares = [share_of_change(panels, trial.disk - coarse.disk, series)]
         flat = [d for pair in degrees for d in pair]
-        halves = []
+        halves, beyond = [], 0.0
         for (family, part), degree in zip(trial.sticks.parts(), flat, strict=True):
             table = family.table(full[part])
             moved = np.abs(table - family.table(full_coarse[part])).sum(axis=1)
             shares.append(moved / np.abs(table[:, 0]))
+            # the tail has no degree to shed: of d ln d it leaves 1.5 times its last coefficient
+            beyond = max(beyond, 3.0 * abs(float(full[part][-1] / table[-1, 0])))
             rates.append(table_rates(np.array(degree), table))
             halves.append(family.series(full[part]))
         fields = [
@@ -219,11 +223,12 @@ class _ZonesProblem:
         rate = np.concatenate(rates)
         indicators = expected_error(np.concatenate(shares), rate)
         worst = 2.0 * SAFETY * float(rate[np.argmax(indicators)])
-        error = float(indicators.max()) + 20.0 * ROUNDING
+        error = max(float(indicators.max()), beyond) + 20.0 * ROUNDING
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
-        stray = max(float(np.abs(a - b).max()) for a, b in zip(misfit, misfit_coarse, strict=True))
+        lost = [a - b for a, b in zip(misfit, misfit_coarse, strict=True)]
+        stray = self._largest_displacement(trial, self._stuck(trial, lost))
         shear = self._shear(trial, full)
-        lost = abs(shear - self._shear(coarse, full_coarse))
+        shear_lost = abs(shear - self._shear(coarse, full_coarse))
         value = ZonesSolution(
             trial.radii,
             self.system.states,
@@ -234,8 +239,11 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            worst * lost / shear + 1e-6 * self.tolerance + 16.0 * ROUNDING,
-            self._boundary_errors(trial, worst * np.abs(coarse.mismatch - trial.mismatch)),
+            worst * shear_lost / shear + 1e-4 * self.quadrature + 16.0 * ROUNDING,
+            # what is lost may be small by accident, but hardly against the square of the error
+            self._boundary_errors(
+                trial, worst * np.abs(coarse.mismatch - trial.mismatch) + 20.0 * error**2
+            ),
             worst * stray,
         )
         unknowns = len(trial.outer) + len(trial.factored.scale)
@@ -291,6 +299,14 @@ class _ZonesProblem:
             stuck.append(Stuck(self.system.outer(trial.radii, k), parts))
         return stuck
 
+    def _largest_displacement(self, trial: ZoneTractions, stuck: list[Stuck]) -> float:
+        """Return the largest displacement in the slip zones that E in the stick zones makes."""
+        return max(
+            largest_displacement(stuck, trial.radii[k - 1], self.system.outer(trial.radii, k))
+            for k, state in enumerate(self.system.states)
+            if state != 0
+        )
+
     def _slipping(self, trial: ZoneTractions, full: Array) -> list[Slipping]:
         signs = [s for s in self.system.states if s != 0]
         misfit = slip_misfit(
@@ -312,12 +328,9 @@ class _ZonesProblem:
         jacobian = self._differences(self.coarse, self.logits, base, _COARSE)
         self._panel_counts = counts
         # the conditions themselves hold to rounding and to the source quadrature
-        errors = errors + 20.0 * ROUNDING + 1e-5 * self.tolerance
+        errors = errors + 20.0 * ROUNDING + 1e-3 * self.quadrature + trial.unresolved
         shift = np.abs(np.linalg.inv(jacobian)) @ errors
-        return tuple(
-            (float(d * r.rest) / 2.0 + ROUNDING, float(d * r.square) + ROUNDING)
-            for d, r in zip(shift, trial.radii, strict=True)
-        )
+        return tuple(boundary_error(float(d), r) for d, r in zip(shift, trial.radii, strict=True))
 
 
 def solve_zones(

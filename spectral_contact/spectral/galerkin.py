@@ -373,6 +373,20 @@ class Factored:
                 misfit = target - space.half_integral(coefficients)
         return coefficients
 
+    def dual(self, functional: Array) -> Array:
+        """Return the dual solution of a linear functional: what its value is most sensitive to.
+
+        Parameters
+        ----------
+        functional : ndarray, shape (size,)
+            Values of the functional on the basis.
+        """
+        index = self.space.index
+        values, _ = lapack.dpotrs(self._factor, functional[index] * self.scale, lower=1)
+        coefficients = np.zeros_like(functional)
+        coefficients[index] = values * self.scale
+        return coefficients
+
     def change(self, coefficients: Array) -> Change:
         """Return what the top two degrees of every panel contribute to a solution.
 
