@@ -119,8 +119,8 @@ class _NormalProblem:
         scaled = None if weight is None else weight.times(approach)
         pressure = PressureField(scaled, series_of(panels, coefficients))
         rates = decay_rates(resolution, solution)
-        energies = change.energies / moment
-        approach_error = float(energies @ rates**2) + ROUNDING
+        energies = change.energies[:-1] / moment * rates**2
+        approach_error = float(energies.sum() + change.energies[-1] / moment) + ROUNDING
         worst = 0.0
         moved: NormalContact | None = None
         if self.pointwise:
@@ -133,7 +133,7 @@ class _NormalProblem:
             field = PressureField(None, series_of(panels, lost))
             moved = NormalContact(compliance, approach, field, panels, lost, 0.0, 0.0)
         else:
-            indicators, rates = energies * rates**2, rates**2
+            indicators, rates = energies, rates**2
             pressure_error, error = np.inf, approach_error
         contact = NormalContact(
             compliance,

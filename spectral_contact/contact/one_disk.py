@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import (
+    LEAST_RATE,
     ROUNDING,
     SAFETY,
     boundary_error,
@@ -267,11 +268,13 @@ class _OneDiskProblem:
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(space.shear_moments @ coefficients) + outside
         moments = space.shear_moments
-        lost = radius.square * functional_error(trial.factored, moments, last, rates, resolution)
+        lost = functional_error(trial.factored, moments, last, rates, resolution)
+        lost = radius.square * (lost + pi * trial.unresolved)
         # what moves the rim value moves the radius: the disk's own change, then the pressure's
         shift = stray = 0.0
         if trial.unit > 0.0:
-            shift = 2.0 * SAFETY * own * abs(series_of(panels, change).limit / trial.unit)
+            kept = 2.0 * SAFETY * max(own, LEAST_RATE)
+            shift = kept * abs(series_of(panels, change).limit / trial.unit)
         if self.drive.change is not None:
             moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
             share = float(share_of_change(panels, moved.coefficients, series).max())
@@ -280,11 +283,11 @@ class _OneDiskProblem:
             shift += 2.0 * propagated * (abs(moved.mismatch) + abs(moved.slipping))
             outside = float(self.drive.change.load_outside(np.array(radius.rest)))
             part = radius.square * float(space.shear_moments @ moved.coefficients)
-            lost += propagated * abs(part + 2.0 * pi * self.friction * outside)
+            lost += propagated * (abs(part) + 2.0 * pi * self.friction * abs(outside))
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out
-        noise = 8.0 * ROUNDING + self.quadrature
+        noise = 8.0 * ROUNDING + 0.05 * self.quadrature
         shift += noise * float(self.drive.target(np.array(radius.rest))) + trial.unresolved
         shift /= abs(self.slope)
         misfit = trial.target - space.half_integral(coefficients)

@@ -227,7 +227,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
         [], [Slipping(annulus, 1, misfit[0])], drive.pressure, beta, friction
     )
     error = drive.contact.pressure_error
-    stray = 3.0 * unresolved + 4.0 * error + tolerance * 1e-3
+    stray = 5.0 * unresolved + 4.0 * error + tolerance * 1e-3
     slip_error = _displacement_error(drive, EDGE, stray, beta, friction, largest)
     wrong = float(samples[0].max()) / largest
     return PartialSlip(
@@ -271,7 +271,7 @@ def _one_disk_outcome(
     excess = _stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
     slip_error = _displacement_error(
-        drive, EDGE, disk.stray + 3.0 * unresolved, beta, friction, largest
+        drive, EDGE, disk.stray + 5.0 * unresolved, beta, friction, largest
     )
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
     consistent = _obeys(excess, error, float(samples[0].max()) / largest, slip_error)
@@ -373,7 +373,7 @@ def _zones_outcome(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
     slip_error = _displacement_error(
-        drive, outermost, solved.stray + 3.0 * unresolved, beta, friction, largest
+        drive, outermost, solved.stray + 5.0 * unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)
     return PartialSlip(

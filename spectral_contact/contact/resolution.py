@@ -18,6 +18,7 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
+    "LEAST_RATE",
     "ROUNDING",
     "SAFETY",
     "boundary_error",
@@ -46,6 +47,8 @@ SAFETY = 4.5
 #: Largest error of ``logit(c**2)`` that is taken for small.
 _LINEAR = 1.0 / 3.0
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
+#: The change of a boundary may be small by accident: it is not taken to fall faster than this.
+LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
 _WIDTH = 2.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
@@ -202,8 +205,9 @@ def functional_error(
         The space.
     """
     dual = factored.dual(functional)
-    weights = np.sqrt(change.energies * factored.change(dual).energies)
-    return float(weights @ (rates * decay_rates(resolution, dual)))
+    parts = np.sqrt(change.energies * factored.change(dual).energies)
+    # the tail sheds one function of few, which says no more than how large the error is
+    return float(parts[:-1] @ (rates * decay_rates(resolution, dual)) + parts[-1])
 
 
 def panel_of(panels: LogPanels, y: float) -> int:

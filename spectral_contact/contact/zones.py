@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
+    LEAST_RATE,
     ROUNDING,
     SAFETY,
     boundary_error,
@@ -222,7 +223,7 @@ class _ZonesProblem:
         ]
         rate = np.concatenate(rates)
         indicators = expected_error(np.concatenate(shares), rate)
-        worst = 2.0 * SAFETY * float(rate[np.argmax(indicators)])
+        worst = 2.0 * SAFETY * max(float(rate[np.argmax(indicators)]), LEAST_RATE)
         error = max(float(indicators.max()), beyond) + 20.0 * ROUNDING
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
         lost = [a - b for a, b in zip(misfit, misfit_coarse, strict=True)]

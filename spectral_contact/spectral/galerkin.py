@@ -225,8 +225,8 @@ class Change:
     Attributes
     ----------
     coefficients : ndarray, shape (size,)
-    energies : ndarray, shape (panels,)
-        Diagonal part of its energy on every panel, the tail counted to the last.
+    energies : ndarray, shape (panels + 1,)
+        Diagonal part of its energy on every panel, and on the tail.
     """
 
     coefficients: Array
@@ -401,6 +401,6 @@ class Factored:
         change[index[:k]] = step * scale[:k]
         change[index[k:]] = -shed * scale[k:]
         panels = self.space.operator.panels
-        panel = np.minimum(index // (panels.degree + 1), panels.panels - 1)
-        energies = np.bincount(panel, weights=(change[index] / scale) ** 2)
+        panel = np.minimum(index // (panels.degree + 1), panels.panels)
+        energies = np.bincount(panel, (change[index] / scale) ** 2, panels.panels + 1)
         return Change(change, np.asarray(energies, dtype=float))
