@@ -269,7 +269,9 @@ class _OneDiskProblem:
         shear = radius.square * float(space.shear_moments @ coefficients) + outside
         moments = space.shear_moments
         lost = functional_error(trial.factored, moments, last, rates, resolution)
-        lost = radius.square * (lost + pi * trial.unresolved)
+        # a constant target has pi times it as its shear, or less: the compliance takes its share
+        softened = max(1.0, self.beta / radius.value)
+        lost = radius.square * (lost + pi * trial.unresolved / softened)
         # what moves the rim value moves the radius: the disk's own change, then the pressure's
         shift = stray = 0.0
         if trial.unit > 0.0:

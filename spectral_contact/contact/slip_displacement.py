@@ -125,8 +125,7 @@ def slip_displacement(
     fields, samples, unresolved = [], [], 0.0
     for zone in zones:
         annulus = zone.annulus
-        weighted = zone.weighted_misfit
-        expansion = annulus.expand(weighted)
+        expansion = annulus.expand(zone.weighted_misfit)
         own = annulus.own_inner_integral(expansion)
         parts = []
         for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
@@ -142,9 +141,9 @@ def slip_displacement(
             traction = zone.sign * friction * pressure.at(points.y)
             parts.append(beta * traction - total / (pi * s))
         series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
-        for family, e, u in zip(annulus.families, weighted, series, strict=True):
-            # E reaches the displacement through an integral that shrinks with the distance
-            inner_error = family.unresolved(sampled_series(family.panels, e), 0.25) / 4.0
+        for family, e, u in zip(annulus.families, zone.weighted_misfit, series, strict=True):
+            # E reaches the displacement through an integral over 1/sqrt(d) of it
+            inner_error = family.truncated(e, 0.5) / 4.0
             unresolved = max(unresolved, inner_error + family.unresolved(u))
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * np.concatenate(parts))

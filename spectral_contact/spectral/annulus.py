@@ -156,10 +156,16 @@ class Family:
         p = self.panels
         return LogSeries(self.table(coefficients), coefficients[-p.tail_terms :], p.width)
 
-    def unresolved(self, series: LogSeries, power: float = 0.0) -> float:
-        """Return the largest of the last three coefficients of any panel times ``d**power``."""
-        x = self.panels.width * np.arange(self.panels.panels)
-        return float((np.abs(series.coefficients[:, -3:]).max(axis=1) * np.exp(-power * x)).max())
+    def unresolved(self, series: LogSeries) -> float:
+        """Return the largest of the last coefficients of any panel or of the tail."""
+        return float(max(np.abs(series.coefficients[:, -3:]).max(), np.abs(series.tail[-2:]).max()))
+
+    def truncated(self, values: Array, power: float) -> float:
+        """Return the largest that `expand` drops of any panel or tail, times ``d**power``."""
+        series, p = sampled_series(self.panels, values), self.panels
+        dropped = np.abs(series.coefficients[:, p.degree + 1 :]).max(axis=1)
+        in_panels = dropped * np.exp(-power * p.width * np.arange(p.panels))
+        return float(max(in_panels.max(), np.abs(series.tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
         """Return coefficients, of the size of the basis, through values at the sampling points."""

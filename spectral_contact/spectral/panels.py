@@ -84,9 +84,12 @@ class LogPanels:
         extra = max(10, 22 - self.degree)
         return 2 * self.degree + extra + 8, 2 * self.degree + extra
 
-    def sampling(self, extra: int = 4) -> Array:
-        """Return ``x`` of Gauss-Legendre sampling points on every panel, shape (panels, n)."""
-        g, _ = gauss_rule(self.degree + 1 + extra)
+    def sampling(self) -> Array:
+        """Return ``x`` of Gauss-Legendre sampling points on every panel, shape (panels, n).
+
+        Enough for products with ``exp(-x)`` to be right to rounding, however low the degree.
+        """
+        g, _ = gauss_rule(max(self.degree + 5, 18))
         return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
 
     def tail_sampling(self) -> Array:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.special import eval_legendre
 
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.annulus import Annulus, Family, Points, gap, sampled_series
@@ -272,9 +273,22 @@ def test_unresolved_looks_at_the_last_coefficients():
     family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
     coefficients = np.zeros(family.panels.size)
     coefficients[[0, 7, 14, 15]] = 5.0  # low degrees of every panel
-    coefficients[-1] = 7.0  # the tail
     coefficients[7 + 4] = -0.25
     assert family.unresolved(family.series(coefficients)) == 0.25
+    coefficients[-1] = -7.0  # the tail
+    assert family.unresolved(family.series(coefficients)) == 7.0
+
+
+def test_truncated_is_what_expand_drops():
+    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    d = family.sampling().offset / family.reach
+    inside = -np.log(d) < 3.0
+    # Legendre polynomials of the panel coordinate, one within the basis and one beyond it
+    kept, dropped = (eval_legendre(n, 2.0 * (-np.log(d) % 1.0) - 1.0) * inside for n in (6, 7))
+    second = (d < np.exp(-1.0)) & (d > np.exp(-2.0))
+    assert family.truncated(kept, 0.0) < 1e-14
+    assert_allclose(family.truncated(kept - 3.0 * dropped, 0.0), 3.0)
+    assert_allclose(family.truncated(dropped * second, 0.5), np.exp(-0.5))
 
 
 def test_sampled_series_takes_more_points_than_the_basis():

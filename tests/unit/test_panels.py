@@ -45,10 +45,9 @@ def test_panels_are_keys():
 @MESHES
 def test_sampling_points_lie_in_their_panels(panels):
     x = panels.sampling()
-    assert x.shape == (panels.panels, panels.degree + 5)
+    assert x.shape == (panels.panels, max(panels.degree + 5, 18))
     assert_array_equal(np.floor(x / panels.width), np.arange(panels.panels)[:, None] + 0 * x)
     assert np.all(np.diff(x, axis=1) > 0)
-    assert panels.sampling(extra=0).shape == (panels.panels, panels.degree + 1)
     d = panels.tail_sampling()
     assert len(d) > panels.tail_terms
     assert np.all((d > 0) & (d < panels.end))
