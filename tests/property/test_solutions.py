@@ -1,8 +1,4 @@
-"""What must hold for every scene: identities, the friction law, honesty, units.
-
-Not drawn here, as they are slow or ill-conditioned and tested by themselves: friction within 1e-6
-of the critical, and a normal compliance far below a tangential one below 1e-9.
-"""
+"""What must hold for every scene: the equations, identities, the friction law, honesty, units."""
 
 import functools
 import math
@@ -12,6 +8,15 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from spectral_contact import Scene, solve
+from spectral_contact.testing import check_solution
+from spectral_contact.testing.strategies import (
+    compliances,
+    full_stick_scenes,
+    partial_slip_scenes,
+    poisson_ratios,
+    powers_of_ten,
+    scenes,
+)
 
 EPS = 2.0**-52
 TIGHT = 1e-11
@@ -25,39 +30,8 @@ bounded = settings(
 few = settings(bounded, max_examples=10)
 
 
-def powers(low, high):
-    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
-
-
-positive = powers(-13.9, 13.9)
-compliances = st.one_of(st.just(0.0), positive, powers(-4, 2))
-poisson_ratios = st.floats(-0.99, 0.499)
+positive = powers_of_ten(-13.9, 13.9)
 tolerances = st.sampled_from([1e-2, 1e-3, 1e-4, 1e-6, 1e-8])
-
-
-@st.composite
-def scenes(draw, friction):
-    alpha, beta = draw(compliances), draw(compliances)
-    assume(not (0.0 < beta < 1e-9 and alpha < beta / 10))
-    return Scene(draw(poisson_ratios), alpha, beta, draw(friction))
-
-
-@st.composite
-def sliding_scenes(draw):
-    """Scenes with friction below the critical, from just below to a thousandth of it."""
-    scene = draw(scenes(st.just(math.inf)))
-    share = draw(st.one_of(st.floats(0.05, 0.98), powers(-3, 0)))
-    assume(share < 0.99)
-    critical = solved(scene, 1e-8).critical_friction
-    if not math.isfinite(critical):
-        # without tangential compliance c is about 4 exp(-2 kappa/f), and sought above 1e-65 only
-        critical, share = 5 * scene.kappa, max(share, 0.02)
-    return Scene(
-        scene.poisson_ratio,
-        scene.normal_compliance,
-        scene.tangential_compliance,
-        share * critical,
-    )
 
 
 @functools.lru_cache(maxsize=512)
@@ -101,11 +75,20 @@ def away_from_boundaries(solution, share):
     return d
 
 
+# -- the equations themselves --------------------------------------------------------------------
+
+
+@few
+@given(st.one_of(full_stick_scenes(), partial_slip_scenes()), tolerances)
+def test_solutions_solve_their_scenes(scene, rtol):
+    check_solution(solved(scene, rtol), scene, rtol)
+
+
 # -- the normal problem --------------------------------------------------------------------------
 
 
 @bounded
-@given(compliances)
+@given(compliances())
 @example(0.0)
 @example(1e-14)
 @example(1e14)
@@ -139,7 +122,7 @@ def test_approach_by_reciprocity_with_the_smooth_punch(alpha):
 
 
 @bounded
-@given(powers(-8, 8), powers(-1, 1))
+@given(powers_of_ten(-8, 8), powers_of_ten(-1, 1))
 def test_slope_of_the_approach(alpha, spread):
     # the mean slope lies between those at the ends, as the approach is concave
     below, above = alpha, alpha * (1 + spread)
@@ -171,7 +154,7 @@ def test_approach_increases_and_is_concave(one, other):
 
 
 @bounded
-@given(compliances)
+@given(compliances())
 def test_pressure_is_positive_and_rises_to_the_edge(alpha):
     solution = solved(Scene(0.3, alpha))
     p = solution.pressure(from_edge=np.sort(depths()))
@@ -203,7 +186,7 @@ def check_friction_law(scene):
 
 
 @few
-@given(sliding_scenes())
+@given(partial_slip_scenes())
 @example(Scene(0.1, 1e3, 10.0, 1e-3))
 @example(Scene(0.3, 0.05, 1.0, 0.23 * 0.4 / 2.8))
 def test_friction_law(scene):
@@ -215,7 +198,7 @@ def test_friction_law(scene):
 
 
 @few
-@given(scenes(powers(-3, 2)))
+@given(scenes(powers_of_ten(-3, 2)))
 def test_slip_if_and_only_if_friction_is_below_the_critical(scene):
     critical = solved(
         Scene(
@@ -234,7 +217,7 @@ def test_slip_if_and_only_if_friction_is_below_the_critical(scene):
 
 
 @few
-@given(sliding_scenes())
+@given(partial_slip_scenes())
 def test_friction_lowers_the_shear_of_full_stick(scene):
     stuck = Scene(
         scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, math.inf
@@ -283,14 +266,14 @@ def check_converged(solution):
 
 
 @bounded
-@given(scenes(st.just(math.inf)), tolerances)
+@given(full_stick_scenes(), tolerances)
 def test_full_stick_is_honest(scene, rtol):
     check_honest(scene, rtol)
     check_converged(solved(scene, rtol))
 
 
 @few
-@given(sliding_scenes(), tolerances)
+@given(partial_slip_scenes(), tolerances)
 def test_partial_slip_is_honest(scene, rtol):
     check_honest(scene, rtol)
     check_converged(solved(scene, rtol))
@@ -307,7 +290,7 @@ def test_slip_everywhere_is_honest(scene, rtol):
 
 
 @few
-@given(sliding_scenes(), poisson_ratios)
+@given(partial_slip_scenes(), poisson_ratios())
 def test_only_friction_over_kappa_matters(scene, nu):
     other = Scene(nu, scene.normal_compliance, scene.tangential_compliance, 1.0)
     ratio = other.kappa / scene.kappa
@@ -321,10 +304,18 @@ def test_only_friction_over_kappa_matters(scene, nu):
 
 
 exponents = st.integers(-20, 20).map(lambda k: 2.0**k)
+moderate = powers_of_ten(-6, 3)
 
 
 @bounded
-@given(exponents, exponents, exponents, powers(-6, 3), powers(-6, 3), st.floats(0.02, 0.3))
+@given(
+    exponents,
+    exponents,
+    exponents,
+    powers_of_ten(-6, 3),
+    powers_of_ten(-6, 3),
+    st.floats(0.02, 0.3),
+)
 def test_units_do_not_matter(length, stiffness, force, alpha, beta, friction):
     # powers of two scale without rounding, so the dimensionless scene has the same bits
     def scene(a, e, p):

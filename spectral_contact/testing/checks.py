@@ -1,0 +1,239 @@
+"""Does a solution solve its scene? Asked of any object with a pressure and a traction."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.checks import real
+from spectral_contact.errors import SceneError
+from spectral_contact.scene import Scene
+from spectral_contact.testing.equations import (
+    load,
+    normal_displacement,
+    tangential_displacement,
+)
+
+__all__ = ["Check", "CheckReport", "check_solution"]
+
+Array = NDArray[np.float64]
+Field = Callable[[Array], Array]
+
+#: What the quadrature and rounding leave of a residual, measured on solutions right to 1e-13.
+_FLOOR = 1e-12
+#: Distances from the edge where fields are looked at: the bulk, the edge and the centre.
+_PLACES = np.concatenate([10.0 ** -np.linspace(8.0, 1.0, 8), np.linspace(0.15, 0.95, 9), [0.999]])
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One condition and how far it is missed.
+
+    Attributes
+    ----------
+    name : str
+        What is asked.
+    error : float
+        By how much it is missed, relative.
+    allowed : float
+        How much is allowed.
+    from_edge : float or None
+        Where it is missed most.
+    """
+
+    name: str
+    error: float
+    allowed: float
+    from_edge: float | None = None
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is allowed; NaN is not."""
+        return self.error <= self.allowed
+
+
+@dataclass(frozen=True, slots=True)
+class CheckReport:
+    """All checks of a solution; prints as a table.
+
+    Attributes
+    ----------
+    checks : tuple of Check
+    """
+
+    checks: tuple[Check, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every check passed."""
+        return all(check.passed for check in self.checks)
+
+    def __str__(self) -> str:
+        lines = [f"{'':5}{'check':44}{'error':>9}{'allowed':>9}   worst at 1 - s"]
+        for c in self.checks:
+            place = "" if c.from_edge is None else f"{c.from_edge:.3g}"
+            mark = "ok" if c.passed else "FAIL"
+            lines.append(f"{mark:5}{c.name:44}{c.error:9.1e}{c.allowed:9.1e}   {place}")
+        return "\n".join(line.rstrip() for line in lines)
+
+
+def check_solution(
+    solution: Any,
+    scene: Scene,
+    rtol: float,
+    *,
+    breaks: Sequence[float] = (),
+    strict: bool = True,
+) -> CheckReport:
+    """Check a solution against the equations of its scene.
+
+    The fields are put into (3.5), (4.2) and the friction law with the elliptic kernels, by
+    quadrature that shares nothing with any solver. A field that is right to a relative `rtol`
+    everywhere passes.
+
+    Parameters
+    ----------
+    solution : object
+        Anything with ``pressure(s)`` and, if the scene has friction, ``traction(s)``: functions of
+        arrays of ``s`` in [0, 1], dimensionless as in `Solution`. If they take ``from_edge``, it is
+        used; without it layers thinner than 1e-8 cannot be seen. ``approach`` and
+        ``total_shear`` are checked where they exist; ``zones`` give their boundaries to `breaks`.
+    scene : Scene
+        What the solution claims to solve.
+    rtol : float
+        Relative accuracy claimed.
+    breaks : sequence of float
+        Distances from the edge, in (0, 1), at which the fields are not smooth: nodes of a coarse
+        mesh, zone boundaries. Quadrature across a kink sees five digits only.
+    strict : bool
+        Raise if a check fails.
+
+    Returns
+    -------
+    CheckReport
+
+    Raises
+    ------
+    AssertionError
+        If a check fails; its text is the report.
+    SceneError
+        If `rtol` or `breaks` are out of range, or `solution` lacks the fields.
+
+    Examples
+    --------
+    >>> from spectral_contact import Scene, solve
+    >>> scene = Scene(poisson_ratio=0.1, normal_compliance=0.5)
+    >>> check_solution(solve(scene), scene, 1e-10).passed
+    True
+    """
+    rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
+    cuts = [
+        real("breaks", b, allowed="in (0, 1)", low=0.0, high=1.0, low_open=True, high_open=True)
+        for b in breaks
+    ]
+    cuts += [
+        float(zone.outer_from_edge)
+        for zone in getattr(solution, "zones", ())
+        if 0.0 < zone.outer_from_edge < 1.0
+    ]
+    # cuts by decades keep the layers at the edge apart from the bulk
+    finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
+    cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0]
+    pressure = _field(solution, "pressure")
+    checks = _normal_checks(solution, scene, pressure, rtol + _FLOOR, cuts)
+    if scene.friction is not None:
+        traction = _field(solution, "traction")
+        checks += _friction_checks(solution, scene, pressure, traction, rtol + _FLOOR, cuts)
+    report = CheckReport(tuple(checks))
+    if strict and not report.passed:
+        raise AssertionError(f"the solution does not solve {scene}\n{report}")
+    return report
+
+
+def _field(solution: Any, name: str) -> Field:
+    """Return a field of the solution as a function of the distance from the edge."""
+    method = getattr(solution, name, None)
+    if not callable(method):
+        raise SceneError("solution", solution, f"an object with a method {name}(s)")
+    try:
+        by_edge = "from_edge" in inspect.signature(method).parameters
+    except (TypeError, ValueError):  # a callable without a signature
+        by_edge = False
+
+    def field(d: Array) -> Array:
+        values = method(from_edge=d) if by_edge else method(1.0 - d)
+        return np.asarray(values, dtype=float)
+
+    return field
+
+
+def _worst(name: str, errors: Array, allowed: float, places: Array) -> Check:
+    """Return the check of the largest error; NaN is the largest."""
+    if not len(errors):
+        return Check(name, 0.0, allowed)
+    i = int(np.argmax(np.where(np.isnan(errors), inf, errors)))
+    return Check(name, float(errors[i]), allowed, float(places[i]))
+
+
+def _normal_checks(
+    solution: Any, scene: Scene, pressure: Field, rtol: float, cuts: list[float]
+) -> list[Check]:
+    alpha, p = scene.normal_compliance, pressure(_PLACES)
+    deflections = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
+    under = alpha * p + deflections
+    approach = float(getattr(solution, "approach", np.mean(under)))
+    excess = alpha * load(lambda d: pressure(d) / np.sqrt(d * (2.0 - d)), breaks=cuts)
+    return [
+        _worst("pressure is not negative", np.maximum(-p, 0.0) / np.mean(np.abs(p)), 0.0, _PLACES),
+        Check("pressure bears the load", abs(2.0 * pi * load(pressure, breaks=cuts) - 1.0), rtol),
+        _worst("normal equation (3.5)", np.abs(under / approach - 1.0), rtol, _PLACES),
+        Check("approach, by reciprocity", abs(approach / (0.125 + excess) - 1.0), rtol),
+    ]
+
+
+def _friction_checks(
+    solution: Any,
+    scene: Scene,
+    pressure: Field,
+    traction: Field,
+    rtol: float,
+    cuts: list[float],
+) -> list[Check]:
+    friction, beta, kappa = scene.friction, scene.tangential_compliance, scene.kappa
+    assert friction is not None
+    # at a boundary the two zones' conditions hold to the square root of the distance alone
+    places = np.array([d for d in _PLACES if all(abs(d / c - 1.0) > sqrt(rtol) for c in cuts)])
+    p, q = pressure(places), traction(places)
+    if kappa == 0.0:
+        return [_worst("no traction at nu = 0.5", np.abs(q), 0.0, places)]
+    parts = [tangential_displacement(traction, pressure, kappa, float(d), cuts) for d in places]
+    outward, inward = np.array(parts).T
+    displacement = (beta * q + outward - inward) / inward
+    # a share of q/p that misses 1 by less than the tolerance may be either
+    with np.errstate(invalid="ignore"):
+        share = np.abs(q) / (friction * p) if friction else np.full(len(q), inf)
+    stick, slip = share < 1.0 - 4.0 * rtol, share > 1.0 - 4.0 * rtol
+    sense = np.sign(q) if friction else np.ones(len(q))
+    checks = [
+        _worst("no displacement in stick (4.2)", np.abs(displacement[stick]), rtol, places[stick]),
+        _worst(
+            "slip opposes the traction",
+            np.maximum(displacement[slip] * sense[slip], 0.0),
+            rtol,
+            places[slip],
+        ),
+    ]
+    if friction < inf:
+        beyond = np.maximum(np.abs(q) - friction * p, 0.0) / np.maximum(friction * p, 1e-300)
+        checks.insert(0, _worst("traction within friction", beyond, 2.0 * rtol, places))
+    if hasattr(solution, "total_shear"):
+        shear = 2.0 * pi * load(traction, breaks=cuts)
+        error = abs(float(solution.total_shear) - shear) / max(abs(shear), 1e-300)
+        checks.append(Check("total shear is that of the traction", error if shear else 0.0, rtol))
+    return checks

@@ -1,0 +1,93 @@
+"""Hypothesis strategies for scenes, all over the space of parameters (extra ``testing``).
+
+Two corners are left out, as they are slow or ill-conditioned and deserve tests of their own:
+friction within 1e-6 of the critical, and a normal compliance far below a tangential one below 1e-9.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from spectral_contact.errors import MissingDependencyError
+from spectral_contact.scene import Scene
+from spectral_contact.solver import solve
+
+try:
+    from hypothesis import assume
+    from hypothesis import strategies as st
+except ImportError as missing:
+    raise MissingDependencyError("hypothesis", "testing") from missing
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import DrawFn, SearchStrategy
+
+__all__ = [
+    "compliances",
+    "frictionless_scenes",
+    "full_stick_scenes",
+    "partial_slip_scenes",
+    "poisson_ratios",
+    "powers_of_ten",
+    "scenes",
+]
+
+
+def powers_of_ten(low: float, high: float) -> SearchStrategy[float]:
+    """Return numbers from ``10**low`` to ``10**high``, evenly by their logarithm."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+def compliances() -> SearchStrategy[float]:
+    """Return 0, any compliance of twenty-eight decades, or a moderate one."""
+    return st.one_of(st.just(0.0), powers_of_ten(-13.9, 13.9), powers_of_ten(-4, 2))
+
+
+def poisson_ratios() -> SearchStrategy[float]:
+    """Return Poisson's ratios with some coupling, from -0.99 to 0.499."""
+    return st.floats(-0.99, 0.499)
+
+
+def frictionless_scenes() -> SearchStrategy[Scene]:
+    """Return scenes of the normal problem alone."""
+    return st.builds(Scene, poisson_ratios(), compliances())
+
+
+@st.composite
+def scenes(draw: DrawFn, friction: SearchStrategy[float | None]) -> Scene:
+    """Return scenes with any compliances.
+
+    Parameters
+    ----------
+    friction : strategy
+        Of the coefficient of friction.
+    """
+    alpha, beta = draw(compliances()), draw(compliances())
+    assume(not (0.0 < beta < 1e-9 and alpha < beta / 10.0))
+    return Scene(draw(poisson_ratios()), alpha, beta, draw(friction))
+
+
+def full_stick_scenes() -> SearchStrategy[Scene]:
+    """Return scenes of infinite friction."""
+    return scenes(st.just(math.inf))
+
+
+@st.composite
+def partial_slip_scenes(draw: DrawFn) -> Scene:
+    """Return scenes with friction below the critical, from just below to a thousandth of it."""
+    scene = draw(full_stick_scenes())
+    share = draw(st.one_of(st.floats(0.05, 0.98), powers_of_ten(-3, 0)))
+    assume(share < 0.99)
+    critical = _critical_friction(scene)
+    if not math.isfinite(critical):
+        # without tangential compliance c is about 4 exp(-2 kappa/f), and sought above 1e-65 only
+        critical, share = 5.0 * scene.kappa, max(share, 0.02)
+    return Scene(
+        scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, share * critical
+    )
+
+
+@lru_cache(maxsize=512)
+def _critical_friction(scene: Scene) -> float:
+    return float(solve(scene, 1e-8, ("critical_friction",)).critical_friction)

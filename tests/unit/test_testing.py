@@ -1,0 +1,165 @@
+"""The checks for any solver: they pass what is right, and fail each wrong thing by itself."""
+
+import math
+
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, SceneError, solve
+from spectral_contact.testing import (
+    Check,
+    CheckReport,
+    check_solution,
+    load,
+    normal_displacement,
+    tangential_displacement,
+)
+
+RTOL = 1e-8
+PARTIAL = Scene(0.1, 0.5, 0.5, 0.1)
+
+
+class Fields:
+    """A solution of some solver: the fields alone, each changed by a factor that depends on s."""
+
+    def __init__(self, scene, pressure=None, traction=None, **values):
+        self.solution = solve(scene, 1e-11)
+        self.factors = pressure or np.ones_like, traction or np.ones_like
+        self.zones = self.solution.zones
+        for name, value in values.items():
+            setattr(self, name, value)
+
+    def pressure(self, *, from_edge):
+        return self.solution.pressure(from_edge=from_edge) * self.factors[0](from_edge)
+
+    def traction(self, *, from_edge):
+        return self.solution.traction(from_edge=from_edge) * self.factors[1](from_edge)
+
+
+def failed(fields, scene):
+    report = check_solution(fields, scene, RTOL, strict=False)
+    return [check.name for check in report.checks if not check.passed]
+
+
+SCENES = [
+    Scene(0.3),
+    Scene(0.3, 1e-6),
+    Scene(0.3, friction=0.1),
+    PARTIAL,
+    Scene(0.3, 0.05, 1.0, 0.23 / 7),
+    Scene(0.0, 0.0, 0.5, 0.05),
+    Scene(0.0, 0.5, 0.0, 0.1),
+    Scene(-0.5, 0.1, 0.02, math.inf),
+    Scene(0.2, 0.3, 0.1, 0.0),
+    Scene(0.5, 0.3, 0.1, 0.2),
+]
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=str)
+def test_a_solution_passes(scene):
+    report = check_solution(solve(scene, 1e-11), scene, 1e-11)
+    assert report.passed
+    assert all(check.error <= 1e-12 for check in report.checks)
+
+
+def test_only_the_fields_are_needed():
+    assert failed(Fields(PARTIAL), PARTIAL) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"pressure": lambda d: np.full_like(d, 1 + 1e-6)}, "pressure bears the load"),
+        ({"pressure": lambda d: 1 + 1e-5 * (d - 0.3)}, "normal equation (3.5)"),
+        ({"pressure": lambda d: np.where(d > 0.99, -1.0, 1.0)}, "pressure is not negative"),
+        ({"pressure": lambda d: np.where(d < 2e-8, np.nan, 1.0)}, "normal equation (3.5)"),
+        ({"approach": 0.2929}, "approach, by reciprocity"),
+        ({"traction": lambda d: np.full_like(d, 1 + 1e-6)}, "traction within friction"),
+        ({"traction": lambda d: np.full_like(d, 1 - 1e-6)}, "no displacement in stick (4.2)"),
+        ({"traction": lambda d: -np.ones_like(d)}, "slip opposes the traction"),
+        ({"total_shear": 0.0867}, "total shear is that of the traction"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_what_is_wrong_fails(change, expected):
+    assert expected in failed(Fields(PARTIAL, **change), PARTIAL)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        Scene(0.11, 0.5, 0.5, 0.1),
+        Scene(0.1, 0.51, 0.5, 0.1),
+        Scene(0.1, 0.5, 0.51, 0.1),
+        Scene(0.1, 0.5, 0.5, 0.101),
+        Scene(0.1, 0.5, 0.5, math.inf),
+        Scene(0.1, 0.5, 0.5, 0.0),
+        Scene(0.5, 0.5, 0.5, 0.1),
+    ],
+    ids=str,
+)
+def test_the_solution_of_another_scene_fails(other):
+    assert failed(solve(PARTIAL, 1e-11), other)
+
+
+def test_fields_of_s_alone_will_do():
+    class Plain:
+        def pressure(self, s):
+            return solve(Scene(0.3, 0.5), 1e-6).pressure(np.maximum(s, 0.0))
+
+    assert check_solution(Plain(), Scene(0.3, 0.5), 1e-6).passed
+
+
+def test_a_failure_raises_with_the_report():
+    with pytest.raises(AssertionError, match="FAIL pressure bears the load") as raised:
+        check_solution(Fields(PARTIAL, pressure=lambda d: 1.001 + 0 * d), PARTIAL, RTOL)
+    assert "Scene(poisson_ratio=0.1" in str(raised.value)
+
+
+def test_nan_is_no_pass():
+    assert not Check("any", math.nan, 1.0).passed
+    assert not CheckReport((Check("good", 0.0, 0.0), Check("bad", 2.0, 1.0))).passed
+
+
+@pytest.mark.parametrize("rtol", [0.0, 0.6, math.nan, "1e-3"])
+def test_impossible_tolerances(rtol):
+    with pytest.raises(SceneError, match=r"rtol = .*: must be .*in \(0, 0.5\]"):
+        check_solution(solve(PARTIAL, 1e-3), PARTIAL, rtol)
+
+
+@pytest.mark.parametrize("place", [0.0, 1.0, math.nan])
+def test_impossible_breaks(place):
+    with pytest.raises(SceneError, match=r"breaks = .*: must be .*in \(0, 1\)"):
+        check_solution(solve(PARTIAL, 1e-3), PARTIAL, 1e-3, breaks=[place])
+
+
+def test_a_solution_needs_its_fields():
+    with pytest.raises(SceneError, match=r"an object with a method pressure\(s\)"):
+        check_solution(object(), PARTIAL, 1e-3)
+
+
+# -- the equations on fields known exactly ---------------------------------------------------------
+
+
+def smooth(d):
+    return 1 / (2 * np.pi * np.sqrt(d * (2 - d)))
+
+
+@pytest.mark.parametrize("from_edge", [1e-12, 1e-3, 0.5, 0.999])
+def test_the_smooth_punch(from_edge):
+    assert normal_displacement(smooth, from_edge) == pytest.approx(0.125, rel=1e-13)
+    # q = s / sqrt(y) is an eigenfunction of T, of pi/8
+    outward, inward = tangential_displacement(
+        lambda d: (1 - d) / np.sqrt(d * (2 - d)), smooth, 0.25, from_edge
+    )
+    s = 1 - from_edge
+    assert outward == pytest.approx(np.pi / 8 * s, rel=1e-12)
+    # int_0^s p s ds = (1 - sqrt y)/(2 pi)
+    y = from_edge * (2 - from_edge)
+    assert inward == pytest.approx(0.25 * s / (2 * np.pi * (1 + np.sqrt(y))), rel=1e-12)
+
+
+def test_load_inside_a_radius():
+    assert load(smooth) == pytest.approx(1 / (2 * np.pi), rel=1e-14)
+    y = 0.3 * 1.7
+    assert load(smooth, inside=0.3) == pytest.approx((1 - np.sqrt(y)) / (2 * np.pi), rel=1e-13)
