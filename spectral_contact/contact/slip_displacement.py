@@ -143,7 +143,7 @@ def slip_displacement(
         series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
         for family, e, u in zip(annulus.families, zone.weighted_misfit, series, strict=True):
             # E reaches the displacement through an integral over 1/sqrt(d) of it
-            inner_error = family.truncated(e, 0.5) / 4.0
+            inner_error = family.truncated(e, 0.5) / 16.0
             unresolved = max(unresolved, inner_error + family.unresolved(u))
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * np.concatenate(parts))
