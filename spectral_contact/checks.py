@@ -15,9 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["exactly_one", "radii", "real", "tolerance", "whole"]
-
-_UNIT_INTERVAL = "in [0, 1]"
+__all__ = ["exactly_one", "flag", "lengths", "radii", "real", "tolerance", "whole"]
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
@@ -77,10 +75,26 @@ def whole(parameter: str, value: object, low: int) -> int:
         If the value is not an integer by type (20.0 and True are not) or is below ``low``.
     """
     if isinstance(value, numbers.Integral) and not isinstance(value, _NOT_NUMBERS):
-        number = int(value)
+        try:
+            number = int(value)
+        except Exception as error:  # whatever an object's own __int__ raises
+            raise SceneError(parameter, value, f"a whole number >= {low}") from error
         if number >= low:
             return number
     raise SceneError(parameter, value, f"a whole number >= {low}")
+
+
+def flag(parameter: str, value: object) -> bool:
+    """Return a truth value as a Python bool.
+
+    Raises
+    ------
+    SceneError
+        If it is neither a ``bool`` nor a NumPy bool: "no" and arrays have a truth, too.
+    """
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise SceneError(parameter, value, "True or False")
 
 
 def tolerance(rtol: object) -> float:
@@ -137,31 +151,59 @@ def radii(
     """
     exactly_one("s", s, "from_edge", from_edge)
     if from_edge is None:
-        given = _unit_interval_array("s", s)
+        given = lengths("s", s, 1.0)
         return _as_doubles(given), _as_doubles(1 - given)
-    given = _unit_interval_array("from_edge", from_edge)
+    given = lengths("from_edge", from_edge, 1.0)
     return _as_doubles(1 - given), _as_doubles(given)
 
 
-def _unit_interval_array(parameter: str, values: Any) -> NDArray[np.floating[Any]]:
-    """Return values of [0, 1] as an array of doubles, or of long doubles if such were given."""
+def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray[np.floating[Any]]:
+    """Return values of [0, high] as an array of doubles, or of long doubles if such were given.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    values : array_like
+        Any shape.
+    high : float
+        The largest value allowed.
+    unit : str
+        That of the values, for the error.
+
+    Raises
+    ------
+    SceneError
+        If a value is not a real number, is masked, or lies outside; it names the first such value.
+    """
+    allowed = f"in [0, {high:.17g}] {unit}".rstrip()
     try:
+        if _holds_what_numpy_converts(values):
+            raise TypeError("a masked value, or a boolean among numbers")
         array = np.asarray(values)
     except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
-        raise SceneError(parameter, values, "real numbers in [0, 1], of one shape") from error
+        raise SceneError(parameter, values, f"real numbers {allowed}, of one shape") from error
     if array.dtype.kind == "O":
         # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
-        limits: dict[str, Any] = {"allowed": _UNIT_INTERVAL, "low": 0.0, "high": 1.0}
+        limits: dict[str, Any] = {"allowed": allowed, "low": 0.0, "high": high}
         doubles = [real(parameter, value, **limits) for value in array.flat]
         return np.array(doubles, dtype=np.float64).reshape(array.shape)
     if array.dtype.kind not in "fiu":
-        _refuse_type(parameter, values, _UNIT_INTERVAL)
+        _refuse_type(parameter, values, allowed)
     array = array.astype(np.promote_types(array.dtype, np.float64), copy=False)
     with np.errstate(invalid="ignore"):  # NaN compares False, which is what we want of it
-        inside = (array >= 0) & (array <= 1)
+        inside = (array >= 0) & (array <= high)
     if not inside.all():
-        raise SceneError(parameter, array[~inside][0].item(), _UNIT_INTERVAL)
+        raise SceneError(parameter, array[~inside][0].item(), allowed)
     return array
+
+
+def _holds_what_numpy_converts(values: Any) -> bool:
+    """Whether NumPy would silently make numbers of something else: masked values, and booleans."""
+    if isinstance(values, (list, tuple)):
+        converted = (bool, np.bool_, np.ma.MaskedArray)
+        return any(isinstance(one, converted) for one in np.asarray(values, dtype=object).flat)
+    return bool(np.ma.is_masked(values))
 
 
 def _as_doubles(array: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
@@ -175,9 +217,10 @@ def _nearest_double(parameter: str, value: object, allowed: str) -> float:
         _refuse_type(parameter, value, allowed)
     try:
         number = float(value)
-    except (OverflowError, TypeError, ValueError) as error:
+        rounded_away = (number == 0 or math.isinf(number)) and value != number
+    except Exception as error:  # overflow, or whatever an object's own __float__ raises
         raise SceneError(parameter, value, allowed) from error
-    if (number == 0 or math.isinf(number)) and value != number:
+    if rounded_away:
         raise SceneError(parameter, value, f"{allowed}, and within the range of a double")
     return number
 

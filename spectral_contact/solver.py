@@ -96,6 +96,7 @@ def solve(
         raise SceneError(
             "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
         )
+    strict = checks.flag("strict", strict)
     run = _Run(scene, todo, rtol, checks.whole("max_unknowns", max_unknowns, 1))
     solution = run.solution()
     if strict and not solution.converged:
