@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["exactly_one", "flag", "lengths", "radii", "real", "tolerance", "whole"]
+__all__ = ["exactly_one", "lengths", "radii", "real", "tolerance", "whole"]
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
@@ -75,26 +75,10 @@ def whole(parameter: str, value: object, low: int) -> int:
         If the value is not an integer by type (20.0 and True are not) or is below ``low``.
     """
     if isinstance(value, numbers.Integral) and not isinstance(value, _NOT_NUMBERS):
-        try:
-            number = int(value)
-        except Exception as error:  # whatever an object's own __int__ raises
-            raise SceneError(parameter, value, f"a whole number >= {low}") from error
+        number = int(value)
         if number >= low:
             return number
     raise SceneError(parameter, value, f"a whole number >= {low}")
-
-
-def flag(parameter: str, value: object) -> bool:
-    """Return a truth value as a Python bool.
-
-    Raises
-    ------
-    SceneError
-        If it is neither a ``bool`` nor a NumPy bool: "no" and arrays have a truth, too.
-    """
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    raise SceneError(parameter, value, "True or False")
 
 
 def tolerance(rtol: object) -> float:
@@ -174,15 +158,15 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
     Raises
     ------
     SceneError
-        If a value is not a real number, is masked, or lies outside; it names the first such value.
+        If a value is no real number or masked, or lies outside; it names the first that does.
     """
     allowed = f"in [0, {high:.17g}] {unit}".rstrip()
     try:
-        if _holds_what_numpy_converts(values):
-            raise TypeError("a masked value, or a boolean among numbers")
-        array = np.asarray(values)
+        array = None if _becomes_a_number(values) else np.asarray(values)
     except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
         raise SceneError(parameter, values, f"real numbers {allowed}, of one shape") from error
+    if array is None:
+        _refuse_type(parameter, values, f"{allowed}, neither masked nor boolean")
     if array.dtype.kind == "O":
         # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
         limits: dict[str, Any] = {"allowed": allowed, "low": 0.0, "high": high}
@@ -198,12 +182,11 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
     return array
 
 
-def _holds_what_numpy_converts(values: Any) -> bool:
-    """Whether NumPy would silently make numbers of something else: masked values, and booleans."""
+def _becomes_a_number(values: Any) -> bool:
+    """Whether NumPy would silently make numbers of masked values, or of booleans among numbers."""
     if isinstance(values, (list, tuple)):
-        converted = (bool, np.bool_, np.ma.MaskedArray)
-        return any(isinstance(one, converted) for one in np.asarray(values, dtype=object).flat)
-    return bool(np.ma.is_masked(values))
+        return any(map(_becomes_a_number, values))
+    return isinstance(values, (bool, np.bool_)) or np.ma.is_masked(values)
 
 
 def _as_doubles(array: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
@@ -217,10 +200,9 @@ def _nearest_double(parameter: str, value: object, allowed: str) -> float:
         _refuse_type(parameter, value, allowed)
     try:
         number = float(value)
-        rounded_away = (number == 0 or math.isinf(number)) and value != number
-    except Exception as error:  # overflow, or whatever an object's own __float__ raises
+    except (OverflowError, TypeError, ValueError) as error:
         raise SceneError(parameter, value, allowed) from error
-    if rounded_away:
+    if (number == 0 or math.isinf(number)) and value != number:
         raise SceneError(parameter, value, f"{allowed}, and within the range of a double")
     return number
 

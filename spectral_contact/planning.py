@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from itertools import islice
 
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
@@ -24,8 +23,6 @@ __all__ = ["plan"]
 
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
-#: Names may be repeated, but not without end.
-_MOST_NAMES = 1000
 _NO_FRICTION = "the scene has no friction coefficient"
 
 
@@ -71,15 +68,15 @@ def _asked(quantities: Iterable[str] | None) -> frozenset[str]:
         return frozenset(QUANTITIES)
     if isinstance(quantities, str):
         raise SceneError("quantities", quantities, "a list of names, not one string")
-    try:  # not all of an iterator, which may be endless
-        asked = tuple(islice(quantities, _MOST_NAMES + 1))
-    except Exception as error:  # whatever an object's own __iter__ raises
-        raise SceneError("quantities", quantities, "a list of names") from error
-    if len(asked) > _MOST_NAMES:
-        raise SceneError("quantities", quantities, f"at most {_MOST_NAMES} names")
-    for name in asked:
+    try:
+        names = iter(quantities)
+    except TypeError:
+        raise SceneError("quantities", quantities, "a list of names") from None
+    asked = set()
+    for name in names:  # one by one, for an iterator may be endless
         if not isinstance(name, str) or name not in QUANTITIES:
             raise SceneError("quantities", name, "out of " + ", ".join(QUANTITIES))
+        asked.add(name)
     return frozenset(asked)
 
 

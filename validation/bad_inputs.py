@@ -104,8 +104,8 @@ def tried(case: Case) -> tuple[bool, list[str]]:
             found.append(f"no error, but a {type(result).__name__}")
     except case.errors as error:
         found += filter(None, [unclear(str(error))])
-        named = [] if not isinstance(error, SceneError) else error.parameter.split(", ")
-        if not set(filter(None, case.names.split(", "))).issubset(named):
+        named = error.parameter.split(", ") if isinstance(error, SceneError) else str(error)
+        if not all(name in named for name in filter(None, case.names.split(", "))):
             found.append(f"{error!s:.200} does not name {case.names}")
     except (Exception, Hang) as error:  # whatever it is, it is a violation
         found.append(f"{type(error).__name__}: {error!s:.200}")
@@ -212,9 +212,9 @@ def study(count: int, seed: int, processes: int = PROCESSES) -> dict:
 def table(record: dict) -> str:
     """Return the record as a Markdown table."""
     lines = [
-        f"{record['cases']} bad inputs, seed {record['seed']}; {record['processes']} of the command "
-        "lines as processes of their own. Accepted are damaged files and texts that still hold what "
-        "was stored, or, of scenes, which have no checksum, another valid scene.",
+        f"{record['cases']} bad inputs, seed {record['seed']}; {record['processes']} of the "
+        "command lines as processes of their own. Accepted are damaged files and texts that still "
+        "hold what was stored, or, of scenes, which have no checksum, another valid scene.",
         "",
         "| group | bad inputs | kinds | accepted | violations |",
         "|---|---|---|---|---|",
