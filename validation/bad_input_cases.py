@@ -26,6 +26,7 @@ from spectral_contact import (
     SceneError,
     Solution,
     SolutionFileError,
+    closed_forms,
     plan,
     solve,
 )
@@ -340,3 +341,43 @@ def evaluation_case(rng: Rng, bench: Bench) -> Case:
     name = pick(rng, [inside, "from_edge"])
     value = bad_radii(rng, high)
     return Case(f"{field}, {name}", partial(evaluate, **{name: value}), names=name)
+
+
+CLOSED_FORMS = {
+    "poisson_ratio": (
+        closed_forms.full_stick_shear,
+        closed_forms.coupled_approach,
+        partial(closed_forms.coupled_pressure, s=0.5),
+        partial(closed_forms.stick_radius, friction=0.1),
+    ),
+    "friction": (
+        partial(closed_forms.stick_radius, 0.3),
+        partial(closed_forms.slip_displacement, 0.3, s=0.5),
+    ),
+    "normal_compliance": (
+        closed_forms.approach_large_compliance,
+        closed_forms.edge_pressure_small_compliance,
+    ),
+    "degree": (partial(closed_forms.eigenvalue, order=1),),
+    "s": (
+        closed_forms.smooth_pressure,
+        partial(closed_forms.partial_slip_traction, 0.3, 0.1),
+        partial(closed_forms.coupled_traction, 0.3),
+        partial(closed_forms.eigenfunction, 2, 0),
+    ),
+}
+CLOSED_RANGES = {"normal_compliance": "positive", "degree": "max_unknowns"}
+
+
+def closed_form_case(rng: Rng, bench: Bench) -> Case:
+    """Return an evaluation of an exact solution with one bad argument."""
+    name = pick(rng, [*CLOSED_FORMS])
+    function = pick(rng, CLOSED_FORMS[name])
+    if name == "s":
+        name = pick(rng, ["s", "from_edge"])
+        value = bad_radii(rng, 1.0)
+    else:
+        value = bad(rng, CLOSED_RANGES.get(name, name))
+        value = 2 if name == "degree" and type(value) is int else value  # odd ones are good
+    call = partial(function, **{name: value})
+    return Case(f"closed form, {name}", call, (ValueError,), name)

@@ -32,6 +32,7 @@ from bad_input_cases import (
     Bench,
     Case,
     Rng,
+    closed_form_case,
     evaluation_case,
     physical_case,
     request_case,
@@ -48,16 +49,17 @@ PROGRAM = "spectral-contact: "
 
 #: Every group with its share of the cases.
 GROUPS: dict[str, tuple[Callable[[Rng, Bench], Case] | None, float]] = {
-    "scene": (scene_case, 0.18),
-    "SI data": (physical_case, 0.18),
-    "solve and plan": (request_case, 0.15),
+    "scene": (scene_case, 0.16),
+    "SI data": (physical_case, 0.16),
+    "solve and plan": (request_case, 0.14),
     "evaluation": (evaluation_case, 0.2),
+    "closed forms": (closed_form_case, 0.05),
     "damaged or foreign files": (file_case, 0.14),
     "paths": (path_case, 0.03),
     "command line": (None, 0.12),
 }
 #: Cases of the command line that are processes of their own, which take long.
-PROCESSES = 20
+PROCESSES = 50
 
 
 class Hang(BaseException):
