@@ -160,7 +160,7 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
     SceneError
         If a value is no real number or masked, or lies outside; it names the first that does.
     """
-    allowed = f"in [0, {high:.17g}] {unit}".rstrip()
+    allowed = f"in [0, {repr(high).removesuffix('.0')}] {unit}".rstrip()
     try:
         array = None if _becomes_a_number(values) else np.asarray(values)
     except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
