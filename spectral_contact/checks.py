@@ -15,9 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["exactly_one", "radii", "real", "tolerance", "whole"]
-
-_UNIT_INTERVAL = "in [0, 1]"
+__all__ = ["exactly_one", "lengths", "radii", "real", "tolerance", "whole"]
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
@@ -137,31 +135,58 @@ def radii(
     """
     exactly_one("s", s, "from_edge", from_edge)
     if from_edge is None:
-        given = _unit_interval_array("s", s)
+        given = lengths("s", s, 1.0)
         return _as_doubles(given), _as_doubles(1 - given)
-    given = _unit_interval_array("from_edge", from_edge)
+    given = lengths("from_edge", from_edge, 1.0)
     return _as_doubles(1 - given), _as_doubles(given)
 
 
-def _unit_interval_array(parameter: str, values: Any) -> NDArray[np.floating[Any]]:
-    """Return values of [0, 1] as an array of doubles, or of long doubles if such were given."""
+def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray[np.floating[Any]]:
+    """Return values of [0, high] as an array of doubles, or of long doubles if such were given.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    values : array_like
+        Any shape.
+    high : float
+        The largest value allowed.
+    unit : str
+        That of the values, for the error.
+
+    Raises
+    ------
+    SceneError
+        If a value is no real number or masked, or lies outside; it names the first that does.
+    """
+    allowed = f"in [0, {repr(high).removesuffix('.0')}] {unit}".rstrip()
     try:
-        array = np.asarray(values)
+        array = None if _becomes_a_number(values) else np.asarray(values)
     except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
-        raise SceneError(parameter, values, "real numbers in [0, 1], of one shape") from error
+        raise SceneError(parameter, values, f"real numbers {allowed}, of one shape") from error
+    if array is None:
+        _refuse_type(parameter, values, f"{allowed}, neither masked nor boolean")
     if array.dtype.kind == "O":
         # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
-        limits: dict[str, Any] = {"allowed": _UNIT_INTERVAL, "low": 0.0, "high": 1.0}
+        limits: dict[str, Any] = {"allowed": allowed, "low": 0.0, "high": high}
         doubles = [real(parameter, value, **limits) for value in array.flat]
         return np.array(doubles, dtype=np.float64).reshape(array.shape)
     if array.dtype.kind not in "fiu":
-        _refuse_type(parameter, values, _UNIT_INTERVAL)
+        _refuse_type(parameter, values, allowed)
     array = array.astype(np.promote_types(array.dtype, np.float64), copy=False)
     with np.errstate(invalid="ignore"):  # NaN compares False, which is what we want of it
-        inside = (array >= 0) & (array <= 1)
+        inside = (array >= 0) & (array <= high)
     if not inside.all():
-        raise SceneError(parameter, array[~inside][0].item(), _UNIT_INTERVAL)
+        raise SceneError(parameter, array[~inside][0].item(), allowed)
     return array
+
+
+def _becomes_a_number(values: Any) -> bool:
+    """Whether NumPy would silently make numbers of masked values, or of booleans among numbers."""
+    if isinstance(values, (list, tuple)):
+        return any(map(_becomes_a_number, values))
+    return isinstance(values, (bool, np.bool_)) or np.ma.is_masked(values)
 
 
 def _as_doubles(array: NDArray[np.floating[Any]]) -> NDArray[np.float64]:

@@ -331,12 +331,16 @@ def _is_csv(path: str | None) -> bool:
 def _check_path(path: Path, suffixes: Iterable[str]) -> None:
     if path.suffix.lower() not in suffixes:
         raise SolutionFileError(str(path), f"the suffix must be one of {', '.join(suffixes)}")
-    if path.is_dir():
-        raise SolutionFileError(str(path), "is a directory")
-    if not path.parent.is_dir():
-        raise SolutionFileError(str(path), "its directory does not exist")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise SolutionFileError(str(path), "cannot be written: permission denied")
+    try:
+        if path.is_dir():
+            raise SolutionFileError(str(path), "is a directory")
+        if not path.parent.is_dir():
+            raise SolutionFileError(str(path), "its directory does not exist")
+        if not os.access(path if path.exists() else path.parent, os.W_OK):
+            raise SolutionFileError(str(path), "cannot be written: permission denied")
+    except OSError as error:  # a name too long, or a directory that may not be searched
+        reason = f"cannot be written: {error.strerror or error}"
+        raise SolutionFileError(str(path), reason) from error
 
 
 def _write(solution: Solution, arguments: argparse.Namespace) -> None:

@@ -29,6 +29,7 @@ __all__ = [
     "SceneError",
     "SolutionFileError",
     "SpectralContactError",
+    "shown",
 ]
 
 # A message is one line on a terminal: long values (arrays) are cut to this many characters.
@@ -66,10 +67,10 @@ class SceneError(SpectralContactError, ValueError):
         self.parameter = parameter
         self.value = value
         self.allowed = allowed
-        super().__init__(f"{parameter} = {_shown(value)}: must be {allowed}")
+        super().__init__(f"{parameter} = {shown(value)}: must be {allowed}")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        value = self.value if _can_be_pickled(self.value) else _shown(self.value)
+        value = self.value if _can_be_pickled(self.value) else shown(self.value)
         # args go with the state: the message is about the value given, not about its stand-in.
         state = {**self.__dict__, "value": value, "args": self.args}
         return type(self), (self.parameter, value, self.allowed), state
@@ -132,7 +133,8 @@ class SolutionFileError(SpectralContactError, ValueError):
     def __init__(self, source: str, reason: str) -> None:
         self.source = source
         self.reason = reason
-        super().__init__(f"{source}: {reason}")
+        # A path, or a key of the file, may have line breaks.
+        super().__init__(" ".join(f"{source}: {reason}".split()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return self._rebuilt_from(self.source, self.reason)
@@ -160,7 +162,7 @@ class MissingDependencyError(SpectralContactError, ImportError):
         return self._rebuilt_from(self.module, self.extra)
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
     """Return the value on one line, short, whatever it is."""
     try:
         # Plain numbers: "0.7", not "np.float64(0.7)".

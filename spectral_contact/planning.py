@@ -69,12 +69,14 @@ def _asked(quantities: Iterable[str] | None) -> frozenset[str]:
     if isinstance(quantities, str):
         raise SceneError("quantities", quantities, "a list of names, not one string")
     try:
-        asked = tuple(quantities)
+        names = iter(quantities)
     except TypeError:
         raise SceneError("quantities", quantities, "a list of names") from None
-    for name in asked:
+    asked = set()
+    for name in names:  # one by one, for an iterator may be endless
         if not isinstance(name, str) or name not in QUANTITIES:
             raise SceneError("quantities", name, "out of " + ", ".join(QUANTITIES))
+        asked.add(name)
     return frozenset(asked)
 
 

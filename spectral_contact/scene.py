@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import Any, Final, Self
 
 from spectral_contact.checks import exactly_one, real
-from spectral_contact.errors import SceneError, SolutionFileError
+from spectral_contact.errors import SceneError, SolutionFileError, shown
 
 __all__ = ["PhysicalData", "Scene"]
 
@@ -377,20 +377,21 @@ def _names(cls: Any) -> list[str]:
 
 
 def _check_schema(data: Any) -> None:
-    if not isinstance(data, Mapping) or data.get("schema") != _SCHEMA:
+    schema = data.get("schema") if isinstance(data, Mapping) else None
+    if not isinstance(schema, str) or schema != _SCHEMA:  # an array would compare itself by element
         raise SolutionFileError("scene", f'not a scene: its "schema" is not "{_SCHEMA}"')
     version = data.get("version")
     if type(version) is not int or version != _VERSION:
-        reason = f"version {version!r} is not known to this release, which reads {_VERSION}"
+        reason = f"version {shown(version)} is not known to this release, which reads {_VERSION}"
         raise SolutionFileError("scene", reason)
     _check_keys(data, ["schema", "version", *_names(Scene)], "")
 
 
 def _check_keys(data: Any, expected: list[str], where: str) -> None:
     if not isinstance(data, Mapping):
-        raise SolutionFileError("scene", f"{where}an object was expected, not {data!r}")
+        raise SolutionFileError("scene", f"{where}an object was expected, not {shown(data)}")
     missing = [key for key in expected if key not in data]
-    unknown = [str(key) for key in data if key not in expected]
+    unknown = [shown(key) for key in data if key not in expected]
     if missing or unknown:
         complaints = [
             f"{kind} {', '.join(keys)}"

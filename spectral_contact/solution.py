@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact import checks
-from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import DiskSeries, PressureField, ZonalField
 from spectral_contact.records import (
     FULL_STICK,
@@ -338,24 +338,14 @@ class PhysicalSolution:
             for z in self.solution.zones
         )
 
-    def _dimensionless(self, parameter: str, length: ArrayLike) -> Any:
-        """Divide lengths by the punch radius."""
-        try:
-            values = np.asarray(length)
-        except ValueError:  # ragged
-            values = np.asarray("")
-        if values.dtype.kind not in "iuf":
-            raise SceneError(parameter, length, f"real lengths in [0, {self.radius}] m")
-        return values / self.radius
-
     def _scaled(
         self, name: str, factor: float, r: ArrayLike | None, from_edge: ArrayLike | None
     ) -> Any:
-        inside = None if r is None else self._dimensionless("r", r)
-        depth = None if from_edge is None else self._dimensionless("from_edge", from_edge)
-        evaluate = getattr(self.solution, name)
-        value = evaluate(from_edge=depth) if inside is None else evaluate(inside, from_edge=depth)
-        return value * factor
+        checks.exactly_one("r", r, "from_edge", from_edge)
+        evaluate, a = getattr(self.solution, name), self.radius
+        if from_edge is None:
+            return evaluate(checks.lengths("r", r, a, "m") / a) * factor
+        return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
 
     def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""

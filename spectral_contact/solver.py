@@ -9,6 +9,8 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from spectral_contact import checks
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.normal import NormalContact, solve_normal
@@ -96,6 +98,8 @@ def solve(
         raise SceneError(
             "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
         )
+    if not isinstance(strict, (bool, np.bool_)):  # "no" is true, too
+        raise SceneError("strict", strict, "True or False")
     run = _Run(scene, todo, rtol, checks.whole("max_unknowns", max_unknowns, 1))
     solution = run.solution()
     if strict and not solution.converged:

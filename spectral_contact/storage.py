@@ -35,7 +35,7 @@ from spectral_contact import fields as field_classes
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
-from spectral_contact.errors import SolutionFileError
+from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 
@@ -169,7 +169,7 @@ def _reported(source: str, failure: str) -> Iterator[None]:
 
 def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
     """Return the path as text, and its suffix, which is one of ours."""
-    with _reported(repr(path), "not a path"):
+    with _reported(shown(path), "not a path"):
         source = os.fsdecode(path)
     suffix = Path(source).suffix.lower()
     if suffix not in _SUFFIXES:
@@ -314,7 +314,7 @@ def _decode(tree: Any, arrays: Arrays) -> Any:
 
 def _check_names(what: str, body: Any, expected: Any) -> None:
     if not isinstance(body, dict) or body.keys() != set(expected):
-        raise _Refused(f"{what} must have {', '.join(expected)}, and has {body!r:.80}")
+        raise _Refused(f"{what} must have {', '.join(expected)}, and has {shown(body)}")
 
 
 def _fits(value: Any, hint: Any) -> bool:

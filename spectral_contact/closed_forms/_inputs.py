@@ -46,14 +46,15 @@ def position(s: ArrayLike | None, from_edge: ArrayLike | None) -> Position:
         If both or none is given, or if a value lies outside [0, 1] or is not a number.
     """
     if (s is None) == (from_edge is None):
-        raise ValueError(
-            f"s, from_edge = {s!r}, {from_edge!r}: must be one value and one None: give either "
-            "the distance from the centre or the distance from the edge"
-        )
-    name = "from_edge" if s is None else "s"
-    given = np.asarray(from_edge if s is None else s)
+        allowed = "one value and one None: give either the distance from the centre or the edge"
+        raise refusal("s, from_edge", (s, from_edge), allowed)
+    name, values = ("from_edge", from_edge) if s is None else ("s", s)
+    try:
+        given = np.asarray("" if _becomes_a_number(values) else values)
+    except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
+        raise refusal(name, values, "real numbers in [0, 1], of one shape") from error
     if given.dtype.kind not in "fiu":
-        raise ValueError(f"{name} = {given!r}: must be real numbers in [0, 1]")
+        raise refusal(name, values, "real numbers in [0, 1], neither masked nor boolean")
     given = np.asarray(given, dtype=np.float64)
     outside = ~((given >= 0.0) & (given <= 1.0))
     if np.any(outside):
@@ -78,7 +79,7 @@ def check_poisson_ratio(value: float) -> float:
     """
     number = _real("poisson_ratio", value, "in (-1, 0.5]")
     if not -1.0 < number <= 0.5:
-        raise ValueError(f"poisson_ratio = {value!r}: must be in (-1, 0.5]")
+        raise refusal("poisson_ratio", value, "in (-1, 0.5]")
     return number
 
 
@@ -93,7 +94,7 @@ def check_friction(value: float) -> float:
     allowed = ">= 0 (math.inf is full stick)"
     number = _real("friction", value, allowed)
     if not number >= 0.0:
-        raise ValueError(f"friction = {value!r}: must be {allowed}")
+        raise refusal("friction", value, allowed)
     return number
 
 
@@ -107,7 +108,7 @@ def check_compliance(value: float) -> float:
     """
     number = _real("normal_compliance", value, "finite and > 0")
     if not (math.isfinite(number) and number > 0.0):
-        raise ValueError(f"normal_compliance = {value!r}: must be finite and > 0")
+        raise refusal("normal_compliance", value, "finite and > 0")
     return number
 
 
@@ -123,7 +124,27 @@ def kappa(poisson_ratio: float) -> float:
     return (1.0 - 2.0 * nu) / (4.0 * (1.0 - nu))
 
 
+def refusal(name: str, value: object, allowed: str) -> ValueError:
+    """Return the error that names a parameter, its value on one line, and what is allowed."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # an int beyond the interpreter's digit limit, or a broken __repr__
+        text = f"<{type(value).__name__}>"
+    return ValueError(f"{name} = {text:.80}: must be {allowed}")
+
+
 def _real(name: str, value: object, allowed: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise ValueError(f"{name} = {value!r}: must be a real number, {allowed}")
-    return float(value)
+    # timedelta64 is a signed integer to NumPy
+    if isinstance(value, bool | np.timedelta64) or not isinstance(value, numbers.Real):
+        raise refusal(name, value, f"a real number, {allowed}")
+    try:
+        return float(value)
+    except OverflowError as error:
+        raise refusal(name, value, allowed) from error
+
+
+def _becomes_a_number(values: object) -> bool:
+    """Whether NumPy would silently make numbers of masked values, or of booleans among numbers."""
+    if isinstance(values, list | tuple):
+        return any(map(_becomes_a_number, values))
+    return isinstance(values, bool | np.bool_) or np.ma.is_masked(values)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from ._inputs import Array, Position, Values, position
+from ._inputs import Array, Position, Values, position, refusal
 
 __all__ = ["eigenfunction", "eigenfunction_image", "eigenvalue"]
 
@@ -136,11 +136,11 @@ def _legendre(degree: int, order: int, at: Position) -> Array:
 
 def _check(degree: int, order: int) -> tuple[int, int]:
     for name, value in (("degree", degree), ("order", order)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer):
-            raise ValueError(f"{name} = {value!r}: must be an integer")
+        if isinstance(value, bool | np.timedelta64) or not isinstance(value, int | np.integer):
+            raise refusal(name, value, "an integer")
     if order not in (0, 1):
-        raise ValueError(f"order = {order!r}: must be 0 (normal) or 1 (tangential)")
+        raise refusal("order", order, "0 (normal) or 1 (tangential)")
     if degree < 0 or degree % 2 != order:
         parity = "odd for order 1" if order else "even for order 0"
-        raise ValueError(f"degree = {degree!r}: must be >= 0 and {parity}")
+        raise refusal("degree", degree, f">= 0 and {parity}")
     return int(degree), int(order)

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from scipy import special
 
-from ._inputs import check_compliance
+from ._inputs import check_compliance, refusal
 
 __all__ = [
     "approach_large_compliance",
@@ -138,5 +138,5 @@ def _logarithm(alpha: float) -> float:
 def _meaningful(value: float, alpha: float, side: str) -> float:
     """Return a value that is positive, as the quantity it stands for."""
     if not value > 0.0:
-        raise ValueError(f"normal_compliance = {alpha!r}: must be {side} for this series")
+        raise refusal("normal_compliance", alpha, f"{side} for this series")
     return value

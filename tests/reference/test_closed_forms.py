@@ -603,9 +603,18 @@ def test_fields_refuse_points_off_the_disk(field):
         field()
     with pytest.raises(ValueError, match=r"s = .*must be real numbers"):
         field(s="0.5")
+    with pytest.raises(ValueError, match=r"s = .*must be real numbers .* of one shape"):
+        field(s=[[0.1], [0.2, 0.3]])
+    for hidden in ([0.5, True], np.ma.masked_array([0.1, 0.2], mask=[False, True])):
+        with pytest.raises(ValueError, match=r"from_edge = .*neither masked nor boolean"):
+            field(from_edge=hidden)
 
 
-@pytest.mark.parametrize("nu", [-1.0, 0.6, math.nan, "0.3", True])
+@pytest.mark.parametrize(
+    "nu",
+    [-1.0, 0.6, math.nan, "0.3", True, 10**400, 10**5000, np.timedelta64(0), np.zeros((9, 9))],
+    ids=type,
+)
 @pytest.mark.parametrize(
     "function",
     [

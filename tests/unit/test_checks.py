@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spectral_contact.checks import exactly_one, radii, real, tolerance, whole
+from spectral_contact.checks import exactly_one, lengths, radii, real, tolerance, whole
 from spectral_contact.errors import SceneError
 
 NOT_REAL = [
@@ -316,6 +316,36 @@ def test_radii_refuse_what_is_no_real_number(side, value):
         with pytest.raises(SceneError, match="must be a real number") as caught:
             radii(**(dict.fromkeys(("s", "from_edge")) | {side: values}))
         assert caught.value.parameter == side
+
+
+MASKED = np.ma.masked_array([0.1, 0.2], mask=[False, True])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [[0.5, True], ((0.5,), (np.False_,)), MASKED, [MASKED], [0.5, np.ma.masked], np.ma.masked],
+)
+@pytest.mark.parametrize("side", ["s", "from_edge"])
+def test_radii_refuse_what_numpy_would_make_numbers_of(side, values):
+    with pytest.raises(SceneError, match=f"^{side} = .*, neither masked nor boolean$"):
+        radii(**(dict.fromkeys(("s", "from_edge")) | {side: values}))
+
+
+def test_masked_arrays_that_hide_nothing_are_radii():
+    assert radii(np.ma.masked_array([0.25, 1.0]), None)[0].tolist() == [0.25, 1.0]
+
+
+def test_radii_refuse_a_list_of_itself():
+    endless = []
+    endless.append(endless)
+    with pytest.raises(SceneError, match="of one shape"):
+        radii(endless, None)
+
+
+@pytest.mark.parametrize("values", [[0.0, 3.5], [4, 10**400], [Fraction(9, 2)], np.float32(3.25)])
+def test_lengths_tell_the_range_and_its_unit(values):
+    with pytest.raises(SceneError, match=r"^r = .*: must be in \[0, 3\] m$"):
+        lengths("r", values, 3.0, "m")
 
 
 def test_radii_refuse_ragged_lists():

@@ -295,6 +295,8 @@ def test_a_plot(capsys, tmp_path):
         (["--output", "solution.txt"], "solution.txt: the suffix must be one of .json, .csv, .npz"),
         (["--output", "solution"], "solution: the suffix"),
         (["--plot", "solution.gif"], "solution.gif: the suffix"),
+        (["--plot", "x" * 300 + ".png"], "x.png: cannot be written: "),
+        (["--output", "x/" * 3000 + "x.csv"], "x.csv: cannot be written: "),
         (["--output", "/no/such/place/x.json"], "/no/such/place/x.json"),
         (["--quantities", "approach", "--output", "x.csv"], "ask for one"),
     ],

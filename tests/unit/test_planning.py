@@ -173,6 +173,11 @@ def test_unknown_quantity(bad):
     assert "critical_friction" in str(caught.value)
 
 
+def test_endless_quantities_are_refused_at_the_first_that_is_none():
+    with pytest.raises(SceneError, match="quantities = 0"):
+        plan(SCENES["Coulomb"], itertools.count())
+
+
 def test_one_string_is_not_a_list_of_quantities():
     with pytest.raises(SceneError, match="quantities"):
         plan(SCENES["Coulomb"], "approach")

@@ -317,7 +317,7 @@ def test_json_is_strict(scene):
         ({"version": True}, "version True"),
         ({"version": "1"}, "version '1'"),
         ({"version": None}, "version None"),
-        ({"colour": "red"}, "keys are unknown colour"),
+        ({"colour": "red"}, "keys are unknown 'colour'"),
         ({"physical": []}, 'in "physical", an object was expected'),
         ({"physical": {}}, 'in "physical", keys are missing youngs_modulus, radius, load'),
     ],
@@ -340,7 +340,7 @@ def test_every_key_is_required(key):
 def test_unknown_and_missing_keys_are_both_told():
     data = Scene(0.3).to_dict()
     data["frictoin"] = data.pop("friction")
-    with pytest.raises(SolutionFileError, match="missing friction; unknown frictoin"):
+    with pytest.raises(SolutionFileError, match="missing friction; unknown 'frictoin'"):
         Scene.from_dict(data)
 
 
@@ -381,6 +381,18 @@ def test_values_in_json_are_checked(key, written):
 def test_arrays_in_a_dictionary_are_scene_errors():
     with pytest.raises(SceneError, match="friction"):
         Scene.from_dict(Scene(0.3).to_dict() | {"friction": np.array([0.1, math.inf])})
+    with pytest.raises(SolutionFileError, match="schema"):
+        Scene.from_dict(Scene(0.3).to_dict() | {"schema": np.array(["a", "b"])})
+
+
+@pytest.mark.parametrize(
+    "change", [{"version": 10**5000}, {"physical": ["a\n"] * 1000}, {"a\nb" * 1000: 0}]
+)
+def test_what_a_refusal_shows_is_short_and_on_one_line(change):
+    with pytest.raises(SolutionFileError) as caught:
+        Scene.from_dict(Scene(0.3).to_dict() | change)
+    assert len(str(caught.value)) < 200
+    assert "\n" not in str(caught.value)
 
 
 def test_physical_data_in_json_must_agree_with_the_scene():

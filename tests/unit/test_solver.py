@@ -116,6 +116,16 @@ def test_bad_max_unknowns(bad):
     assert caught.value.parameter == "max_unknowns"
 
 
+@pytest.mark.parametrize("bad", [None, 0, 1, "no", math.nan, np.ones(2)], ids=repr)
+def test_bad_strict(bad):
+    with pytest.raises(SceneError, match=r"strict = .*: must be True or False"):
+        solve(ROUGH, 1e-6, strict=bad)
+
+
+def test_numpy_has_truth_values_too():
+    assert not solve(ROUGH, 1e-12, max_unknowns=1, strict=np.False_).converged
+
+
 @pytest.mark.parametrize("bad", ["approach", ("aproach",), ("approach", 3), (None,)], ids=repr)
 def test_bad_quantities(bad):
     with pytest.raises(SceneError, match="quantities") as caught:
@@ -449,14 +459,26 @@ def test_load_follows_from_the_approach(steel):
 
 
 def test_physical_radius_outside_the_contact(steel):
-    with pytest.raises(SceneError):
-        steel.physical.pressure(0.011)
+    with pytest.raises(SceneError, match=r"^r = 0.011: must be in \[0, 0.01\] m$"):
+        steel.physical.pressure([0.001, 0.011, 0.012])
+    with pytest.raises(SceneError, match=r"^from_edge = 0.011: "):
+        steel.physical.slip(from_edge=0.011)
 
 
-@pytest.mark.parametrize("bad", ["0.005", 0.005j, None, ["a"], [[0.001], [0.002, 0.003]]], ids=repr)
+@pytest.mark.parametrize(
+    "bad",
+    ["0.005", 0.005j, ["a"], [[0.001], [0.002, 0.003]], [0.001, False], [0.001, math.nan], 10**400],
+    ids=repr,
+)
 def test_physical_radius_that_is_none(steel, bad):
-    with pytest.raises(SceneError):
+    with pytest.raises(SceneError, match=r"^r = "):
         steel.physical.pressure(bad)
+
+
+def test_both_or_neither_physical_radius(steel):
+    for given in ({}, {"r": 0.001, "from_edge": 0.009}):
+        with pytest.raises(SceneError, match=r"^r, from_edge = "):
+            steel.physical.pressure(**given)
 
 
 def test_no_physical_values_of_a_dimensionless_scene(rough):

@@ -321,7 +321,7 @@ def test_other_suffixes_are_refused(name, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("path", [None, 3, 1.5, ["a.npz"], object()])
+@pytest.mark.parametrize("path", [None, 3, 1.5, ["a.npz"], object(), 10**5000], ids=type)
 def test_what_is_no_path_is_refused(path):
     assert "not a path" in refusal(synthetic().save, path).reason
     assert "not a path" in refusal(Solution.load, path).reason
