@@ -6,20 +6,13 @@ reported.
 """
 
 import functools
-import importlib.util
 import math
-from pathlib import Path
 
 import numpy as np
+import oracles
 import pytest
 
 from spectral_contact import Scene, solve
-
-_SPEC = importlib.util.spec_from_file_location(
-    "oracles", Path(__file__).parent.parent / "oracles.py"
-)
-oracles = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(oracles)
 
 #: What the solver's tolerance of 1e-12 and the quadrature leave of a residual; 1e-15 is typical.
 SMALL = 3e-13
