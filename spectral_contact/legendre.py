@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["legendre_rows", "legendre_sum"]
+__all__ = ["legendre_rows", "legendre_rows_above", "legendre_sum"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,21 @@ def legendre_rows(x: Array, degree: int) -> Array:
         current = np.subtract(product, values[n - 2, ...], out=values[n, ...])
         current *= (n - 1) / n
         current += product
+    return values
+
+
+def legendre_rows_above(y: Array, degree: int) -> Array:
+    """Return P_0 ... P_degree at ``-1 + y`` as rows, without losing digits of a small `y`.
+
+    There the polynomials vary like ``degree**2 y``: rounding ``-1 + y`` would cost that many eps.
+    """
+    values = np.empty((degree + 1, *y.shape))
+    values[0] = 1.0
+    step = np.zeros(y.shape)  # P_n - P_(n-1) at 1 - y
+    for n in range(degree):
+        step = (n * step - (2 * n + 1) * y * values[n, ...]) / (n + 1)
+        np.add(values[n, ...], step, out=values[n + 1, ...])
+    values[1::2] *= -1.0
     return values
 
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.legendre import legendre_rows_above
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
 __all__ = [
@@ -59,7 +60,12 @@ def _panel(values: Array, local: Array, degree: int) -> Array:
 
 
 def deeper_blocks(
-    to_end: Array, panels: int, width: float, degree: int, power: float = 0.0
+    to_end: Array,
+    panels: int,
+    width: float,
+    degree: int,
+    power: float = 0.0,
+    from_start: Array | None = None,
 ) -> Array:
     """Return blocks of the `deeper` integral for points inside one panel.
 
@@ -75,6 +81,8 @@ def deeper_blocks(
         Highest Legendre degree.
     power : float
         Endpoint weight: the functions are ``d**power`` times Legendre polynomials.
+    from_start : ndarray, shape (n,), optional
+        Distance from the shallow end, where the difference to the width is not accurate enough.
 
     Returns
     -------
@@ -89,9 +97,13 @@ def deeper_blocks(
         a, b = np.sqrt(lower)[:, None], np.sqrt(upper)[:, None]
         span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
         u = (a + span * (1.0 + g) / 2.0) ** 2
-        local = 1.0 - 2.0 * (to_end[:, None] + k * width - u) / width
         values = np.exp(-(1.0 + power) * u) * _smooth(u) * (w * span / 2.0)
-        blocks[:, k] = _panel(values, local, degree)
+        if k == 0 and from_start is not None:
+            rows = legendre_rows_above(2.0 * (from_start[:, None] + u) / width, degree)
+            blocks[:, k] = np.sum(values * rows, axis=-1).T
+        else:
+            local = 1.0 - 2.0 * (to_end[:, None] + k * width - u) / width
+            blocks[:, k] = _panel(values, local, degree)
         lower, upper = upper, upper + width
     if panels > 2:
         start = to_end[:, None] + width * np.arange(1, panels - 1)
