@@ -100,18 +100,16 @@ class LogPanels:
         x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
         return x, np.broadcast_to(w * self.width / 2.0, x.shape)
 
-    def nodes(self) -> tuple[Nodes, Array, Array, Array]:
+    def nodes(self) -> tuple[Nodes, tuple[Array, Array], tuple[Array, Array]]:
         """Return the Galerkin nodes and their distances to the panel ends.
 
         Returns
         -------
         nodes : Nodes
             All nodes, `node_counts` on the panels.
-        start : ndarray
-            Distance in ``x`` from the centre to each node of the first panel.
-        first, other : ndarray
-            Distance in ``x`` from each node of the first panel, and of any other, to the deep
-            end of its panel.
+        first, other : tuple of ndarray
+            Distances in ``x`` of each node of the first panel, and of any other, from the shallow
+            and to the deep end of its panel.
 
         Notes
         -----
@@ -139,7 +137,7 @@ class LogPanels:
             np.concatenate([rest, 1.0 - tail]),
             np.concatenate([weights, tail_weights]),
         )
-        return nodes, first_x, first, other
+        return nodes, (first_x, first), (h * (1.0 - g) / 2.0 * (1.0 + v), other)
 
     def panel_gram(self, decay: float) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""

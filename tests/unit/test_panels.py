@@ -68,7 +68,7 @@ def test_half_line_nodes_integrate_over_x(panels, rate):
 
 @MESHES
 def test_nodes_know_both_distances_and_those_to_the_ends(panels):
-    nodes, start, first, other = panels.nodes()
+    nodes, (_, first), (_, other) = panels.nodes()
     assert_allclose(nodes.d + nodes.rest, 1.0, rtol=3e-16)
     assert np.all((nodes.rest > 0) & (nodes.d > 0) & (nodes.weights > 0))
     to_end = np.concatenate([first, *([other] * (panels.panels - 1))])
@@ -103,7 +103,7 @@ def test_nodes_integrate_over_t(panels, m):
 @MESHES
 def test_nodes_integrate_products_of_roots_at_the_deep_ends(panels):
     # a half-integral is a polynomial times sqrt(distance to the deep end), plus another; squared
-    nodes, start, first, other = panels.nodes()
+    nodes, (_, first), (_, other) = panels.nodes()
     h = mp.mpf(panels.width)
     for j in {0, panels.panels - 1}:
         to_end = first if j == 0 else other
