@@ -8,14 +8,15 @@ not analytic. `entries` takes the density of its rules: 1 gives what double prec
 
 from functools import lru_cache
 from itertools import product
+from typing import NamedTuple
 
 from mpmath.ctx_mp import MPContext
 
 mp = MPContext()  # its own precision: mpmath's global context is the user's
-mp.dps = 40
+mp.dps = 60  # distances on an annulus are differences of radii
 
 #: Densities of rules that give more than 25 digits, the second to check the first.
-FINE, FINER = 1.7, 1.8
+FINE, FINER = 1.5, 1.6
 
 
 # --- kernels --------------------------------------------------------------------------------------
@@ -78,17 +79,29 @@ def double_exponential(per_unit, digits):
 # --- panels and double integrals ------------------------------------------------------------------
 
 
+class Place(NamedTuple):
+    """Where ``d`` is measured from and how fast: ``s^2 = square + slope d``, ``rest = 1 - square``.
+
+    On an annulus from an end, up to the middle; on a stick disk of radius c from its rim.
+    """
+
+    square: object
+    rest: object
+    slope: object
+
+
 class Piece:
     """Functions of ``d`` on ``[low, high]``, in a coordinate v of [0, 1] in which all is analytic.
 
     v is 0 at the centre of the disk on the piece that touches it (high = 1), 0 at the edge on the
     piece that touches that (low = 0), and 0 at the shallow end of any other. `functions` returns
-    the values of all of them.
+    the values of all of them. Without a place, ``d = 1 - s^2`` on the unit disk.
     """
 
-    def __init__(self, low, high, functions):
+    def __init__(self, low, high, functions, place=None):
+        self.place = place
         self.low, self.high, self.functions = mp.mpf(low), mp.mpf(high), functions
-        self.central, self.tail = self.high == 1, self.low == 0
+        self.central, self.tail = self.high == 1 and place is None, self.low == 0
         self.span = None if self.tail else mp.log(self.high / self.low)
         self.at = lru_cache(self._at)  # rules run over one coordinate while the other stays
 
@@ -96,11 +109,29 @@ class Piece:
         """Return ``(d, 1 - d)`` and the functions times dd/dv."""
         if self.tail:
             d, jacobian = self.high * v * v, 2 * self.high * v
-            return (d, 1 - d), [jacobian * f for f in self.functions(d)]
+            return self._point(d, 1 - d), self._scaled(jacobian, d)
         rest = -mp.expm1(-self.span * (v * v if self.central else v))
         d = self.high * (1 - rest)
         jacobian = self.span * d * (2 * v if self.central else 1)
-        return (d, 1 - self.high + self.high * rest), [jacobian * f for f in self.functions(d)]
+        return self._point(d, 1 - self.high + self.high * rest), self._scaled(jacobian, d)
+
+    def _point(self, d, rest):
+        """Return ``(1 - s^2, s^2)``."""
+        if self.place is None:
+            return d, rest
+        square, edge, slope = self.place
+        return edge - slope * d, square + slope * d
+
+    def _scaled(self, jacobian, d):
+        factor = jacobian * (1 if self.place is None else abs(self.place.slope))
+        return [factor * f for f in self.functions(d)]
+
+    def meets(self, other):
+        """Return whether both are halves of one annulus, and meet in its middle."""
+        if None in (self.place, other.place) or not self.high == other.high == 1:
+            return False
+        gap = self._point(1, 0)[1] - other._point(1, 0)[1]
+        return self.place != other.place and abs(gap) < 1e-40
 
 
 def nodes(one, two, density):
@@ -123,10 +154,14 @@ def nodes(one, two, density):
     elif one is two:  # singular on the diagonal
         for (u, weight), (c, other) in product(singular(10), smooth(32)):
             yield c * (1 - u) + u, c * (1 - u), weight * other * (1 - u)
-    elif one.low == two.high:  # singular at the common corner
+    elif one.place == two.place and one.low == two.high:  # singular at the common corner
         for (v, weight), (ratio, other) in product(singular(12), smooth(28)):
             for a, b in ((v, v * ratio), (v * ratio, v)):
                 yield 1 - a, (1 - b if two.tail else b), weight * other * v
+    elif one.meets(two):
+        for (v, weight), (ratio, other) in product(singular(12), smooth(28)):
+            yield v, v * ratio, weight * other * v
+            yield v * ratio, v, weight * other * v
     else:
         for (v, weight), (w, other) in product(smooth(32), smooth(32)):
             yield v, w, weight * other
@@ -164,8 +199,21 @@ def legendre(degree):
     return polynomial
 
 
-def basis(panels, number, degrees):
-    """Return panel `number` (-1: the tail) with the basis functions of these degrees."""
+def moments(piece, density=1, factor=None):
+    """Return ``int phi factor s ds`` for all functions of a piece of the unit disk."""
+    sums = [mp.mpf(0)] * len(piece.at(mp.mpf(1) / 2)[1])
+    for v, weight in gauss(round(40 * density)):
+        (d, _), values = piece.at(v)
+        scale = weight / 2 * (1 if factor is None else factor(d))
+        sums = [a + scale * b for a, b in zip(sums, values, strict=True)]
+    return sums
+
+
+def basis(panels, number, degrees, place=None, extra=None):
+    """Return panel `number` (-1: the tail) with the basis functions of these degrees.
+
+    With `extra` one more function of ``d`` joins them.
+    """
     width, power = mp.mpf(panels.width), mp.mpf(panels.power)
     end = mp.exp(-panels.panels * width)
     polynomials = [legendre(degree) for degree in degrees]
@@ -177,11 +225,12 @@ def basis(panels, number, degrees):
 
     def functions(d):
         x, weight = argument(d), d**power
-        return [weight * polynomial(x) for polynomial in polynomials]
+        values = [weight * polynomial(x) for polynomial in polynomials]
+        return values if extra is None else [*values, extra(d)]
 
     if number < 0:
-        return Piece(0, end, functions)
-    return Piece(mp.exp(-width * (number + 1)), mp.exp(-width * number), functions)
+        return Piece(0, end, functions, place)
+    return Piece(mp.exp(-width * (number + 1)), mp.exp(-width * number), functions, place)
 
 
 def rows(panels, number, degrees):
