@@ -162,22 +162,26 @@ class Zones:
         self.cross = np.zeros((disk.panels.size, len(at_rim)))
         self.cross[self.space.index] = rim.value**3 * self.space.moments(functions.T).T
 
-    def panel(self, half: int, number: int):
-        """Return a panel of a half of the annulus (0: inner, 1: outer), and its places."""
+    def half(self, half: int) -> Resolution:
+        """Return the space on a half of the annulus (0: inner, 1: outer)."""
         family, part = list(self.sticks.parts())[half]
-        panels, columns = family.panels, self.sticks.columns
-        start = part.start + rows(panels, number, (0,))[0]
-        count = panels.tail_terms if number == TAIL else panels.degree + 1
-        inside = np.flatnonzero((columns >= start) & (columns < start + count))
-        degrees = (0, len(inside) - 1)
-        (b, y), (c, z) = (self._exact(family.boundary), self._exact(self.radii[-1]))
-        del c
-        slope = z / 2 if half == 1 else y / 2
-        if half == 1:  # from the edge inward
-            place = Place(mp.mpf(1), mp.mpf(0), -slope)
-        else:
-            place = Place(b * b, y, slope)
-        return basis(panels, number, degrees, place), [int(inside[0]), int(inside[-1])]
+        panels, columns = family.panels, self.sticks.columns - part.start
+        terms = panels.degree + 1
+        inside = columns[(columns >= 0) & (columns < panels.panels * terms)]
+        degrees = np.bincount(inside // terms, minlength=panels.panels) - 1
+        return Resolution(panels, tuple(degrees.tolist()))
+
+    def panel(self, half: int, number: int):
+        """Return a panel of a half of the annulus, and its places."""
+        space = self.half(half)
+        degrees = extremes(space, number)
+        _, part = list(self.sticks.parts())[half]
+        places = [part.start + row for row in rows(space.panels, number, degrees)]
+        inner, rest = self._exact(self.radii[-1])
+        # the outer end is the edge; the families meet in the middle, in s^2
+        ends = Place(inner**2, rest, rest / 2), Place(mp.mpf(1), mp.mpf(0), -rest / 2)
+        piece = basis(space.panels, number, degrees, ends[half])
+        return piece, np.searchsorted(self.sticks.columns, places).tolist()
 
     @staticmethod
     def _exact(radius):
@@ -202,18 +206,13 @@ class Zones:
         one = basis(self.disk.panels, number, degrees, Place(c * c, rest, -c * c))
         two, right = self.panel(*other)
         left = rows(self.disk.panels, number, degrees)
-        gram, columns = solver_matrix_of(self.disk)
+        gram, columns = solver_matrix(self.disk, "K2")
         own = np.sqrt(radius.value**3 * gram.diagonal()[np.searchsorted(columns, left)])
         scale = np.sqrt(self.gram.diagonal())[right]
         doubles = {"K2": (self.cross[np.ix_(left, right)], own, scale)}
         return Case(
             doubles, (left, right), lambda density: {"K2": entries(one, two, density)[1] / c}
         )
-
-
-def solver_matrix_of(resolution: Resolution):
-    """Return the tangential matrix of a space."""
-    return solver_matrix(resolution, "K2")
 
 
 @cache
