@@ -11,8 +11,10 @@ from itertools import product
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from projection_cases import TAIL, interior_slip, lift_case
 from projection_oracle import Piece, basis, entries, kernels, mp, rows
 
+from spectral_contact.adaptive import Resolution
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 
@@ -51,7 +53,6 @@ FINE = LogPanels(4, 2.0, 20)
 SINGULAR = LogPanels(3, 2.0, 8, power=-0.5)
 ROOT = LogPanels(3, 2.0, 12, root_tail=True)
 SINGULAR_ROOT = LogPanels(3, 2.0, 12, power=-0.5, root_tail=True)
-TAIL = -1
 
 #: panels; number of the panel and degrees of its functions, twice
 SAMPLE = {
@@ -116,3 +117,38 @@ def test_mass_is_block_diagonal():
     for mass in (disk.normal.mass, disk.tangential.mass):
         assert_array_equal(mass[apart], 0.0)
         assert np.all(mass.diagonal() > 0.0)
+
+
+# --- what the solver builds from them -------------------------------------------------------------
+
+COARSE = Resolution(LogPanels(4, 2.0, 8), (8, 8, 6, 4))
+
+
+def largest_difference(case):
+    exact = case.exact(1)
+    return max(
+        np.abs((block - np.array(exact[kernel].tolist(), dtype=float)) / np.outer(*scales)).max()
+        for kernel, (block, *scales) in case.doubles.items()
+    )
+
+
+def test_right_hand_side_of_the_lift():
+    assert largest_difference(lift_case(COARSE, 5e-3, 2)) <= 1e-14
+
+
+ANNULUS = {
+    "same": ((0, 1), (0, 1)),
+    "neighbours": ((0, 1), (0, 2)),
+    "halves": ((0, 1), (1, 2)),
+    "both tails": ((0, TAIL), (1, TAIL)),
+}
+
+
+@pytest.mark.parametrize("pair", ANNULUS.values(), ids=ANNULUS.keys())
+def test_annulus_entries(pair):
+    assert largest_difference(interior_slip().annulus_case(*pair)) <= 1e-14
+
+
+@pytest.mark.parametrize(("number", "other"), [(0, (0, 0)), (TAIL, (0, TAIL))])
+def test_disk_and_annulus_entries(number, other):
+    assert largest_difference(interior_slip().cross_case(number, other)) <= 1e-14
