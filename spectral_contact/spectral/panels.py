@@ -79,7 +79,7 @@ class LogPanels:
         """Galerkin nodes on the first panel, and on every other one and the tail.
 
         Products of two half-integrals have degree ``4 degree + 2`` in the node variable times
-        analytic factors: with these counts the entries are right to a few ulp.
+        analytic factors: with these counts rounding is all that is left.
         """
         extra = max(10, 22 - self.degree)
         return 2 * self.degree + extra + 8, 2 * self.degree + extra
