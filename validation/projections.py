@@ -56,10 +56,11 @@ MESHES = {
 }
 LIFTED = 1e-6
 NOTE = (
-    "The solver itself does not use K1 with a weight or a root tail. Differences above 10 ulp belong "
-    "to degree 0 beside a high degree. Where they were traced, to the central panel's neighbour and "
-    "to the root tail, a nearly constant kernel leaves an ulp or less of itself in the high degree, "
-    "of one sign at all points, because the Gauss nodes and what is made of them are rounded."
+    "The solver itself does not use K1 with a weight or a root tail. Differences above 10 ulp "
+    "belong to degree 0 beside a high degree. Where they were traced, to the central panel's "
+    "neighbour and to the root tail, a nearly constant kernel leaves an ulp or less of itself in "
+    "the high degree, of one sign at all points, because the Gauss nodes and what is made of them "
+    "are rounded."
 )
 
 
