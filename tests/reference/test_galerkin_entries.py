@@ -138,7 +138,6 @@ def test_right_hand_side_of_the_lift():
 
 ANNULUS = {
     "same": ((0, 1), (0, 1)),
-    "neighbours": ((0, 1), (0, 2)),
     "halves": ((0, 1), (1, 2)),
     "both tails": ((0, TAIL), (1, TAIL)),
 }
