@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["legendre_rows", "legendre_sum"]
+__all__ = ["legendre_rows", "legendre_rows_between", "legendre_sum"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,27 @@ def legendre_rows(x: Array, degree: int) -> Array:
         current = np.subtract(product, values[n - 2, ...], out=values[n, ...])
         current *= (n - 1) / n
         current += product
+    return values
+
+
+def legendre_rows_between(low: Array, high: Array, degree: int) -> Array:
+    """Return P_0 ... P_degree at ``-1 + low = 1 - high`` as rows, as accurate as the distances.
+
+    Next to either end the polynomials vary like ``degree**2`` times the distance, and rounding
+    the argument itself would cost that many eps.
+    """
+    near = np.minimum(low, high)
+    values = np.empty((degree + 1, *near.shape))
+    values[0] = 1.0
+    step = np.zeros(near.shape)  # P_n - P_(n-1) at 1 - near
+    product = np.empty(near.shape)
+    for n in range(degree):
+        np.multiply(near, values[n, ...], out=product)
+        product *= (2 * n + 1) / (n + 1)
+        step *= n / (n + 1)
+        step -= product
+        np.add(values[n, ...], step, out=values[n + 1, ...])
+    values[1::2] *= np.where(low < high, -1.0, 1.0)
     return values
 
 

@@ -20,7 +20,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.legendre import legendre_rows_between
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_projection_matrix,
+    legendre_values,
+)
 
 __all__ = [
     "ROOT_TERMS",
@@ -58,8 +63,31 @@ def _panel(values: Array, local: Array, degree: int) -> Array:
     return np.asarray((values[:, None, :] @ legendre_values(local, degree))[:, 0, :])
 
 
+def _near_panel(values: Array, start: Array, end: Array, width: float, degree: int) -> Array:
+    """Contract likewise, at these distances from the shallow and the deep end of a panel."""
+    rows = legendre_rows_between(2.0 * start / width, 2.0 * end / width, degree)
+    return np.asarray((values[:, None, :] @ rows.transpose(1, 2, 0))[:, 0, :])
+
+
+def _root_rule(lower: Array, upper: Array, g: Array, w: Array) -> tuple[Array, ...]:
+    """Return ``u``, ``u - lower``, ``upper - u`` and weights of ``int . du / (2 sqrt(u))``.
+
+    The rule ``g, w`` is applied in ``sqrt(u)``. The distances keep their digits.
+    """
+    a, b = np.sqrt(lower)[:, None], np.sqrt(upper)[:, None]
+    span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
+    step = span * (1.0 + g) / 2.0
+    root = a + step
+    return root**2, step * (root + a), span * (1.0 - g) / 2.0 * (root + b), w * span / 2.0
+
+
 def deeper_blocks(
-    to_end: Array, panels: int, width: float, degree: int, power: float = 0.0
+    to_end: Array,
+    panels: int,
+    width: float,
+    degree: int,
+    power: float = 0.0,
+    from_start: Array | None = None,
 ) -> Array:
     """Return blocks of the `deeper` integral for points inside one panel.
 
@@ -75,6 +103,8 @@ def deeper_blocks(
         Highest Legendre degree.
     power : float
         Endpoint weight: the functions are ``d**power`` times Legendre polynomials.
+    from_start : ndarray, shape (n,), optional
+        Distance from the shallow end, where the difference to the width is not accurate enough.
 
     Returns
     -------
@@ -86,12 +116,11 @@ def deeper_blocks(
     lower = np.zeros(len(to_end))
     upper = to_end
     for k in range(min(panels, 2)):  # own panel and the next: u = theta**2
-        a, b = np.sqrt(lower)[:, None], np.sqrt(upper)[:, None]
-        span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
-        u = (a + span * (1.0 + g) / 2.0) ** 2
-        local = 1.0 - 2.0 * (to_end[:, None] + k * width - u) / width
-        values = np.exp(-(1.0 + power) * u) * _smooth(u) * (w * span / 2.0)
-        blocks[:, k] = _panel(values, local, degree)
+        u, start, end, weights = _root_rule(lower, upper, g, w)
+        if k == 0:
+            start += (width - to_end if from_start is None else from_start)[:, None]
+        values = np.exp(-(1.0 + power) * u) * _smooth(u) * weights
+        blocks[:, k] = _near_panel(values, start, end, width, degree)
         lower, upper = upper, upper + width
     if panels > 2:
         start = to_end[:, None] + width * np.arange(1, panels - 1)
@@ -100,9 +129,9 @@ def deeper_blocks(
         values = np.exp(-start)[:, :, None] * np.exp(-step)
         np.subtract(1.0, values, out=values)
         np.sqrt(values, out=values)
-        np.divide((0.25 * width) * w * np.exp(-(1.0 + power) * step), values, out=values)
+        np.divide((0.25 * width) * np.exp(-(1.0 + power) * step), values, out=values)
         values *= np.exp(-(1.0 + power) * start)[:, :, None]
-        blocks[:, 2:] = values @ legendre_values(g, degree)
+        blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
 
 
@@ -131,19 +160,18 @@ def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> A
     lower = np.maximum(from_start - width, 0.0)  # a point in the tail lies past its panel
     upper = from_start
     for k in range(min(panels, 2)):
-        a, b = np.sqrt(lower)[:, None], np.sqrt(upper)[:, None]
-        span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
-        u = (a + span * (1.0 + g) / 2.0) ** 2
-        offset = from_start[:, None] + k * width - u
-        values = np.exp(-offset / 2.0) * _smooth(u) * (w * span / 2.0)
-        blocks[:, k] = _panel(values, 2.0 * offset / width - 1.0, degree)
+        u, end, offset, weights = _root_rule(lower, upper, g, w)
+        if k == 0:  # the panel ends before the point in the tail, or beyond it
+            end += np.maximum(width - from_start, 0.0)[:, None]
+        values = np.exp(-offset / 2.0) * _smooth(u) * weights
+        blocks[:, k] = _near_panel(values, offset, end, width, degree)
         lower, upper = upper, upper + width
     if panels > 2:
         offset = width * (1.0 + g) / 2.0
         start = from_start[:, None] + width * np.arange(2, panels)
         u = start[:, :, None] - offset
-        values = (0.25 * width) * w * np.exp(-offset / 2.0) / np.sqrt(-np.expm1(-u))
-        blocks[:, 2:] = values @ legendre_values(g, degree)
+        values = (0.25 * width) * np.exp(-offset / 2.0) / np.sqrt(-np.expm1(-u))
+        blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
 
 
@@ -227,10 +255,10 @@ def outer(d: Array, panels: int, width: float, degree: int) -> Array:
 
 def _plain(e: Array, panels: int, width: float, degree: int) -> Array:
     """Return ``1/2 int psi dd' / sqrt(|d' + e|)`` on the panels, for e clear of ``-d'``."""
-    g, w = gauss_rule(degree + _EXTRA)
+    g, _ = gauss_rule(degree + _EXTRA)
     source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
-    values = (0.25 * width) * w * source / np.sqrt(np.abs(source + e[:, None, None]))
-    return np.asarray(values @ legendre_values(g, degree))
+    values = (0.25 * width) * source / np.sqrt(np.abs(source + e[:, None, None]))
+    return np.asarray(values @ legendre_projection_matrix(len(g), degree))
 
 
 def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:

@@ -91,11 +91,11 @@ class DiskOperators:
     def __init__(self, panels: LogPanels) -> None:
         self.panels = panels
         self.nodes: Nodes
-        self.nodes, first, other = panels.nodes()
+        self.nodes, (start, first), (begin, other) = panels.nodes()
         # blocks of the half-integral, which depend on panel differences alone
         p, form = panels.panels, (panels.width, panels.degree, panels.power)
-        self._first = deeper_blocks(first, p, *form).reshape(len(first), -1)
-        self._other = deeper_blocks(other, max(p - 1, 1), *form).reshape(len(other), -1)
+        self._first = deeper_blocks(first, p, *form, start).reshape(len(first), -1)
+        self._other = deeper_blocks(other, max(p - 1, 1), *form, begin).reshape(len(other), -1)
         self._tail = deeper_tail(
             self.nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
         )

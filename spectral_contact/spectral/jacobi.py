@@ -20,12 +20,16 @@ __all__ = [
     "gauss_rule",
     "jacobi_values",
     "legendre_expansion_matrix",
+    "legendre_projection_matrix",
     "legendre_values",
 ]
 
 
 _RULES: BoundedCache[tuple[int, float, float], tuple[NDArray[np.float64], NDArray[np.float64]]] = (
     BoundedCache("Gauss rules", 64)
+)
+_PROJECTIONS: BoundedCache[tuple[int, int], NDArray[np.float64]] = BoundedCache(
+    "Legendre projections", 32
 )
 _EXPANSIONS: BoundedCache[tuple[int, int], NDArray[np.float64]] = BoundedCache(
     "Legendre expansions", 32
@@ -165,6 +169,26 @@ def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
     return _EXPANSIONS.get((points, degree), lambda: _frozen_expansion(points, degree))
 
 
+def legendre_projection_matrix(points: int, degree: int) -> NDArray[np.float64]:
+    """Return the matrix from values at Gauss-Legendre nodes to integrals against P_0 ... P_degree.
+
+    Parameters
+    ----------
+    points : int
+        Number of Gauss nodes; must exceed `degree`.
+    degree : int
+        Highest degree.
+
+    Returns
+    -------
+    ndarray
+        Shape ``(points, degree + 1)``, read-only. The rounding of the nodes is taken out of it:
+        what is nearly constant would have the same spurious integral against a high degree
+        everywhere, and in a Gram matrix that adds up.
+    """
+    return _PROJECTIONS.get((points, degree), lambda: _frozen_projection(points, degree))
+
+
 def chebyshev_interpolation(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return Chebyshev points on [-1, 1] and the matrix from values there to coefficients.
 
@@ -189,5 +213,16 @@ def _frozen_expansion(points: int, degree: int) -> NDArray[np.float64]:
     nodes, weights = gauss_rule(points)
     scale = np.arange(degree + 1) + 0.5
     matrix = scale[:, None] * legendre_values(nodes, degree).T * weights
+    matrix.setflags(write=False)
+    return matrix
+
+
+def _frozen_projection(points: int, degree: int) -> NDArray[np.float64]:
+    nodes, weights = gauss_rule(points)
+    values = legendre_values(nodes, degree)
+    matrix = values * weights[:, None]
+    products = matrix.T @ values
+    defect = products - np.diag(1.0 / (np.arange(degree + 1) + 0.5))
+    matrix -= matrix @ np.linalg.solve(products, defect)
     matrix.setflags(write=False)
     return matrix

@@ -79,7 +79,7 @@ class LogPanels:
         """Galerkin nodes on the first panel, and on every other one and the tail.
 
         Products of two half-integrals have degree ``4 degree + 2`` in the node variable times
-        analytic factors: with these counts the entries are right to a few ulp.
+        analytic factors: with these counts rounding is all that is left.
         """
         extra = max(10, 22 - self.degree)
         return 2 * self.degree + extra + 8, 2 * self.degree + extra
@@ -103,16 +103,16 @@ class LogPanels:
         x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
         return x, np.broadcast_to(w * self.width / 2.0, x.shape)
 
-    def nodes(self) -> tuple[Nodes, Array, Array]:
+    def nodes(self) -> tuple[Nodes, tuple[Array, Array], tuple[Array, Array]]:
         """Return the Galerkin nodes and their distances to the panel ends.
 
         Returns
         -------
         nodes : Nodes
             All nodes, `node_counts` on the panels.
-        first, other : ndarray
-            Distance in ``x`` from each node of the first panel, and of any other, to the deep
-            end of its panel.
+        first, other : tuple of ndarray
+            Distances in ``x`` of each node of the first panel, and of any other, from the shallow
+            and to the deep end of its panel.
 
         Notes
         -----
@@ -140,7 +140,7 @@ class LogPanels:
             np.concatenate([rest, 1.0 - tail]),
             np.concatenate([weights, tail_weights]),
         )
-        return nodes, first, other
+        return nodes, (first_x, first), (h * (1.0 - g) / 2.0 * (1.0 + v), other)
 
     def panel_gram(self, decay: float) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""

@@ -1,3 +1,4 @@
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -6,11 +7,13 @@ from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy import special
 
+from spectral_contact.legendre import legendre_rows_between
 from spectral_contact.spectral.jacobi import (
     chebyshev_values,
     gauss_rule,
     jacobi_values,
     legendre_expansion_matrix,
+    legendre_projection_matrix,
     legendre_values,
 )
 
@@ -202,3 +205,22 @@ def test_expansion_projects():
     matrix = legendre_expansion_matrix(8, 5)
     assert matrix.shape == (6, 8)
     assert_allclose(matrix @ legendre_values(nodes, 6)[:, 6], 0, atol=3e-15)
+
+
+def test_projection_is_orthogonal_to_the_last_digit():
+    nodes, _ = gauss_rule(36)
+    matrix = legendre_projection_matrix(36, 24)
+    exact = np.diag(1 / (np.arange(25) + 0.5))
+    assert_allclose(matrix.T @ legendre_values(nodes, 24), exact, atol=4e-16)
+    # what is constant has no part of a high degree: the rule alone leaves 1e-16
+    assert np.abs([math.fsum(column) for column in matrix.T[20:]]).max() < 4e-17
+
+
+def test_legendre_between_the_ends_keeps_both_distances():
+    near = np.array([1e-30, 1e-12, 0.3])
+    for n in (1, 6, 24):
+        slope = n * (n + 1) / 2
+        at_end = legendre_rows_between(2 - near, near, 24)[n]
+        assert_allclose(1 - at_end[1], slope * 1e-12, atol=3e-16)
+        assert_allclose(legendre_rows_between(near, 2 - near, 24)[n], (-1) ** n * at_end)
+        assert_allclose(at_end, legendre_values(1 - near, 24)[:, n], atol=3e-14)

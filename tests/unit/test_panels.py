@@ -67,7 +67,7 @@ def test_half_line_nodes_integrate_over_x(panels, rate):
 
 @MESHES
 def test_nodes_know_both_distances_and_those_to_the_ends(panels):
-    nodes, first, other = panels.nodes()
+    nodes, (_, first), (_, other) = panels.nodes()
     assert_allclose(nodes.d + nodes.rest, 1.0, rtol=3e-16)
     assert np.all((nodes.rest > 0) & (nodes.d > 0) & (nodes.weights > 0))
     to_end = np.concatenate([first, *([other] * (panels.panels - 1))])
@@ -84,7 +84,7 @@ def test_nodes_know_both_distances_and_those_to_the_ends(panels):
 @pytest.mark.parametrize("m", [0, 1, 3])
 def test_nodes_integrate_odd_powers_of_t(panels, m):
     # the shear force has one, so the centre must not be taken for a point of symmetry
-    nodes, _, _ = panels.nodes()
+    nodes, *_ = panels.nodes()
     assert_allclose(nodes.weights @ np.sqrt(nodes.rest) ** m, 1 / (m + 1), rtol=2e-15)
 
 
@@ -92,7 +92,7 @@ def test_nodes_integrate_odd_powers_of_t(panels, m):
 @pytest.mark.parametrize("m", [0, 1, 2, 3, 0.5, 1.5])
 def test_nodes_integrate_over_t(panels, m):
     # int_0^1 (1 - t^2)^m dt, the square root at the edge included
-    nodes, _, _ = panels.nodes()
+    nodes, *_ = panels.nodes()
     exact = special.beta(m + 1, 0.5) / 2
     assert_allclose(nodes.weights @ nodes.d**m, exact, rtol=2e-15)
     exact = special.beta(m + 1, 1.5) / 2
@@ -102,7 +102,7 @@ def test_nodes_integrate_over_t(panels, m):
 @MESHES
 def test_nodes_integrate_products_of_roots_at_the_deep_ends(panels):
     # a half-integral is a polynomial times sqrt(distance to the deep end), plus another; squared
-    nodes, first, other = panels.nodes()
+    nodes, (_, first), (_, other) = panels.nodes()
     h = mp.mpf(panels.width)
     for j in {0, panels.panels - 1}:
         to_end = first if j == 0 else other
