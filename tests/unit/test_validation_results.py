@@ -1,4 +1,4 @@
-"""The results in ../validation that documentation quotes: whole, clean, and true of this version."""
+"""The results in ../validation that documentation quotes: whole and of this version."""
 
 import json
 import math

@@ -1,0 +1,10 @@
+"""The same problems to any number of digits.
+
+`reference` solves a scene in fixed-point arithmetic, to 15 to 60 digits, and certifies them by a
+second solution on another mesh.
+"""
+
+from spectral_contact.precise.reference import reference
+from spectral_contact.precise.solution import PreciseZone, ReferenceSolution
+
+__all__ = ["PreciseZone", "ReferenceSolution", "reference"]

@@ -1,0 +1,405 @@
+"""Galerkin operators of a disk in fixed point, on the panels of `spectral.panels`.
+
+The half-integral of a panel is the one of `spectral.abel`, with rules that converge to any number
+of digits. A factorisation in double precision solves for the coefficients; residuals taken here
+refine them by some twelve digits a sweep.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, log
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.errors import ConvergenceError
+from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.galerkin import DiskOperators
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Disk", "FarField", "Mesh", "Series"]
+
+_LN10 = log(10.0)
+_MOST_SWEEPS = 30
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Panels, degrees and precision for a number of digits.
+
+    Attributes
+    ----------
+    panels : LogPanels
+    degrees : tuple of int
+        Highest degree on each panel.
+    digits : int
+        Relative accuracy aimed at.
+    """
+
+    panels: LogPanels
+    degrees: tuple[int, ...]
+    digits: int
+
+    @classmethod
+    def graded(
+        cls,
+        digits: int,
+        layer: float,
+        *,
+        rate: float = 1.0,
+        width: float = 2.0,
+        power: float = 0.0,
+    ) -> Mesh:
+        """Return the mesh of a solution that settles like ``exp(-rate x)`` past `layer`."""
+        top = ceil((1.3 * digits + 8.0) * np.sqrt(width / 2.0))
+        settle = (digits * _LN10 + 4.0) / rate
+        panels = ceil((layer + settle) / width)
+        x = width * np.arange(panels)
+        missing = np.clip(1.0 - (x - layer - 4.0) / settle, 0.0, 1.0)
+        degrees = np.maximum(np.ceil(top * missing) + 2, 4).astype(int)
+        return cls(LogPanels(panels, width, int(degrees.max()), power), tuple(degrees), digits)
+
+    @property
+    def depth(self) -> float:
+        """``x`` at which the tail begins."""
+        return self.panels.panels * self.panels.width
+
+
+@dataclass(frozen=True)
+class Series:
+    """A Legendre series on panels in ``x = -ln d``, with a tail polynomial in ``d``.
+
+    Attributes
+    ----------
+    fixed : Fixed
+    width : float
+    table : ndarray of int, shape (panels, terms)
+    tail : ndarray of int
+    """
+
+    fixed: Fixed
+    width: float
+    table: Ints
+    tail: Ints
+
+    def at(self, d: Ints, x: Ints | None = None) -> Ints:
+        """Evaluate at distances, or with their ``-ln d`` where that is known; any shape."""
+        f, shape = self.fixed, np.shape(d)
+        d = np.ravel(d)
+        deep = f.floats(d) < np.exp(-len(self.table) * self.width) * (1.0 - 1e-9)
+        if x is None:
+            x = d.copy()
+            x[~deep] = -f.map(f.mp.log, d[~deep])
+        else:
+            x = np.ravel(x)
+        values = np.empty(len(d), dtype=object)
+        h = f.of(self.width)
+        own = np.where(deep, -1, 0)
+        own[~deep] = [min(int(v // h), len(self.table) - 1) for v in x[~deep]]
+        for j in np.unique(own):
+            rows = own == j
+            if j < 0:
+                end = f.exp(-len(self.table) * h)
+                local, series = 2 * f.over(d[rows], end) - f.one, self.tail
+            else:
+                local, series = 2 * f.over(x[rows] - int(j) * h, h) - f.one, self.table[j]
+            values[rows] = f.dot(f.legendre(local, len(series) - 1), series)
+        return values.reshape(shape)
+
+    @property
+    def limit(self) -> Any:
+        """Value at ``d = 0``."""
+        return sum(c if k % 2 == 0 else -c for k, c in enumerate(self.tail))
+
+
+class FarField:
+    """Integrals over panels two places away and more, in time linear in the number of panels.
+
+    There ``1/sqrt(1 - e)`` is a power series in ``e = exp(-u)``, which is a product of what depends
+    on the point, on the source, and on the number of panels between.
+
+    Parameters
+    ----------
+    disk : Disk
+    weight, near : ndarray of int, shape (rule_points,)
+        Factors of the integral, and of e, that depend on the source in its panel.
+    lead : int
+        The integral falls like ``exp(-lead u)`` before the series.
+    offsets : list of ndarray of int
+        Sets of points: their distances from the end of their panel.
+
+    Attributes
+    ----------
+    points : list of ndarray of int, shape (points, terms)
+    sources : ndarray of int, shape (terms, degree + 1)
+    decay : ndarray of int, shape (terms,)
+        What one panel between multiplies the terms by.
+    """
+
+    def __init__(
+        self, disk: Disk, weight: Ints, near: Ints, lead: Any, offsets: list[Ints]
+    ) -> None:
+        f, h = disk.fixed, disk.fixed.of(disk.panels.width)
+        self._fixed = f
+        terms = ceil((disk.mesh.digits + 6) * _LN10 / float(disk.panels.width)) + 1
+        g, w = f.gauss(disk.rule_points)
+        basis = f.legendre(g, disk.panels.degree)
+        weight, sources, binomial = f.times(w, h, weight) // 4, [], f.one
+        for j in range(terms):
+            sources.append(f.times(binomial, f.dot(weight, basis)))
+            weight = f.times(weight, near)
+            binomial = binomial * (2 * j + 1) // (2 * j + 2)
+        exponents = lead + f.one * np.arange(terms, dtype=object)
+        self.sources = np.array(sources)
+        self.points = [f.exp(-f.times(x[:, None], exponents)) for x in offsets]
+        self.decay = f.exp(-f.times(h, exponents))
+        self.nothing = 0 * self.decay
+
+    def passed_on(self, far: Ints, coefficients: Ints) -> Ints:
+        """Return the sums of a panel from those of its neighbour and a source two panels away."""
+        f = self._fixed
+        own = f.dot(self.sources[:, : len(coefficients)], coefficients)
+        return np.asarray(f.times(self.decay, far + own))
+
+
+class Disk:
+    """Half-integrals on a mesh, and what is solved with them.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    fixed : Fixed
+
+    Attributes
+    ----------
+    x, d, rest : ndarray of int
+        The nodes: ``x`` of those on the panels; distances of all from the rim, and 1 less them.
+    weights : ndarray of int
+        Those of ``dt``.
+    """
+
+    def __init__(self, mesh: Mesh, fixed: Fixed) -> None:
+        self.mesh, self.fixed = mesh, fixed
+        self.panels = mesh.panels
+        self._h = fixed.of(mesh.panels.width)
+        self._end = fixed.exp(-mesh.panels.panels * self._h)
+        self._place_nodes()
+        self._blocks = [self._deeper(self._first_end), self._deeper(self._other_end)]
+        self._far = self._deeper_far()
+        self._tails = self._deeper_tail()
+        self._masses = [self._panel_mass(decay) for decay in (1, 2)]
+        self._double = DiskOperators(mesh.panels)
+
+    # nodes
+
+    def _place_nodes(self) -> None:
+        f, p, h = self.fixed, self.panels.panels, self._h
+        count = 2 * self.panels.degree + ceil(0.7 * self.mesh.digits) + 8
+        g, w = f.gauss(count + 10)
+        phi = f.times(f.of(f.mp.pi) // 4, f.one + g)
+        sine, cosine = f.map(f.mp.sin, phi), f.map(f.mp.cos, phi)
+        first_x = f.times(h, sine, sine)
+        first_dx = f.times(w, f.of(f.mp.pi) // 2, h, sine, cosine)
+        g, w = f.gauss(count)
+        v = (f.one + g) // 2
+        self._first_end, self._other_end = f.times(h, cosine, cosine), f.times(h, v, v)
+        last = h * np.arange(2, p + 1, dtype=object)[:, None]
+        self.x = np.concatenate([first_x, (last - self._other_end).ravel()])
+        dx = np.concatenate([first_dx, np.tile(f.times(w, h, v), p - 1)])
+        d = f.exp(-self.x)
+        rest = -f.map(f.mp.expm1, -self.x)
+        tail = f.times(self._end, v, v)
+        weights = f.over(f.times(dx, d), 2 * f.sqrt(rest))
+        tail_weights = f.over(f.times(w, v, self._end), 2 * f.sqrt(f.one - tail))
+        self.d = np.concatenate([d, tail])
+        self.rest = np.concatenate([rest, f.one - tail])
+        self.weights = np.concatenate([weights, tail_weights])
+        root = f.sqrt(self.d)
+        self._root = root if self.panels.power == 0.0 else np.full(len(root), f.one, dtype=object)
+        bounds = [0, len(first_x)]
+        bounds += [len(first_x) + k * count for k in range(1, p)]
+        self._rows = [slice(a, b) for a, b in pairwise(bounds)]
+        self._tail_rows = slice(bounds[-1], len(self.d))
+
+    # half-integrals
+
+    @property
+    def rule_points(self) -> int:
+        """Gauss points that integrate over a panel to rounding."""
+        return self.panels.degree + ceil(0.75 * self.mesh.digits) + 8
+
+    def _deeper(self, to_end: Ints) -> list[Ints]:
+        """Return the half-integrals at points of one panel: of that panel, and of the next."""
+        f, h = self.fixed, self._h
+        g, w = f.gauss(self.rule_points)
+        blocks = []
+        lower, upper = 0 * to_end, to_end
+        for k in range(2):
+            a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
+            u = a + f.times(b - a, f.one + g) // 2
+            u = f.times(u, u)
+            fall = f.exp(-u)
+            smooth = f.sqrt(f.over(u, f.one - fall))
+            weight = fall if self.panels.power == 0.0 else f.sqrt(fall)
+            values = f.times(weight, smooth, w, b - a) // 2
+            basis = f.legendre(
+                f.one - 2 * f.over(to_end[:, None] + k * h - u, h), self.panels.degree
+            )
+            blocks.append(np.array([f.dot(v, m) for v, m in zip(values, basis, strict=True)]))
+            lower, upper = upper, upper + h
+        return blocks
+
+    def _deeper_far(self) -> FarField:
+        f = self.fixed
+        lead = f.of(1.0 + self.panels.power)
+        step = f.times(self._h, f.one + f.gauss(self.rule_points)[0]) // 2
+        weight = f.exp(-f.times(lead, step))
+        return FarField(self, weight, f.exp(-step), lead, [self._first_end, self._other_end])
+
+    def _deeper_tail(self) -> Ints:
+        """Return the half-integrals of the tail polynomials at all nodes."""
+        f, d, end = self.fixed, self.d, self._end
+        if self.panels.power == 0.0:
+            # d' = d - w^2 leaves a polynomial
+            g, w = f.gauss(TAIL_TERMS + 1)
+            far = f.sqrt(np.maximum(d - end, 0))
+            root = f.sqrt(d)
+            span = np.where(d > end, f.over(end, root + far), root)[:, None]
+            inner = f.times(span, f.one - g) // 2
+            source = f.times(inner, 2 * root[:, None] - inner)
+            values = f.times(span, w) // 2
+        else:
+            g, w = f.gauss(ceil(0.7 * self.mesh.digits) + 12)
+            ratio = np.minimum(f.over(end, d), f.one)
+            phi = f.map(f.mp.asin, f.sqrt(ratio))[:, None]
+            sine = f.map(f.mp.sin, f.times(phi, f.one + g) // 2)
+            source = f.times(d[:, None], sine, sine)
+            values = f.times(phi, w) // 2
+        basis = f.legendre(2 * f.over(source, end) - f.one, TAIL_TERMS - 1)
+        return np.array([f.dot(v, m) for v, m in zip(values, basis, strict=True)])
+
+    def half_integral(self, coefficients: Ints) -> Ints:
+        """Return the half-integral at the nodes."""
+        f, (table, tail) = self.fixed, self.split(coefficients)
+        values = f.dot(self._tails, tail)
+        far, terms = self._far.nothing, self._terms
+        for i, rows in reversed(list(enumerate(self._rows))):
+            if i + 2 < len(table):
+                far = self._far.passed_on(far, table[i + 2, : terms[i + 2]])
+            total = self._far.points[min(i, 1)] @ far
+            for block, j in zip(self._blocks[min(i, 1)], range(i, len(table)), strict=False):
+                total = total + block[:, : terms[j]] @ table[j, : terms[j]]
+            values[rows] += f.times(total >> f.bits, self._root[rows])
+        return np.asarray(values)
+
+    def moments(self, density: Ints) -> Ints:
+        """Return the integrals ``dt`` of the half-integrals of all basis functions times this."""
+        f, far, terms = self.fixed, self._far.nothing, self._terms
+        result = np.zeros(self.panels.size, dtype=object)
+        table, tail = self.split(result)
+        tail += f.dot(density, self._tails)
+        seen = [far, far]  # by the panels two places away and more
+        for i, rows in enumerate(self._rows):
+            scaled = f.times(density[rows], self._root[rows])
+            far = f.times(self._far.decay, far + seen[0])
+            seen = [seen[1], f.dot(scaled, self._far.points[min(i, 1)])]
+            table[i, : terms[i]] += f.dot(far, self._far.sources[:, : terms[i]])
+            for block, j in zip(self._blocks[min(i, 1)], range(i, len(table)), strict=False):
+                table[j, : terms[j]] += f.dot(scaled, block[:, : terms[j]])
+        return result
+
+    @property
+    def _terms(self) -> list[int]:
+        return [n + 1 for n in self.mesh.degrees]
+
+    def split(self, coefficients: Ints) -> tuple[Ints, Ints]:
+        """Return views of the coefficients: panels as (panels, degree + 1), and the tail."""
+        table = coefficients[:-TAIL_TERMS].reshape(self.panels.panels, -1)
+        return table, coefficients[-TAIL_TERMS:]
+
+    # mass
+
+    def _panel_mass(self, decay: int) -> Ints:
+        f = self.fixed
+        g, w = f.gauss(self.rule_points)
+        basis = f.legendre(g, self.panels.degree)
+        weight = f.times(w, self._h, f.exp(-decay * f.times(self._h, f.one + g) // 2)) // 2
+        return np.asarray(f.dot(f.times(basis, weight[:, None]).T, basis))
+
+    def mass(self, coefficients: Ints, tangential: bool) -> Ints:
+        """Return the products ``int . . s ds`` (of K2: ``s^3 ds``) with all basis functions."""
+        f, (table, tail) = self.fixed, self.split(coefficients)
+        result = np.zeros(self.panels.size, dtype=object)
+        one, two = self._masses
+        out, out_tail = self.split(result)
+        for j, terms in enumerate(self._terms):
+            d = f.exp(-j * self._h)
+            value = f.dot(one[:terms, :terms], table[j, :terms])
+            if tangential:
+                value = value - f.times(d, f.dot(two[:terms, :terms], table[j, :terms]))
+            out[j, :terms] = f.times(d, value) // 2
+        g, w = f.gauss(TAIL_TERMS + 2)
+        basis = f.legendre(g, TAIL_TERMS - 1)
+        d = f.times(self._end, f.one + g) // 2
+        weight = f.times(w, self._end) // 4
+        if tangential:
+            weight = f.times(weight, f.one - d)
+        out_tail[:] = f.dot(f.times(weight, f.dot(basis, tail)), basis)
+        return result
+
+    # solving
+
+    def solve(self, compliance: Any, target: Any, *, tangential: bool) -> Ints:
+        """Minimise ``int (F - target)^2 W + compliance |a|^2``.
+
+        Parameters
+        ----------
+        compliance : int
+            In fixed point.
+        tangential : bool
+            K2 for ``q = s u``, instead of K1.
+        target : int or ndarray of int
+            What the half-integral should be at the nodes.
+
+        Raises
+        ------
+        ConvergenceError
+            If refinement stalls before the digits of the mesh are reached.
+        """
+        f, double = self.fixed, self._double
+        weights = f.over(self.weights, f.of(f.mp.pi))
+        if tangential:
+            weights = f.times(weights, self.rest)
+        operator = double.tangential if tangential else double.normal
+        factored = operator.space(self.mesh.degrees).factor(float(f.numbers(compliance)))
+        coefficients = np.zeros(self.panels.size, dtype=object)
+        misfit, known = np.zeros(len(self.d), dtype=object) + target, 0
+        goal = 10.0 ** -(self.mesh.digits + 2)
+        for _ in range(_MOST_SWEEPS):
+            residual = self.moments(f.times(weights, misfit)) - known
+            step = f.of(factored.dual(f.floats(residual)))
+            coefficients = np.asarray(coefficients + step)
+            if self._share(step, coefficients) <= goal:
+                return coefficients
+            misfit = target - self.half_integral(coefficients)
+            if compliance:
+                known = f.times(compliance, self.mass(coefficients, tangential))
+        raise ConvergenceError(
+            f"refinement stalls before {self.mesh.digits} digits", "ask for fewer digits"
+        )
+
+    def _share(self, step: Ints, coefficients: Ints) -> float:
+        """Return the largest share of a step on any panel."""
+        shares = [
+            float(self.fixed.numbers(self.fixed.over(np.abs(a).max(), np.abs(b).max() + 1)))
+            for part in zip(self.split(step), self.split(coefficients), strict=True)
+            for a, b in zip(np.atleast_2d(part[0]), np.atleast_2d(part[1]), strict=True)
+        ]
+        return max(shares)
+
+    def series(self, coefficients: Ints) -> Series:
+        """Return the function that the coefficients stand for, without the endpoint weight."""
+        return Series(self.fixed, self.panels.width, *self.split(coefficients))

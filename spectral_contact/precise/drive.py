@@ -1,0 +1,193 @@
+"""The pressure in fixed point, and what it demands of the traction."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.precise.disk import Disk, FarField, Series
+from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.spectral.abel import TAIL_TERMS
+
+__all__ = ["Drive", "RoughDrive", "SmoothDrive"]
+
+
+class Drive:
+    """Pressure for unit load, its transform R, and sums over the rim of the contact.
+
+    `R` is the half-integral that full stick demands for ``kappa = 1`` (docs/theory).
+    """
+
+    fixed: Fixed
+    approach: Any
+
+    def pressure(self, y: Ints, x: Ints | None = None) -> Ints:
+        """Return p at ``y = 1 - s**2``."""
+        raise NotImplementedError
+
+    def target(self, y: Ints, x: Ints | None = None) -> Ints:
+        """Return R at ``y = 1 - t**2``."""
+        raise NotImplementedError
+
+    def outside(self, top: Any) -> tuple[Ints, Ints]:
+        """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
+        raise NotImplementedError
+
+
+class SmoothDrive(Drive):
+    """The pressure ``1/(2 pi sqrt(y))`` of a surface that is smooth in normal contact."""
+
+    def __init__(self, fixed: Fixed, digits: int) -> None:
+        self.fixed = fixed
+        self.approach = fixed.one // 8
+        self._points = 2 * digits + 12
+        self._tau = 2 * fixed.of(fixed.mp.pi)
+
+    def pressure(self, y: Ints, x: Ints | None = None) -> Ints:
+        """Return p at ``y = 1 - s**2``."""
+        f = self.fixed
+        return np.asarray(f.over(f.over(f.one, self._tau), f.sqrt(y)))
+
+    def target(self, y: Ints, x: Ints | None = None) -> Ints:
+        """Return ``ln((1 + t)^2/y) / (2 pi t)``."""
+        f = self.fixed
+        t = f.sqrt(f.one - y)
+        return np.asarray(f.over(2 * f.map(f.mp.atanh, t), f.times(self._tau, t)))
+
+    def outside(self, top: Any) -> tuple[Ints, Ints]:
+        """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
+        f = self.fixed
+        g, w = f.gauss(self._points)
+        root = f.sqrt(top)
+        v = f.times(root, f.one + g) // 2
+        return f.times(v, v), f.over(f.times(root, w) // 2, self._tau)
+
+
+class RoughDrive(Drive):
+    """The pressure of a rough surface.
+
+    Parameters
+    ----------
+    disk : Disk
+    compliance : int
+        ``alpha*`` in fixed point, positive.
+    """
+
+    def __init__(self, disk: Disk, compliance: Any) -> None:
+        self.fixed, self._disk = disk.fixed, disk
+        f = self.fixed
+        unit = disk.solve(compliance, 2 * f.one, tangential=False)
+        # the load is 2 pi int p s ds = 4 int F dt
+        load = 4 * f.dot(disk.weights, disk.half_integral(unit))
+        self.approach = f.over(f.one, load)
+        self._coefficients = f.times(unit, self.approach)
+        self.series = disk.series(self._coefficients)
+        self._target = self._transformed()
+
+    def pressure(self, y: Ints, x: Ints | None = None) -> Ints:
+        """Return p at ``y = 1 - s**2``."""
+        return self.series.at(y, x)
+
+    def target(self, y: Ints, x: Ints | None = None) -> Ints:
+        """Return R at ``y = 1 - t**2``."""
+        return self._target.at(y, x)
+
+    def outside(self, top: Any) -> tuple[Ints, Ints]:
+        """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
+        f, (table, tail) = self.fixed, self._disk.split(self._coefficients)
+        h = f.of(self.series.width)
+        start = -f.map(f.mp.log, top)
+        first = int(start // h)
+        g, w = f.gauss(self._disk.rule_points)
+        y, weights = [], []
+        for j in range(first, len(table)):
+            low, high = max(start, j * h), (j + 1) * h
+            x = low + f.times(high - low, f.one + g) // 2
+            local = 2 * f.over(x - j * h, h) - f.one
+            p = f.dot(f.legendre(local, self._disk.panels.degree), table[j])
+            y.append(f.exp(-x))
+            weights.append(f.times(w, high - low, y[-1], p) // 4)
+        g, w = f.gauss(TAIL_TERMS + 2)
+        end = min(f.exp(-len(table) * h), top)
+        y.append(f.times(end, f.one + g) // 2)
+        local = 2 * f.over(y[-1], f.exp(-len(table) * h)) - f.one
+        weights.append(f.times(w, end, f.dot(f.legendre(local, TAIL_TERMS - 1), tail)) // 4)
+        return np.concatenate(y), np.concatenate(weights)
+
+    # the transform R
+
+    def _transformed(self) -> Series:
+        """Return ``R = (2/t) int_0^t s p ds / sqrt(t^2 - s^2)`` as a series."""
+        f, panels = self.fixed, self._disk.panels
+        h, count = f.of(panels.width), panels.panels
+        points = self._disk.rule_points
+        start = f.times(h, f.one + f.gauss(points)[0]) // 2
+        end = f.exp(-count * h)
+        d = f.times(end, f.one + f.gauss(TAIL_TERMS + 1)[0]) // 2
+        beyond = -f.map(f.mp.log, d) - (count - 1) * h
+        far_field = self._outer_far([start, beyond])
+        near, near_tail = self._outer(start), self._outer(beyond)
+        table, tail = self._disk.split(self._coefficients)
+        # the integral scales with the root of the distance at the shallow end of the source
+        scaled = [f.times(f.exp(-j * h // 2), table[j]) for j in range(count)]
+        far = far_field.nothing
+        values = np.zeros((count, points), dtype=object)
+        for i in range(count):
+            if i >= 2:
+                far = far_field.passed_on(far, scaled[i - 2])
+            total = far_field.points[0] @ far
+            for block, source in zip(near, scaled[i::-1], strict=False):
+                total = total + block @ source
+            values[i] = total >> f.bits
+        sums = far_field.points[1] @ far
+        for block, source in zip(near_tail, scaled[::-1], strict=False):
+            sums = sums + block @ source
+        x = h * np.arange(count, dtype=object)[:, None] + start
+        rest = -f.map(f.mp.expm1, -x)
+        values = f.over(2 * values, f.sqrt(rest))
+        sums = (sums >> f.bits) + self._outer_tail(d, end, tail)
+        sums = f.over(2 * sums, f.sqrt(f.one - d))
+        expand = f.expansion(points)
+        return Series(
+            f, panels.width, f.dot(values, expand.T), f.dot(f.expansion(TAIL_TERMS + 1), sums)
+        )
+
+    def _outer(self, from_start: Ints) -> list[Ints]:
+        """Return ``1/2 int_{d' > d} psi dd'/sqrt(d' - d)`` of a panel itself and the one before.
+
+        To be multiplied by ``exp(-x_j/2)`` of the shallow end of the source panel.
+        """
+        f = self.fixed
+        h = f.of(self._disk.panels.width)
+        g, w = f.gauss(self._disk.rule_points)
+        lower, upper = np.maximum(from_start - h, 0), from_start
+        blocks = []
+        for k in range(2):
+            a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
+            u = a + f.times(b - a, f.one + g) // 2
+            u = f.times(u, u)
+            offset = from_start[:, None] + k * h - u
+            smooth = f.sqrt(f.over(u, f.one - f.exp(-u)))
+            values = f.times(f.exp(-offset // 2), smooth, w, b - a) // 2
+            basis = f.legendre(2 * f.over(offset, h) - f.one, self._disk.panels.degree)
+            blocks.append(np.array([f.dot(v, m) for v, m in zip(values, basis, strict=True)]))
+            lower, upper = upper, upper + h
+        return blocks
+
+    def _outer_far(self, from_start: list[Ints]) -> FarField:
+        f = self.fixed
+        h = f.of(self._disk.panels.width)
+        offset = f.times(h, f.one + f.gauss(self._disk.rule_points)[0]) // 2
+        return FarField(self._disk, f.exp(-offset // 2), f.exp(offset - h), 0, from_start)
+
+    def _outer_tail(self, d: Ints, end: Any, tail: Ints) -> Ints:
+        """Return the integral over the tail beyond `d`; in ``w^2 = d' - d`` a polynomial."""
+        f = self.fixed
+        g, w = f.gauss(TAIL_TERMS + 1)
+        span = f.sqrt(end - d)[:, None]
+        source = f.times(span, f.one + g) // 2
+        source = d[:, None] + f.times(source, source)
+        basis = f.legendre(2 * f.over(source, end) - f.one, TAIL_TERMS - 1)
+        values = f.dot(basis, tail)
+        return np.asarray(f.times(values, f.times(span, w) // 2).sum(axis=1))

@@ -1,0 +1,217 @@
+"""Partial slip outside one stick disk, in fixed point, for ``kappa = 1``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.errors import ConvergenceError
+from spectral_contact.precise.disk import Disk, Series
+from spectral_contact.precise.drive import Drive
+from spectral_contact.precise.fixed import Fixed, Ints
+
+__all__ = ["OneDisk", "solve_one_disk"]
+
+_MOST_TRIALS = 8
+
+
+@dataclass(frozen=True)
+class OneDisk:
+    """A stick disk and its traction.
+
+    Attributes
+    ----------
+    logit : mpf
+        ``ln(c^2 / (1 - c^2))``.
+    square, rest : int
+        ``c^2`` and ``1 - c^2`` in fixed point.
+    traction : Series
+        ``q / (s/c)`` in ``1 - s^2/c^2``.
+    total_shear : int
+    """
+
+    logit: Any
+    square: Any
+    rest: Any
+    traction: Series
+    total_shear: Any
+
+
+class _SlipSource:
+    """The half-integral ``int_c^1 p ds/sqrt(s^2 - t^2)`` where ``c^2 - t^2 = e``.
+
+    Next to the rim p is a polynomial, whose integrals obey recurrences: these lose digits like
+    powers of a modest number, which more bits make good. Farther out the kernel is a power series.
+    """
+
+    def __init__(self, drive: Drive, square: Any, rest: Any, digits: int) -> None:
+        f = self.fixed = drive.fixed
+        self._square, self._rest = square, rest
+        terms = ceil(2.2 * digits) + 12
+        self._wide = Fixed(f.bits + 7 * terms)
+        self._extra = 7 * terms
+        self._folded = 2 * square >= f.one
+        # p/s is analytic beyond the rim unless the centre is near
+        w, fit = self._wide, self._fit(terms)
+        self._length = 3 * rest // 4
+        y = rest - f.times(self._length, self._samples(terms, f))
+        values = drive.pressure(y)
+        if self._folded:
+            values = f.over(values, f.sqrt(f.one - y))
+        self._powers = w.dot(fit, values << self._extra)
+        count = ceil(1.7 * digits) + 10
+        self._far = self._sums(drive, rest // 4, count)
+        self._all = self._sums(drive, rest, ceil(2.2 * digits) + 10) if self._folded else None
+
+    @staticmethod
+    def _samples(terms: int, f: Fixed) -> Ints:
+        """Return the Chebyshev points of [0, 1]."""
+        angles = [f.mp.pi * (2 * i + 1) / (2 * terms) for i in range(terms)]
+        return np.array([f.of((1 + f.mp.cos(a)) / 2) for a in angles], dtype=object)
+
+    def _fit(self, terms: int) -> Ints:
+        """Return the matrix from values at the Chebyshev points to powers."""
+        w = self._wide
+        cosines = [w.of(w.mp.cos(w.mp.pi * i / (2 * terms))) for i in range(4 * terms)]
+        k, i = np.arange(terms)[:, None], np.arange(terms)[None, :]
+        matrix = 2 * np.array(cosines, dtype=object)[(k * (2 * i + 1)) % (4 * terms)] // terms
+        matrix[0] //= 2
+        powers = np.zeros((terms, terms), dtype=object)  # of the shifted polynomials, exact
+        powers[0, 0] = 1
+        powers[1, :2] = -1, 2
+        for n in range(2, terms):
+            powers[n] = -2 * powers[n - 1] - powers[n - 2]
+            powers[n, 1:] += 4 * powers[n - 1, :-1]
+        return np.asarray(powers.T @ matrix)
+
+    def _sums(self, drive: Drive, top: Any, count: int) -> Ints:
+        """Return the coefficients of the power series of the kernel."""
+        f = self.fixed
+        y, weights = drive.outside(top)
+        weights = f.over(weights, f.sqrt(f.one - y))
+        ratio, sums, binomial = f.over(y, top), [], f.one
+        for j in range(count):
+            sums.append(f.times(binomial, weights.sum()))
+            weights = f.times(weights, ratio)
+            binomial = binomial * (2 * j + 1) // (2 * j + 2)
+        return np.array(sums, dtype=object)
+
+    def __call__(self, e: Ints) -> Ints:
+        """Return the half-integral; `e` has one axis."""
+        values = np.empty(len(e), dtype=object)
+        near = e <= 2 * self._rest
+        if near.any():
+            series = self._power_series(self._far, self._rest // 4, e[near])
+            values[near] = series + self._near(e[near])
+        if not near.all():
+            assert self._all is not None
+            values[~near] = self._power_series(self._all, self._rest, e[~near])
+        return values
+
+    def _power_series(self, sums: Ints, top: Any, e: Ints) -> Ints:
+        f = self.fixed
+        y = self._rest + e
+        ratio, value = f.over(top, y), 0 * y
+        for c in sums[::-1]:
+            value = f.times(value, ratio) + c
+        return np.asarray(f.over(value, f.sqrt(y)))
+
+    def _near(self, e: Ints) -> Ints:
+        w, x = self._wide, self._extra
+        length = self._length << x
+        eps = w.over(e << x, length)
+        inner, outer = w.sqrt(eps), w.sqrt(w.one + eps)
+        powers = self._powers
+        if self._folded:
+            last = 2 * (outer - inner)
+            total = w.times(powers[0], last)
+            for k in range(1, len(powers)):
+                last = (2 * outer - 2 * k * w.times(eps, last)) // (2 * k + 1)
+                total = total + w.times(powers[k], last)
+            total = w.times(total, w.sqrt(length))
+        else:
+            gamma = w.over(self._square << x, length)
+            root, reach = w.sqrt(gamma), w.sqrt(w.one + gamma)
+            both, product, sum_ = w.times(outer, reach), w.times(gamma, eps), gamma + eps
+            quotient = w.over(outer + reach, inner + root)
+            before = 2 * w.map(w.mp.log, quotient)
+            last = both - w.times(inner, root) - w.times(sum_, before) // 2
+            total = w.times(powers[0], before) + w.times(powers[1], last)
+            for k in range(1, len(powers) - 1):
+                rise = both - (2 * k + 1) * w.times(sum_, last) // 2 - k * w.times(product, before)
+                before, last = last, rise // (k + 1)
+                total = total + w.times(powers[k + 1], last)
+        return np.asarray((total >> x) // 2)
+
+
+def solve_one_disk(drive: Drive, disk: Disk, beta: Any, friction: Any, logit: Any) -> OneDisk:
+    """Solve partial slip with one stick disk.
+
+    Parameters
+    ----------
+    drive : Drive
+    disk : Disk
+    beta, friction : int
+        ``beta*`` and ``f / kappa`` in fixed point.
+    logit : mpf
+        A good guess of ``ln(c^2 / (1 - c^2))``.
+
+    Raises
+    ------
+    ConvergenceError
+        If the radius does not settle.
+    """
+    mp = drive.fixed.mp
+    goal = mp.mpf(10) ** -(disk.mesh.digits + 2)
+    first = _Trial(drive, disk, beta, friction, logit)
+    step = mp.mpf(10) ** -13
+    for _ in range(_MOST_TRIALS):
+        second = _Trial(drive, disk, beta, friction, first.logit + step)
+        if second.mismatch == first.mismatch:
+            return second.outcome()
+        step *= -second.mismatch / (second.mismatch - first.mismatch)
+        first = second
+        if abs(step) <= goal:
+            return second.outcome()
+    raise ConvergenceError("the stick radius does not settle", "ask for fewer digits")
+
+
+class _Trial:
+    """The problem at one radius."""
+
+    def __init__(self, drive: Drive, disk: Disk, beta: Any, friction: Any, logit: Any) -> None:
+        f, mp = drive.fixed, drive.fixed.mp
+        self._drive, self._disk, self._friction = drive, disk, friction
+        self.logit = logit
+        self.square, self.rest = f.of(1 / (1 + mp.exp(-logit))), f.of(1 / (1 + mp.exp(logit)))
+        self._compliance = f.over(beta, f.sqrt(self.square))
+        self._source = _SlipSource(drive, self.square, self.rest, disk.mesh.digits)
+        edge = np.array([self.rest], dtype=object)
+        if beta:  # the traction is continuous
+            mismatch = disk.series(self._coefficients).limit
+            mismatch -= f.times(friction, drive.pressure(edge)[0])
+        else:  # and no more than a square root
+            mismatch = drive.target(edge)[0] - f.times(friction, self._source(0 * edge)[0])
+        #: what is zero at the right radius
+        self.mismatch = f.numbers(mismatch)
+
+    @cached_property
+    def _coefficients(self) -> Ints:
+        f, disk = self._drive.fixed, self._disk
+        e = f.times(self.square, disk.d)
+        target = self._drive.target(self.rest + e) - f.times(self._friction, self._source(e))
+        return disk.solve(self._compliance, target, tangential=True)
+
+    def outcome(self) -> OneDisk:
+        """Return the solution at this radius."""
+        f, disk = self._drive.fixed, self._disk
+        moments = f.times(disk.weights, f.sqrt(disk.rest))
+        inside = f.dot(moments, disk.half_integral(self._coefficients))
+        outside = f.times(self._friction, self._drive.outside(self.rest)[1].sum())
+        shear = f.times(2 * f.of(f.mp.pi), f.times(self.square, inside) + outside)
+        traction = disk.series(self._coefficients)
+        return OneDisk(self.logit, self.square, self.rest, traction, shear)

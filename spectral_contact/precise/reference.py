@@ -1,0 +1,192 @@
+"""The façade: a scene and a number of digits go in, a solution with its error comes out."""
+
+from __future__ import annotations
+
+import sys
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from spectral_contact import checks
+from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
+from spectral_contact.precise.run import Run
+from spectral_contact.precise.solution import PreciseZone, ReferenceSolution
+from spectral_contact.records import ErrorEstimates
+from spectral_contact.scene import Scene
+from spectral_contact.solver import solve
+
+__all__ = ["reference"]
+
+#: Digits beyond those asked for and panel width, of the solution and of the one that checks it.
+_SOLUTION, _CHECK = (4, 2.0), (2, 1.5)
+_MOST_DIGITS = 60
+
+
+def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> ReferenceSolution:
+    """Solve a scene to any number of digits.
+
+    Normal contact (3.5), full stick (4.2) and partial slip (5.8) outside one stick disk.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its parameters are taken as exactly the doubles they are.
+    digits : int
+        Relative accuracy of everything, from 15 to 60. Unknowns grow like its square.
+    progress : bool
+        Show a line of progress on stderr.
+
+    Returns
+    -------
+    ReferenceSolution
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range.
+    NotComputedError
+        If slip does not fill everything outside one stick disk.
+    ConvergenceError
+        If the digits are not reached; it carries the solution.
+
+    Notes
+    -----
+    Two solutions on different meshes are compared, the second with two digits less: twice their
+    difference is the error estimate. `solve` says which zones there are, and guesses the radius;
+    no other digit of it enters.
+
+    Examples
+    --------
+    >>> from spectral_contact import Scene
+    >>> solution = reference(Scene(0.3, normal_compliance=0.5), digits=20)
+    >>> print(solution.approach)
+    0.29295979691047814140
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError("scene", scene, "a Scene")
+    digits = checks.whole("digits", digits, 15)
+    if digits > _MOST_DIGITS:
+        raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
+    begin = perf_counter()
+    tell = _Progress(progress)
+    tell("zones, in double precision", 0.0)
+    stick = _stick_disk(scene)
+    found = []
+    for k, (more, width) in enumerate((_SOLUTION, _CHECK)):
+        run = Run(scene, digits + more, width, stick)
+        for step, share in (("pressure", 0.02), ("traction", 0.2)):
+            tell(f"{step}, mesh {k + 1} of 2", (k + share) / 2.0)
+            _ = run.approach if step == "pressure" else run.total_shear
+        found.append(run)
+    tell("comparison", 0.95)
+    error = _compare(*found)
+    run = found[0]
+    run.fixed.mp.dps = digits + 3
+    worst = max(
+        v for v in (error.approach, error.pressure, error.traction, error.zones) if v is not None
+    )
+    solution = ReferenceSolution(
+        scene,
+        digits,
+        run.approach,
+        run.total_shear,
+        run.radius[0] if scene.friction is not None else None,
+        _zones(run),
+        run.edge_ratio(),
+        error,
+        worst <= 10.0**-digits,
+        run.unknowns,
+        run.fixed.bits,
+        perf_counter() - begin,
+        run,
+    )
+    tell("", 1.0)
+    if not solution.converged:
+        raise ConvergenceError(
+            f"the error estimate {worst:.1e} does not meet {digits} digits",
+            "ask for fewer digits",
+            solution,
+        )
+    return solution
+
+
+def _stick_disk(scene: Scene) -> tuple[float, float] | None:
+    """Return the radius of the stick disk and its distance from the edge; None if q = 0."""
+    if not scene.friction or scene.kappa == 0.0:
+        return None
+    zones = solve(scene, 1e-9, ("zones",), strict=False).zones
+    kinds = tuple(zone.kind for zone in zones)
+    if kinds not in (("stick",), ("stick", "slip")):
+        raise NotComputedError(
+            "the reference", f"its zones are {', '.join(kinds)}, not one stick disk"
+        )
+    return zones[0].outer, zones[0].outer_from_edge
+
+
+def _zones(run: Run) -> tuple[PreciseZone, ...]:
+    """Return the zones as mpmath's numbers."""
+    scene, mp = run.scene, run.fixed.mp
+    whole = mp.zero, mp.one, mp.one, mp.zero
+    if scene.friction is None:
+        return ()
+    if scene.friction == 0.0 and scene.kappa != 0.0:
+        return (PreciseZone("slip", *whole),)
+    c, from_edge = run.radius
+    if from_edge == 0:
+        return (PreciseZone("stick", *whole),)
+    return (
+        PreciseZone("stick", mp.zero, c, mp.one, from_edge),
+        PreciseZone("slip", c, mp.one, from_edge, mp.zero),
+    )
+
+
+def _compare(run: Run, check: Run) -> ErrorEstimates:
+    """Return twice the relative differences, and no less than the check aims at."""
+    mp = run.fixed.mp
+    floor = 10.0**-check.digits
+
+    def error(a: Any, b: Any) -> float:
+        """Return the largest relative difference."""
+        pairs = zip(np.atleast_1d(a), np.atleast_1d(b), strict=True)
+        ratios = [abs(v / mp.mpf(w) - 1) for v, w in pairs if v != w]
+        return max(2.0 * float(max(ratios, default=0.0)), floor)
+
+    depths = np.concatenate([np.linspace(0.02, 0.98, 25), np.exp(-np.linspace(1.0, run.depth, 60))])
+    depths = np.array([mp.mpf(v) for v in depths])
+    fields = [
+        error(getattr(run, name)(1 - depths, depths), getattr(check, name)(1 - depths, depths))
+        for name in ("pressures", "tractions")
+    ]
+    shear = traction = zones = ratio = None
+    if run.scene.friction is not None:
+        shear, traction = error(run.total_shear, check.total_shear), fields[1]
+        zones = max(error(a, b) for a, b in zip(run.radius, check.radius, strict=True))
+        if run.edge_ratio() is not None:
+            ratio = error(run.edge_ratio(), check.edge_ratio())
+    return ErrorEstimates(
+        approach=error(run.approach, check.approach),
+        pressure=fields[0],
+        traction=traction,
+        zones=zones,
+        stick_radius=zones,
+        total_shear=shear,
+        edge_ratio=ratio,
+    )
+
+
+class _Progress:
+    """A line on stderr."""
+
+    def __init__(self, wanted: bool) -> None:
+        self._wanted = wanted
+        self._begin = perf_counter()
+
+    def __call__(self, step: str, share: float) -> None:
+        if self._wanted:
+            bar = "#" * round(20 * share)
+            seconds = perf_counter() - self._begin
+            end = "\n" if share >= 1.0 else ""
+            line = f"\r[{bar:<20}] {100 * share:3.0f} % {seconds:5.0f} s  {step:<32}"
+            sys.stderr.write(line + end)
+            sys.stderr.flush()

@@ -1,0 +1,125 @@
+"""Solutions to many digits, as mpmath's numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from spectral_contact import checks
+from spectral_contact.errors import SceneError
+from spectral_contact.precise.run import Run
+from spectral_contact.records import ErrorEstimates
+from spectral_contact.scene import Scene
+
+__all__ = ["PreciseZone", "ReferenceSolution"]
+
+
+@dataclass(frozen=True, slots=True)
+class PreciseZone:
+    """An annulus in which the surfaces stick or slip, dimensionless.
+
+    Attributes
+    ----------
+    kind : str
+        ``"stick"`` or ``"slip"``.
+    inner, outer : mpf
+        Its radii.
+    inner_from_edge, outer_from_edge : mpf
+        One minus the radii, to relative accuracy.
+    """
+
+    kind: str
+    inner: Any
+    outer: Any
+    inner_from_edge: Any
+    outer_from_edge: Any
+
+
+@dataclass(frozen=True)
+class ReferenceSolution:
+    """A solution to many digits; everything is dimensionless, as in `Solution`.
+
+    Attributes
+    ----------
+    scene : Scene
+    digits : int
+        What was asked for.
+    approach : mpf
+        ``delta*``.
+    total_shear : mpf
+        ``Q*``; 0 without friction.
+    stick_radius : mpf or None
+        ``c*``; None without friction.
+    zones : tuple of PreciseZone
+        From the centre to the edge; empty without friction.
+    edge_ratio : mpf or None
+        q/p at the edge where everything sticks, which may be infinite; None in partial slip.
+    error : ErrorEstimates
+        Relative errors, from a second solution on another mesh.
+    converged : bool
+        Whether all of them are below ``10**-digits``.
+    unknowns : int
+        Of the largest space.
+    bits : int
+        Of the fixed-point numbers, after the point.
+    seconds : float
+        Time that it took.
+    """
+
+    scene: Scene
+    digits: int
+    approach: Any
+    total_shear: Any
+    stick_radius: Any
+    zones: tuple[PreciseZone, ...]
+    edge_ratio: Any
+    error: ErrorEstimates
+    converged: bool
+    unknowns: int
+    bits: int
+    seconds: float = field(compare=False)
+    _run: Run = field(repr=False, compare=False)
+
+    def pressure(self, s: Any = None, *, from_edge: Any = None) -> Any:
+        """Evaluate p* at radii `s`, or at distances `from_edge` from the edge.
+
+        Parameters
+        ----------
+        s, from_edge : number or array_like of numbers
+            In [0, 1], taken exactly; one of the two.
+
+        Returns
+        -------
+        mpf or ndarray of mpf
+            Infinite at the edge of a surface that is smooth in normal contact.
+
+        Raises
+        ------
+        SceneError
+            If a radius is no number in [0, 1].
+        """
+        return self._evaluated(self._run.pressures, s, from_edge)
+
+    def traction(self, s: Any = None, *, from_edge: Any = None) -> Any:
+        """Evaluate q* at radii `s`, or at distances `from_edge`; see `pressure`."""
+        return self._evaluated(self._run.tractions, s, from_edge)
+
+    def _evaluated(self, function: Any, s: Any, from_edge: Any) -> Any:
+        checks.exactly_one("s", s, "from_edge", from_edge)
+        mp = self._run.fixed.mp
+        name, given = ("s", s) if from_edge is None else ("from_edge", from_edge)
+        values = np.asarray(given, dtype=object)
+        exact = []
+        for value in values.flat:
+            checks.real(name, value, allowed="in [0, 1]", low=0.0, high=1.0)
+            exact.append(mp.mpf(value))
+            if not 0 <= exact[-1] <= 1:
+                raise SceneError(name, value, "in [0, 1]")
+        numbers = np.array(exact, dtype=object)
+        rest = 1 - numbers
+        found = function(numbers, rest) if from_edge is None else function(rest, numbers)
+        result = np.empty(len(exact), dtype=object)
+        result[:] = [+mp.mpf(v) for v in found]
+        return result[0] if values.ndim == 0 else result.reshape(values.shape)

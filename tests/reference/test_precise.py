@@ -1,0 +1,196 @@
+"""The solver of any number of digits: closed forms, the elliptic equations, and the double one.
+
+The oracles share no code with it: mpmath's own root finding, quadrature and elliptic integrals.
+"""
+
+import functools
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath.ctx_mp import MPContext
+
+from spectral_contact import NotComputedError, Scene, SceneError, solve
+from spectral_contact.precise import reference
+
+DIGITS = 16
+NU = 0.3
+SCENES = {
+    "rough": Scene(0.1, 0.5, 0.5, 0.1),
+    "full stick": Scene(NU, 1e-3, 1.0, math.inf),
+    "no tangential compliance": Scene(-0.5, 0.5, 0.0, math.inf),
+    "no normal compliance": Scene(0.2, 0.0, 0.5, math.inf),
+    "slip at a rim of no compliance": Scene(NU, 0.5, 0.0, 0.1),
+    "small stick disk": Scene(NU, 0.1, 0.01, 1e-3),
+    "frictionless": Scene(0.2, 1e-6),
+}
+every_scene = pytest.mark.parametrize("name", SCENES)
+
+
+def context(digits=40):
+    mp = MPContext()
+    mp.dps = digits
+    return mp
+
+
+@functools.cache
+def solved(name):
+    return reference(SCENES[name], DIGITS)
+
+
+def error_of(estimate, value, truth):
+    """The error may not exceed its estimate, which may not exceed the digits asked for."""
+    assert estimate <= 10.0**-DIGITS
+    return abs(value / truth - 1) <= estimate
+
+
+@every_scene
+def test_converged(name):
+    assert solved(name).converged
+
+
+@every_scene
+def test_the_double_solver_agrees_within_its_estimates(name):
+    precise, double = solved(name), solve(SCENES[name], 1e-12)
+    estimate = double.error
+    assert abs(double.approach / precise.approach - 1) <= estimate.approach
+    depths = [*np.linspace(0.03, 0.97, 12), *10.0 ** -np.arange(1.0, 13.0)]
+    for field in ("pressure", "traction"):
+        mine = np.array(getattr(double, field)(from_edge=depths))
+        true = np.array(getattr(precise, field)(from_edge=depths), dtype=float)
+        bound = getattr(estimate, field) or 0.0
+        assert np.all(np.abs(mine - true) <= bound * np.abs(true) + 4e-16 * np.abs(true))
+    if precise.stick_radius is not None:
+        shear = abs(double.total_shear / precise.total_shear - 1)
+        assert shear <= estimate.total_shear
+        assert abs(double.stick_radius - precise.stick_radius) <= estimate.stick_radius
+        assert [z.kind for z in double.zones] == [z.kind for z in precise.zones]
+
+
+def test_smooth_partial_slip_is_the_closed_form():
+    mp = context()
+    friction = 0.25
+    precise = reference(Scene(NU, 0.0, 0.0, friction), DIGITS)
+    kappa = (1 - 2 * mp.mpf(NU)) / (4 * (1 - mp.mpf(NU)))
+    ratio = friction / kappa
+
+    def balance(c):
+        return mp.log((1 + c) / (1 - c)) / (2 * c) - ratio / 2 * mp.ellipk(1 - c * c)
+
+    c = mp.findroot(balance, (0.85, 0.9))
+    assert error_of(precise.error.stick_radius, precise.stick_radius, c)
+    shear = friction * mp.ellipe(1 - c * c) + kappa * mp.log(1 - c * c)
+    assert error_of(precise.error.total_shear, precise.total_shear, shear)
+    assert precise.approach == 0.125
+
+
+def test_full_stick_on_smooth_surfaces():
+    precise = reference(Scene(NU, friction=math.inf), DIGITS)
+    mp = context()
+    kappa = (1 - 2 * mp.mpf(NU)) / (4 * (1 - mp.mpf(NU)))
+    s = mp.mpf(1) / 3
+    exact = -kappa / mp.pi**2 * mp.log(1 - s * s) / (s * mp.sqrt(1 - s * s))
+    assert abs(precise.traction(s) / exact - 1) <= 10.0 ** -(DIGITS + 1)
+    assert abs(precise.total_shear / (2 * kappa * mp.ln2) - 1) <= 10.0**-DIGITS
+    assert precise.traction(0) == 0
+    assert precise.traction(1) == precise.edge_ratio == mp.inf
+    assert precise.pressure(from_edge=0) == mp.inf
+
+
+def test_values_and_slope_of_the_approach():
+    # 2 pi alpha p(1)^2 = delta + alpha d(delta)/d(alpha)
+    precise, mp = solved("frictionless"), context()
+    alpha, step = precise.scene.normal_compliance, 2.0**-36
+    above, below = (reference(Scene(NU, alpha + h), DIGITS + 4).approach for h in (step, -step))
+    slope = (above - below) / (2 * step)
+    left = 2 * mp.pi * alpha * precise.pressure(1) ** 2
+    assert abs(left / (precise.approach + alpha * slope) - 1) <= 1e-9
+
+
+@pytest.mark.parametrize("name", ["rough", "full stick"])
+def test_elliptic_equations_hold(name):
+    precise, scene, mp = solved(name), SCENES[name], context(30)
+    c = precise.stick_radius
+    s = c * mp.mpf("0.7130412")
+
+    def kernels(eta, distance):
+        low, high = min(eta, s), max(eta, s)
+        complement = distance * (eta + s) / high**2
+        first = eta / high * mp.pi / 2 / mp.agm(1, mp.sqrt(complement))
+        return first, eta * low / (3 * high**2) * mp.elliprd(0, complement, 1)
+
+    def near(v, sign):  # eta = s +- v^2 keeps the distance, and blunts the logarithm
+        eta = s + sign * v * v
+        normal, tangential = kernels(eta, v * v)
+        both = precise.pressure(eta) * normal + 1j * precise.traction(eta) * tangential
+        return 2 * v * both
+
+    def far(eta):
+        normal, tangential = kernels(eta, eta - s)
+        return precise.pressure(eta) * normal + 1j * precise.traction(eta) * tangential
+
+    middle = (s + c) / 2
+    edges = [1 - mp.mpf(10) ** -k for k in (1, 2, 3, 4, 6)]
+    breaks = sorted({middle, c, mp.one, *(e for e in edges if e > middle)})
+    both = mp.quad(lambda v: near(v, -1), [0, mp.sqrt(s)]) + mp.quad(far, breaks)
+    both += mp.quad(lambda v: near(v, 1), [0, mp.sqrt(middle - s)])
+    sink = scene.normal_compliance * precise.pressure(s) + both.real / mp.pi
+    assert abs(sink / precise.approach - 1) <= 10.0 ** -(DIGITS + 1)
+    kappa = (1 - 2 * mp.mpf(scene.poisson_ratio)) / (4 * (1 - mp.mpf(scene.poisson_ratio)))
+    inside = mp.quad(lambda eta: precise.pressure(eta) * eta, [0, s]) / s
+    outward = scene.tangential_compliance * precise.traction(s) + both.imag / mp.pi
+    assert abs(outward / (kappa * inside) - 1) <= 10.0 ** -(DIGITS + 1)
+
+
+def test_conventions_without_shear():
+    sliding = reference(Scene(NU, 0.5, 0.5, 0.0), 15)
+    assert [z.kind for z in sliding.zones] == ["slip"]
+    assert sliding.stick_radius == sliding.total_shear == sliding.traction(0.5) == 0
+    incompressible = reference(Scene(0.5, 0.5, 0.5, 0.1), 15)
+    assert [z.kind for z in incompressible.zones] == ["stick"]
+    assert incompressible.total_shear == 0
+    assert incompressible.stick_radius == 1
+    free = solved("frictionless")
+    assert free.zones == ()
+    assert free.stick_radius is None
+    assert free.edge_ratio is None
+
+
+def test_fields_take_any_shape_and_exact_numbers():
+    precise = solved("frictionless")
+    grid = precise.pressure(np.full((2, 3), 0.25))
+    assert grid.shape == (2, 3)
+    assert grid[1, 2] == precise.pressure(mpmath.mpf(0.25)) == precise.pressure(from_edge=0.75)
+    assert precise.pressure([]).shape == (0,)
+
+
+@pytest.mark.parametrize("bad", [-0.1, 1.5, math.nan, "0.5", 1j, True])
+def test_bad_radii_are_refused(bad):
+    with pytest.raises(SceneError, match=r"in \[0, 1\]"):
+        solved("frictionless").pressure(bad)
+    with pytest.raises(SceneError, match="from_edge"):
+        solved("frictionless").traction(from_edge=bad)
+
+
+@pytest.mark.parametrize("bad", [14, 61, 20.0, "30", None])
+def test_bad_digits_are_refused(bad):
+    with pytest.raises(SceneError, match="digits"):
+        reference(Scene(0.3), bad)
+
+
+def test_bad_scenes_are_refused():
+    with pytest.raises(SceneError, match="a Scene"):
+        reference({"poisson_ratio": 0.3})
+
+
+def test_other_zones_are_refused():
+    with pytest.raises(NotComputedError, match="stick, slip, stick"):
+        reference(Scene(NU, 0.05, 1.0, 0.23 / 7), 15)
+
+
+def test_progress_is_shown_when_wanted(capsys):
+    reference(Scene(NU), 15)
+    assert capsys.readouterr().err == ""
+    reference(Scene(NU), 15, progress=True)
+    assert "100 %" in capsys.readouterr().err

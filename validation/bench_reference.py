@@ -1,0 +1,78 @@
+"""Measure what digits cost: python validation/bench_reference.py.
+
+Writes validation/results/bench_reference.json and .md. One process, one BLAS thread.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import json
+import math
+import sys
+from pathlib import Path
+
+from mpmath import libmp
+
+from spectral_contact import Scene, __version__
+from spectral_contact.precise import reference
+
+RESULTS = Path(__file__).parent / "results"
+SCENES = {
+    "normal and full stick, α* = β* = 0.5": Scene(0.1, 0.5, 0.5, math.inf),
+    "normal and full stick, α* = β* = 1e-6": Scene(0.1, 1e-6, 1e-6, math.inf),
+    "partial slip, α* = β* = 0.5, f = 0.1": Scene(0.1, 0.5, 0.5, 0.1),
+    "partial slip, α* = β* = 1e-6, f = 0.1": Scene(0.1, 1e-6, 1e-6, 0.1),
+}
+DIGITS = (20, 30, 50)
+
+
+def main() -> None:
+    """Run and write the results."""
+    rows = []
+    for name, scene in SCENES.items():
+        for digits in DIGITS:
+            solution = reference(scene, digits, progress=sys.stderr.isatty())
+            worst = max(
+                e
+                for e in (solution.error.pressure, solution.error.traction, solution.error.zones)
+                if e is not None
+            )
+            rows.append(
+                {
+                    "scene": name,
+                    "digits": digits,
+                    "seconds": solution.seconds,
+                    "unknowns": solution.unknowns,
+                    "bits": solution.bits,
+                    "error": worst,
+                }
+            )
+    record = {
+        "schema": "spectral_contact.validation.bench_reference",
+        "version": 1,
+        "library": __version__,
+        "integers": libmp.BACKEND,
+        "rows": rows,
+    }
+    RESULTS.mkdir(exist_ok=True)
+    text = json.dumps(record, indent=1, ensure_ascii=False)
+    (RESULTS / "bench_reference.json").write_text(text + "\n", encoding="utf-8")
+    lines = [
+        f"Integers of {libmp.BACKEND}, one core; both solutions, the error estimate included.",
+        "",
+        "| scene | digits | seconds | unknowns | bits | error estimate |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {r['scene']} | {r['digits']} | {r['seconds']:.0f} | {r['unknowns']} | {r['bits']} "
+        f"| {r['error']:.0e} |"
+        for r in rows
+    ]
+    (RESULTS / "bench_reference.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
