@@ -111,6 +111,26 @@ class Solution:
         return float(self._value("approach"))
 
     @property
+    def approach_bounds(self) -> tuple[float, float]:
+        """Bounds of ``delta*`` from below and above, rigorous up to rounding (docs/theory).
+
+        Taken from the pressure by quadrature of the elliptic kernel, when asked for: 0.1 s to some seconds.
+
+        Raises
+        ------
+        NotComputedError
+            If the pressure was not asked for.
+        """
+        self._require("pressure")
+        if self.scene.normal_compliance == 0.0:  # known exactly
+            return self.approach, self.approach
+        from spectral_contact.bounds import approach_bounds
+
+        field = self.pressure_field
+        assert field is not None
+        return approach_bounds(self.scene.normal_compliance, self.values["approach"], field)
+
+    @property
     def zones(self) -> tuple[Zone, ...]:
         """Stick and slip zones from the centre to the edge; empty without friction."""
         return tuple(self._value("zones"))

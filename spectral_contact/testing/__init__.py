@@ -6,7 +6,7 @@ property-based tests (extra ``testing``).
 """
 
 from spectral_contact.testing.checks import Check, CheckReport, check_solution
-from spectral_contact.testing.equations import (
+from spectral_contact.equations import (
     load,
     normal_displacement,
     tangential_displacement,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from spectral_contact.checks import real
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
-from spectral_contact.testing.equations import (
+from spectral_contact.equations import (
     load,
     normal_displacement,
     tangential_displacement,

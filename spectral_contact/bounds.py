@@ -1,0 +1,77 @@
+r"""Two-sided bounds of the approach, from any pressure and its residual.
+
+With ``A = alpha + N`` and the product ``<a, b> = int a b s ds``, the answer to unit approach is
+``m = <1, A^-1 1> = 1/(2 pi delta)``. Any pressure u leaves a residual ``r = 1 - A u``, and
+
+    m - (<1, u> + <r, u>) = <r, A^-1 r>,   0 <= <r, A^-1 r> <= <r, r>/alpha,
+
+because N is positive: the energy (Ritz) bounds m from below and the complementary energy from
+above. The residual is taken with the elliptic kernel (`equations`), which shares no step with the
+solver. So the bounds are rigorous up to the rounding and the quadrature of these integrals.
+"""
+
+from __future__ import annotations
+
+from math import exp, pi, sqrt
+
+import numpy as np
+from scipy.special import roots_legendre
+
+from spectral_contact.equations import load, normal_displacement
+from spectral_contact.fields import LogSeries, PressureField
+
+__all__ = ["approach_bounds"]
+
+#: Relative rounding of the integrals, measured; the bounds are widened by it.
+_ROUNDING = 4e-15
+_POINTS = 28
+
+
+def approach_bounds(
+    compliance: float, approach: float, pressure: PressureField
+) -> tuple[float, float]:
+    """Bound the approach from below and above.
+
+    Parameters
+    ----------
+    compliance : float
+        ``alpha*``, positive.
+    approach : float
+        ``delta*`` as computed; it scales the pressure, and need not be accurate.
+    pressure : PressureField
+        ``p*``.
+
+    Returns
+    -------
+    lower, upper : float
+    """
+    assert pressure.series is not None
+
+    def field(d: np.ndarray) -> np.ndarray:
+        return pressure.at(d * (2.0 - d))
+
+    y, weights, breaks = _points(pressure.series)
+    p = pressure.at(y)
+    depths = y / (1.0 + np.sqrt(1.0 - y))
+    deflection = np.array([normal_displacement(field, d, breaks) for d in depths.tolist()])
+    residual = approach - compliance * p - deflection
+    total = 2.0 * pi * load(field, breaks=breaks)
+    energy = total + 2.0 * pi * float(weights @ (residual * p)) / approach
+    excess = 2.0 * pi * float(weights @ residual**2) / (compliance * approach)
+    upper, lower = approach / energy, approach / (energy + excess)
+    return lower * (1.0 - _ROUNDING), upper * (1.0 + _ROUNDING)
+
+
+def _points(series: LogSeries) -> tuple[np.ndarray, np.ndarray, list[float]]:
+    """Return Gauss points ``y`` on every panel, weights of ``s ds``, and the panel ends ``1 - s``."""
+    panels = len(series.coefficients)
+    # a coarse pressure jumps between panels, and the residual has logarithms there: blunt them
+    g, w = roots_legendre(_POINTS)
+    g, w = g * (3.0 - g**2) / 2.0, w * 1.5 * (1.0 - g**2)
+    x = series.width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0)
+    y = np.exp(-x)
+    end = exp(-panels * series.width)
+    tail = end * (1.0 + g) / 2.0
+    weights = np.concatenate([(y * w * series.width / 4.0).ravel(), w * end / 4.0])
+    ends = [exp(-k * series.width) for k in range(1, panels + 1)]
+    return np.concatenate([y.ravel(), tail]), weights, [e / (1.0 + sqrt(1.0 - e)) for e in ends]
