@@ -63,7 +63,7 @@ def approach_bounds(
 
 
 def _points(series: LogSeries) -> tuple[np.ndarray, np.ndarray, list[float]]:
-    """Return Gauss points ``y`` on every panel, weights of ``s ds``, and the panel ends ``1 - s``."""
+    """Return points ``y`` on every panel, weights of ``s ds``, and the panel ends ``1 - s``."""
     panels = len(series.coefficients)
     # a coarse pressure jumps between panels, and the residual has logarithms there: blunt them
     g, w = roots_legendre(_POINTS)

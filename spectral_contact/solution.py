@@ -114,7 +114,8 @@ class Solution:
     def approach_bounds(self) -> tuple[float, float]:
         """Bounds of ``delta*`` from below and above, rigorous up to rounding (docs/theory).
 
-        Taken from the pressure by quadrature of the elliptic kernel, when asked for: 0.1 s to some seconds.
+        Taken from the pressure by quadrature of the elliptic kernel when asked for, which takes
+        0.1 s to some seconds.
 
         Raises
         ------

@@ -5,12 +5,12 @@ knows nothing of how they were found. `spectral_contact.testing.strategies` draw
 property-based tests (extra ``testing``).
 """
 
-from spectral_contact.testing.checks import Check, CheckReport, check_solution
 from spectral_contact.equations import (
     load,
     normal_displacement,
     tangential_displacement,
 )
+from spectral_contact.testing.checks import Check, CheckReport, check_solution
 
 __all__ = [
     "Check",

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.checks import real
-from spectral_contact.errors import SceneError
-from spectral_contact.scene import Scene
 from spectral_contact.equations import (
     load,
     normal_displacement,
     tangential_displacement,
 )
+from spectral_contact.errors import SceneError
+from spectral_contact.scene import Scene
 
 __all__ = ["Check", "CheckReport", "check_solution"]
 
