@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import EDGE, Drive
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.resolution import PANEL_WIDTH, series_of
 from spectral_contact.contact.rim import SlipSource, interpolate, rim_target
 from spectral_contact.contact.slip_displacement import annulus_between, pressure_expansion
 from spectral_contact.contact.stick_annuli import StickAnnuli
@@ -183,7 +183,7 @@ class ZoneSystem:
         """Return the basis on the stick annuli."""
         annuli = []
         for k, pair in zip(self.stick_annuli(), degrees, strict=True):
-            first, second = (LogPanels(len(d), 2.0, capacity) for d in pair)
+            first, second = (LogPanels(len(d), PANEL_WIDTH, capacity) for d in pair)
             annuli.append(Annulus(radii[k - 1], self.outer(radii, k), first, second))
         return StickAnnuli(annuli, degrees)
 
