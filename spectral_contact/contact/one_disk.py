@@ -281,11 +281,18 @@ class _OneDiskProblem:
             moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share
-            # the mismatch alone may be small by accident: its parts cancel
-            shift += 2.0 * propagated * (abs(moved.mismatch) + abs(moved.slipping))
-            outside = float(self.drive.change.load_outside(np.array(radius.rest)))
-            part = radius.square * float(space.shear_moments @ moved.coefficients)
-            lost += propagated * (abs(part) + 2.0 * pi * self.friction * abs(outside))
+            # of signed parts any one may be small by accident, hardly of both changes
+            swayed, swept = [], []
+            for drive in self.drive.changes:
+                one = moved
+                if drive is not self.drive.change:
+                    one = self._at(drive, resolution, radius, trial.factored, 1e-3)
+                swayed.append(abs(one.mismatch) + abs(one.slipping))
+                part = radius.square * float(moments @ one.coefficients)
+                outside = float(drive.load_outside(np.array(radius.rest)))
+                swept.append(abs(part) + 2.0 * pi * self.friction * abs(outside))
+            shift += 2.0 * propagated * max(swayed)
+            lost += propagated * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out

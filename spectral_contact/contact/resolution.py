@@ -158,14 +158,17 @@ def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
 def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
     """Return by what factor the rows of `table` fall with one degree, in [0.05, 0.6].
 
-    Taken from the last two pairs, so that a parity pattern does not deceive it.
+    Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
     """
     table = np.abs(table)
     rows = np.arange(len(degrees))
     pairs = np.maximum(table[:, 1:], table[:, :-1])
     last = pairs[rows, np.maximum(degrees - 1, 0)]
     before = pairs[rows, np.maximum(degrees - 3, 0)]
-    rate = np.sqrt(np.divide(last, before, out=np.ones_like(last), where=before > 0.0))
+    # in a pattern of longer period the larger ones may be three degrees apart
+    outer = (table[rows, degrees] == last) & (table[rows, np.maximum(degrees - 3, 0)] == before)
+    ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
+    rate = ratio ** np.where(outer, 1.0 / 3.0, 0.5)
     rate[degrees < 4] = 0.3
     return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
 
