@@ -15,7 +15,7 @@ from spectral_contact.contact import resolution, slip_displacement, zone_system
 from spectral_contact.spectral.cache import BoundedCache
 
 EPS = 2.2e-16
-#: Where fields are compared, measured from the edge.
+#: Where fields are compared, measured from the edge; `places` adds some in every zone.
 DISTANCES = 10.0 ** -np.linspace(1e-3, 30.0, 600)
 #: Panel width of the true solutions; that of the library is 2.
 TRUE_WIDTH = 1.5
@@ -71,8 +71,18 @@ def _relative(value: float, truth: float) -> float:
     return abs(value / truth - 1.0) if truth else math.inf
 
 
-def _pointwise(solution: Solution, truth: Solution, name: str) -> np.ndarray:
-    value, true = (getattr(one, name)(from_edge=DISTANCES) for one in (solution, truth))
+def places(truth: Solution) -> np.ndarray:
+    """Return the distances from the edge at which fields are compared."""
+    share = 0.5 - 0.5 * np.cos(np.pi * (np.arange(40) + 0.5) / 40)
+    inside = [
+        zone.outer_from_edge + (zone.inner_from_edge - zone.outer_from_edge) * share
+        for zone in truth.zones
+    ]
+    return np.concatenate([DISTANCES, *inside])
+
+
+def _pointwise(solution: Solution, truth: Solution, name: str, at: np.ndarray) -> np.ndarray:
+    value, true = (getattr(one, name)(from_edge=at) for one in (solution, truth))
     return np.abs(value / true - 1.0)
 
 
@@ -108,16 +118,18 @@ def _kind_at(solution: Solution, from_edge: float) -> str:
 def compare(solution: Solution, truth: Solution) -> dict[str, tuple[float, float, float]]:
     """Return for each quantity the true error, the estimate, and the estimate of the truth."""
     errors = {n: _relative(getattr(solution, n), getattr(truth, n)) for n in SCALARS}
-    errors["pressure"] = float(_pointwise(solution, truth, "pressure").max())
+    at = places(truth)
+    errors["pressure"] = float(_pointwise(solution, truth, "pressure", at).max())
     errors["zones"] = _zones_error(solution, truth)
-    away = np.ones(len(DISTANCES), dtype=bool)
+    away = np.ones(len(at), dtype=bool)
     for zone in solution.zones[:-1]:  # the traction up to the shift of the boundaries
         shift = solution.error.zones * max(zone.outer_from_edge, 1e-300)
-        away &= np.abs(DISTANCES - zone.outer_from_edge) > 1e3 * shift
-    errors["traction"] = float(_pointwise(solution, truth, "traction")[away].max(initial=0.0))
-    slip = truth.slip(from_edge=DISTANCES)
+        away &= np.abs(at - zone.outer_from_edge) > 1e3 * shift
+    traction = _pointwise(solution, truth, "traction", at)
+    errors["traction"] = float(traction[away].max(initial=0.0))
+    slip = truth.slip(from_edge=at)
     if np.any(slip):
-        difference = np.abs(solution.slip(from_edge=DISTANCES) - slip)
+        difference = np.abs(solution.slip(from_edge=at) - slip)
         errors["slip"] = float(difference.max() / np.abs(slip).max())
     return {
         name: (error, float(getattr(solution.error, name)), float(getattr(truth.error, name)))

@@ -169,7 +169,8 @@ def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
     outer = (table[rows, degrees] == last) & (table[rows, np.maximum(degrees - 3, 0)] == before)
     ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
     rate = ratio ** np.where(outer, 1.0 / 3.0, 0.5)
-    rate[degrees < 4] = 0.3
+    # exp(-x), the smoothest there is, falls by 1/(2 n - 1): twice as fast is an accident
+    rate[(degrees < 4) | (rate < 0.5 / np.maximum(2 * degrees - 1, 1))] = 0.3
     return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
 
 
