@@ -131,7 +131,9 @@ class _StickProblem:
         edge, critical, where = _ratios(self.drive, traction, panels.panels * panels.width)
 
         parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, series))]
-        at_edge = abs(series_of(panels, change.coefficients).limit / series.limit)
+        at_edge = 0.0
+        if self.power == 0.0:
+            at_edge = abs(series_of(panels, change.coefficients).limit / series.limit)
         if normal.panels is not None and normal.change is not None:
             lost = normal.change.coefficients
             pressure = share_of_change(normal.panels, lost, self.drive.pressure.at)

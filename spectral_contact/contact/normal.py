@@ -127,17 +127,17 @@ class _NormalProblem:
         energies = change.energies[:-1] / moment * rates**2
         approach_error = float(energies.sum() + change.energies[-1] / moment) + ROUNDING
         worst = 0.0
-        moved: list[NormalContact | None] = [None, None]
+        moved: NormalContact | None = None
+        lesser: NormalContact | None = None
         if self.pointwise:
             shares = share_of_change(panels, change.coefficients * approach, pressure.at)
             indicators = expected_error(shares, rates)
             pressure_error = float(indicators.max()) + 20.0 * ROUNDING
             error = pressure_error
             worst = float(rates[np.argmax(indicators)])
-            for i, one in enumerate((change, factored.change(solution, degrees=1))):
-                lost = one.coefficients * approach
-                field = PressureField(None, series_of(panels, lost))
-                moved[i] = NormalContact(compliance, approach, field, panels, lost, 0.0, 0.0)
+            moved = self._moved(panels, change.coefficients * approach)
+            last = factored.change(solution, degrees=1)
+            lesser = self._moved(panels, last.coefficients * approach)
         else:
             indicators, rates = energies, rates**2
             pressure_error, error = np.inf, approach_error
@@ -149,10 +149,16 @@ class _NormalProblem:
             coefficients,
             approach_error,
             pressure_error,
-            *moved,
+            moved,
+            lesser,
             worst,
         )
         return Attempt(contact, error, indicators, rates, space.unknowns)
+
+    def _moved(self, panels: LogPanels, lost: Array) -> NormalContact:
+        """Return a change as a contact of its own."""
+        field = PressureField(None, series_of(panels, lost))
+        return NormalContact(self.compliance, 0.0, field, panels, lost, 0.0, 0.0)
 
 
 def solve_normal(
