@@ -78,7 +78,8 @@ def places(truth: Solution) -> np.ndarray:
         zone.outer_from_edge + (zone.inner_from_edge - zone.outer_from_edge) * share
         for zone in truth.zones
     ]
-    return np.concatenate([DISTANCES, *inside])
+    at = np.concatenate([DISTANCES, *inside])
+    return at[at < 1.0]  # at the centre itself there is no traction to compare
 
 
 def _pointwise(solution: Solution, truth: Solution, name: str, at: np.ndarray) -> np.ndarray:
