@@ -149,7 +149,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * np.concatenate(parts))
     largest = max(float(np.abs(v).max()) for v in samples)
-    return fields, samples, largest, 2.0 * unresolved
+    return fields, samples, largest, unresolved
 
 
 def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
