@@ -19,6 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import argparse
 import json
 import multiprocessing
+import signal
 import sys
 import tempfile
 from collections import defaultdict
@@ -72,6 +73,8 @@ def outcomes(seed: int, numbers: list[int], workers: int) -> Iterator[list[dict]
     if workers == 1:
         yield from (run_chunk(seed, chunk) for chunk in chunks)
         return
+    # ended from outside, the processes end, too
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped; the same command goes on"))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
         futures = [pool.submit(run_chunk, seed, chunk) for chunk in chunks]
@@ -192,30 +195,31 @@ def draw(rows: list[dict], path: Path) -> None:
     from matplotlib import pyplot as plt
 
     values = collected(rows)
-    edges = np.linspace(-17.0, 1.0, 109)
-    figure, axes = plt.subplots(3, 3, figsize=(9.0, 9.0), sharex=True, sharey=True)
+    edges = np.linspace(-17.0, 1.0, 73)
+    layout = {"figsize": (9.0, 9.6), "sharex": True, "sharey": True, "layout": "constrained"}
+    figure, axes = plt.subplots(3, 3, **layout)
     for axis in axes.flat[len(values) :]:
         axis.set_visible(False)
     counts = [
         np.histogram2d(*np.log10(np.clip(pair[:2], 10.0**-16.9, 9.0)), bins=(edges, edges))[0]
         for pair in values.values()
     ]
-    most = max(float(count.max()) for count in counts)
+    # a single scene is to be seen, too
+    shades = matplotlib.colors.LogNorm(0.2, max(float(count.max()) for count in counts))
+    ends = np.array([1e-17, 10.0])
     for axis, name, count in zip(axes.flat, values, counts, strict=False):
-        mesh = axis.pcolormesh(
-            10.0**edges, 10.0**edges, np.where(count > 0.0, count, np.nan).T,
-            cmap="Greys", norm=matplotlib.colors.LogNorm(0.3, most), rasterized=True,
-        )  # fmt: skip
-        axis.plot([1e-17, 10], [1e-17, 10], color="black", linewidth=1.0)
-        axis.plot([1e-17, 0.1], [1e-15, 10], color="black", linewidth=0.8, linestyle=":")
-        axis.set(xscale="log", yscale="log", xlim=(1e-17, 10), ylim=(1e-17, 10))
+        shown = np.where(count > 0.0, count, np.nan).T
+        mesh = axis.pcolormesh(10.0**edges, 10.0**edges, shown, cmap="Greys", norm=shades)
+        axis.plot(ends, ends, color="black", linewidth=1.0)
+        axis.plot(ends, 100.0 * ends, color="black", linewidth=0.8, linestyle=":")
+        axis.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
         axis.set_title(name.replace("_", " "), fontsize=10)
         axis.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
         axis.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
-    figure.supxlabel("true error")
-    figure.supylabel("estimate")
-    figure.tight_layout()
-    figure.colorbar(mesh, ax=axes, label="scenes", fraction=0.03, pad=0.02)
+    figure.supxlabel("true error", fontsize=10)
+    figure.supylabel("estimate (lines: as large as the error, 100 times that)", fontsize=10)
+    bar = {"orientation": "horizontal", "fraction": 0.03, "pad": 0.01, "aspect": 50}
+    figure.colorbar(mesh, ax=axes, label="scenes", ticks=[1, 10, 100, 1000, 10000], **bar)
     figure.savefig(path, dpi=110, metadata={"Software": None})
     plt.close(figure)
 
