@@ -32,7 +32,9 @@ def test_a_longer_period_does_not_deceive():
 def test_too_fast_a_fall_is_an_accident():
     assert rate(0.5, 0.4, 0.1, 1e-2, -3e-5, 2e-7) == 0.3
     # exp(-x) does fall like that
-    assert rate(1.0, 1.0, 0.36, 0.07, 1e-2, 1.1e-3, 9.8e-5, 7.7e-6) == pytest.approx(0.099, rel=0.01)
+    assert rate(1.0, 1.0, 0.36, 0.07, 1e-2, 1.1e-3, 9.8e-5, 7.7e-6) == pytest.approx(
+        0.099, rel=0.01
+    )
 
 
 @pytest.mark.parametrize(("coefficients", "kept"), [((1.0, 0.5, 0.1), 0.3), ((1e-16,) * 9, 0.6)])
