@@ -357,6 +357,8 @@ def _polished_root(
 ) -> tuple[float, float]:
     """Secant from a good guess; return the root and the slope there."""
     x, value = guess, function(guess)
+    if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
+        raise NoStickDiskError(at_centre=x < 0.0)
     for _ in range(20):
         step = max(min(-value / slope, 2.0), -2.0)
         # the next secant step would be the square of this one: below rounding
