@@ -133,7 +133,9 @@ class _StickProblem:
         parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, series))]
         at_edge = 0.0
         if self.power == 0.0:
-            at_edge = abs(series_of(panels, change.coefficients).limit / series.limit)
+            lesser = factored.change(solution, degrees=1)
+            limits = [series_of(panels, one.coefficients).limit for one in (change, lesser)]
+            at_edge = max(map(abs, limits)) / abs(series.limit)
         if normal.panels is not None and normal.change is not None:
             lost = normal.change.coefficients
             pressure = share_of_change(normal.panels, lost, self.drive.pressure.at)

@@ -276,7 +276,9 @@ class _OneDiskProblem:
         shift = stray = 0.0
         if trial.unit > 0.0:
             kept = 2.0 * SAFETY * max(own, LEAST_RATE)
-            shift = kept * abs(series_of(panels, change).limit / trial.unit)
+            lesser = trial.factored.change(coefficients, degrees=1).coefficients
+            limits = [abs(series_of(panels, one).limit) for one in (change, lesser)]
+            shift = kept * max(limits) / abs(trial.unit)
         if self.drive.change is not None:
             moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
             share = float(share_of_change(panels, moved.coefficients, series).max())
