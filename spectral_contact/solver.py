@@ -303,6 +303,13 @@ class _Run:
         if scene.friction >= critical:
             self._all_stick()
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
+            if critical > scene.friction * (1.0 - stick.critical_error):  # the errors decide
+                from spectral_contact.contact.partial_slip import unresolved_slip
+
+                missed = unresolved_slip(
+                    drive, stick, scene.tangential_compliance, scene.friction / scene.kappa
+                )
+                self.errors.update(stick_radius=missed, zones=max(missed, 1.0), slip=1.0)
             reason = f"friction is not below the critical {critical:.6g}"
             self._skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
             return

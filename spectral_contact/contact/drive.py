@@ -62,6 +62,16 @@ class Drive:
         """The drive of the pressure's last change, to see how its error propagates."""
         return None if self.contact.change is None else Drive(self.contact.change)
 
+    @cached_property
+    def lesser(self) -> Drive | None:
+        """The drive of what the pressure's top degree contributes."""
+        return None if self.contact.lesser is None else Drive(self.contact.lesser)
+
+    @property
+    def changes(self) -> list[Drive]:
+        """Both; an integral of either may be small by accident, hardly of both."""
+        return [one for one in (self.change, self.lesser) if one is not None]
+
     def target(self, y: Array) -> Array:
         """Return R at ``1 - t**2 = y``; infinite at the edge of a smooth surface."""
         t = np.sqrt(np.maximum(1.0 - y, 0.0))

@@ -110,17 +110,19 @@ class _StickProblem:
         rates = decay_rates(resolution, solution)
         normal = self.drive.contact
         # the change that the pressure's last degrees make
-        moved = np.zeros_like(solution)
-        if self.drive.change is not None:
-            moved = factored.solve(self.drive.change.target(nodes.d), correct=False)
+        moved, swayed = np.zeros_like(solution), np.zeros(1)
+        moments = space.shear_moments
+        if self.drive.changes:
+            targets = np.column_stack([one.target(nodes.d) for one in self.drive.changes])
+            both = factored.solve(targets, correct=False)
+            moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both
         shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
         propagated = SAFETY * normal.rate**2
         rounding = 20.0 * ROUNDING
         traction_error = float(shares.max()) + rounding
         traction_error += propagated * float(share_of_change(panels, moved, series).max())
-        moments = space.shear_moments
         shear_error = functional_error(factored, moments, change, rates, resolution) / shear
-        shear_error += propagated * float(abs(moments @ moved)) / shear + 4.0 * ROUNDING
+        shear_error += propagated * float(np.abs(swayed).max()) / shear + 4.0 * ROUNDING
         if self.pointwise:
             indicators, error = shares, traction_error
         else:
@@ -129,14 +131,23 @@ class _StickProblem:
         edge, critical, where = _ratios(self.drive, traction, panels.panels * panels.width)
 
         parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, series))]
+        at_edge = 0.0
+        if self.power == 0.0:
+            lesser = factored.change(solution, degrees=1)
+            limits = [series_of(panels, one.coefficients).limit for one in (change, lesser)]
+            at_edge = max(map(abs, limits)) / abs(series.limit)
         if normal.panels is not None and normal.change is not None:
             lost = normal.change.coefficients
             pressure = share_of_change(normal.panels, lost, self.drive.pressure.at)
             parts.append((normal.panels, propagated * pressure))
+            edge_pressure = float(self.drive.pressure.at(np.array(0.0)))
+            at_edge += abs(series_of(normal.panels, lost).limit / edge_pressure)
 
         def ratio_error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""
-            return rounding + _AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
+            places = _AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
+            # the tail sheds one function of few: at the edge the change is as large as the error
+            return rounding + places + (at_edge if y == 0.0 else 0.0)
 
         stick = FullStick(
             compliance,

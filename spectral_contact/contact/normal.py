@@ -53,6 +53,9 @@ class NormalContact:
     change : NormalContact or None
         What the top two degrees of every panel contribute, as a contact of its own: everything
         tangential is linear in the pressure, so this shows how its error propagates.
+    lesser : NormalContact or None
+        The same of the top degree alone: where signs make the first small by accident, they do
+        not make this one.
     rate : float
         By what factor one more degree lowers the change.
     """
@@ -65,6 +68,7 @@ class NormalContact:
     approach_error: float
     pressure_error: float
     change: NormalContact | None = None
+    lesser: NormalContact | None = None
     rate: float = 0.0
 
     @property
@@ -79,6 +83,7 @@ class NormalContact:
             pressure=PressureField(self.pressure.weight, series),
             coefficients=self.coefficients - change.coefficients,
             change=None,
+            lesser=None,
         )
 
 
@@ -123,15 +128,16 @@ class _NormalProblem:
         approach_error = float(energies.sum() + change.energies[-1] / moment) + ROUNDING
         worst = 0.0
         moved: NormalContact | None = None
+        lesser: NormalContact | None = None
         if self.pointwise:
             shares = share_of_change(panels, change.coefficients * approach, pressure.at)
             indicators = expected_error(shares, rates)
             pressure_error = float(indicators.max()) + 20.0 * ROUNDING
             error = pressure_error
             worst = float(rates[np.argmax(indicators)])
-            lost = change.coefficients * approach
-            field = PressureField(None, series_of(panels, lost))
-            moved = NormalContact(compliance, approach, field, panels, lost, 0.0, 0.0)
+            moved = self._moved(panels, change.coefficients * approach)
+            last = factored.change(solution, degrees=1)
+            lesser = self._moved(panels, last.coefficients * approach)
         else:
             indicators, rates = energies, rates**2
             pressure_error, error = np.inf, approach_error
@@ -144,9 +150,15 @@ class _NormalProblem:
             approach_error,
             pressure_error,
             moved,
+            lesser,
             worst,
         )
         return Attempt(contact, error, indicators, rates, space.unknowns)
+
+    def _moved(self, panels: LogPanels, lost: Array) -> NormalContact:
+        """Return a change as a contact of its own."""
+        field = PressureField(None, series_of(panels, lost))
+        return NormalContact(self.compliance, 0.0, field, panels, lost, 0.0, 0.0)
 
 
 def solve_normal(

@@ -276,16 +276,27 @@ class _OneDiskProblem:
         shift = stray = 0.0
         if trial.unit > 0.0:
             kept = 2.0 * SAFETY * max(own, LEAST_RATE)
-            shift = kept * abs(series_of(panels, change).limit / trial.unit)
+            lesser = trial.factored.change(coefficients, degrees=1).coefficients
+            limits = [abs(series_of(panels, one).limit) for one in (change, lesser)]
+            shift = kept * max(limits) / abs(trial.unit)
         if self.drive.change is not None:
             moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share
-            # the mismatch alone may be small by accident: its parts cancel
-            shift += 2.0 * propagated * (abs(moved.mismatch) + abs(moved.slipping))
-            outside = float(self.drive.change.load_outside(np.array(radius.rest)))
-            part = radius.square * float(space.shear_moments @ moved.coefficients)
-            lost += propagated * (abs(part) + 2.0 * pi * self.friction * abs(outside))
+            # of signed parts any one may be small by accident, hardly of both changes
+            swayed, swept = [], []
+            for drive in self.drive.changes:
+                one = moved
+                if drive is not self.drive.change:
+                    one = self._at(drive, resolution, radius, trial.factored, 1e-3)
+                swayed.append(abs(one.mismatch) + abs(one.slipping))
+                part = radius.square * float(moments @ one.coefficients)
+                outside = float(drive.load_outside(np.array(radius.rest)))
+                swept.append(abs(part) + 2.0 * pi * self.friction * abs(outside))
+            # in the tail of the pressure a change is as large as the error that it stands for
+            deep = normal.panels is not None and radius.rest < normal.panels.end
+            shift += max(2.0 * propagated, 1.0 if deep else 0.0) * max(swayed)
+            lost += propagated * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out
@@ -348,6 +359,8 @@ def _polished_root(
 ) -> tuple[float, float]:
     """Secant from a good guess; return the root and the slope there."""
     x, value = guess, function(guess)
+    if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
+        raise NoStickDiskError(at_centre=x < 0.0)
     for _ in range(20):
         step = max(min(-value / slope, 2.0), -2.0)
         # the next secant step would be the square of this one: below rounding

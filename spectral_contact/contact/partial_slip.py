@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import inf
+from math import exp, inf, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +35,7 @@ from spectral_contact.spectral.annulus import Annulus
 if TYPE_CHECKING:
     from spectral_contact.contact.zones import ZonesSolution
 
-__all__ = ["UNRESOLVED_SLIP", "PartialSlip", "solve_partial_slip"]
+__all__ = ["UNRESOLVED_SLIP", "PartialSlip", "solve_partial_slip", "unresolved_slip"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
@@ -45,6 +45,9 @@ _CENTRE = Radius(0.0, 1.0)
 #: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
 #: square root of what the friction lacks, 1e-13 at best.
 UNRESOLVED_SLIP = 1e-6
+#: Slip is wider than the place where full stick breaks the law: less than twice where that widens
+#: like a square root of what the friction lacks, and less than four times where like that itself.
+_WIDENED = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,12 +147,12 @@ class _Search:
                 if missing.at_centre:
                     return _all_slip(self.drive, self.beta, self.friction, self.tolerance)
                 if self.beta == 0.0:
-                    return _no_slip(self.drive, self.stick)
+                    return _no_slip(self.drive, self.stick, self.beta, self.friction)
             if found and (found[0].consistent or self.beta == 0.0 or smooth):
                 return found[0]
         found += self._searched(found[0] if found else None)
         if not found:  # slip about to start, thinner than its own conditioning
-            return _no_slip(self.drive, self.stick)
+            return _no_slip(self.drive, self.stick, self.beta, self.friction)
         return min(found, key=lambda outcome: outcome.violation)
 
     def _one_disk(self, guess: float | None) -> PartialSlip:
@@ -199,8 +202,30 @@ class _Search:
         return [_zones_outcome(self.drive, zones, self.beta, self.friction)]
 
 
-def _no_slip(drive: Drive, stick: FullStick) -> PartialSlip:
+def unresolved_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> float:
+    """Return the relative error of a stick radius of 1 where slip is about to start.
+
+    The friction is so close to critical that the errors decide: there may be slip wherever full
+    stick uses up all friction but for some of them.
+    """
+    from spectral_contact.contact.zone_search import depth_of, full_stick_violations
+
+    if stick.critical == inf:
+        return UNRESOLVED_SLIP
+    lack = max(1.0 - friction / stick.critical, 0.0) + 2.0 * stick.critical_error
+    depth = depth_of(drive.contact.compliance, beta, friction)
+    least = stick.critical * (1.0 - min(_WIDENED * lack, 1.0))
+    intervals = full_stick_violations(drive, stick, least, depth)
+    if not intervals:
+        return UNRESOLVED_SLIP
+    y = exp(-intervals[0][0])
+    radius = sqrt(1.0 - y)
+    return max(UNRESOLVED_SLIP, y / (1.0 + radius) / radius)
+
+
+def _no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> PartialSlip:
     """Return full stick: the slip there is is narrower than what can be resolved."""
+    radius_error = unresolved_slip(drive, stick, beta, friction)
     error = max(stick.traction_error, drive.contact.pressure_error)
     return PartialSlip(
         (Zone.between("stick", _CENTRE, EDGE),),
@@ -209,8 +234,8 @@ def _no_slip(drive: Drive, stick: FullStick) -> PartialSlip:
         stick.total_shear,
         error,
         stick.shear_error,
-        UNRESOLVED_SLIP,
-        UNRESOLVED_SLIP,
+        radius_error,
+        max(radius_error, 1.0),
         1.0,
         0.0,
         True,

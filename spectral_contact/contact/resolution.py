@@ -19,6 +19,7 @@ from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
     "LEAST_RATE",
+    "PANEL_WIDTH",
     "ROUNDING",
     "SAFETY",
     "boundary_error",
@@ -50,7 +51,7 @@ _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("firs
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
-_WIDTH = 2.0
+PANEL_WIDTH = 2.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
 _ROOT_DEPTH = 7.0
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
@@ -101,22 +102,22 @@ def _first_space(
 ) -> Resolution:
     digits = -log(tolerance)
     depth = layer + (_ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
-    panels = 4 * ceil(depth / _WIDTH / 4.0)  # few distinct meshes, so that caches are shared
+    panels = 4 * ceil(depth / PANEL_WIDTH / 4.0)  # few distinct meshes, so that caches are shared
     top: Array = np.full(panels, _LEAST + ceil(0.45 * digits))
-    x = _WIDTH * np.arange(panels)
+    x = PANEL_WIDTH * np.arange(panels)
     # half-integer powers fall too slowly to taper the few panels above a root tail
     taper = 0.0 if root_tail else rate
     missing = np.clip(1.0 - taper * (x - layer - 2.0) / digits, 0.0, 1.0)
     nearness = np.zeros(panels)
     for bend in (layer, *bends):  # a bend takes more, measured 5 degrees at 1e-12
         if bend > 1.0:
-            distance = np.abs(x + _WIDTH / 2.0 - bend) / (1.2 * _WIDTH)
+            distance = np.abs(x + PANEL_WIDTH / 2.0 - bend) / (1.2 * PANEL_WIDTH)
             nearness = np.maximum(nearness, np.clip(2.6 - distance, 0.0, 1.0))
     top = top + 0.2 * digits * nearness
     # what falls like exp(-x) still bends on its panel: two degrees more than its share
     degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), _LEAST)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
-    mesh = LogPanels(panels, _WIDTH, capacity, power, root_tail)
+    mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail)
     return Resolution(mesh, tuple(degrees.tolist()))
 
 
@@ -157,15 +158,19 @@ def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
 def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
     """Return by what factor the rows of `table` fall with one degree, in [0.05, 0.6].
 
-    Taken from the last two pairs, so that a parity pattern does not deceive it.
+    Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
     """
     table = np.abs(table)
     rows = np.arange(len(degrees))
     pairs = np.maximum(table[:, 1:], table[:, :-1])
     last = pairs[rows, np.maximum(degrees - 1, 0)]
     before = pairs[rows, np.maximum(degrees - 3, 0)]
-    rate = np.sqrt(np.divide(last, before, out=np.ones_like(last), where=before > 0.0))
-    rate[degrees < 4] = 0.3
+    # in a pattern of longer period the larger ones may be three degrees apart
+    outer = (table[rows, degrees] == last) & (table[rows, np.maximum(degrees - 3, 0)] == before)
+    ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
+    rate = ratio ** np.where(outer, 1.0 / 3.0, 0.5)
+    # exp(-x), the smoothest there is, falls by 1/(2 n - 1): twice as fast is an accident
+    rate[(degrees < 4) | (rate < 0.5 / np.maximum(2 * degrees - 1, 1))] = 0.3
     return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
 
 

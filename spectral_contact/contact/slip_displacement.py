@@ -18,7 +18,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import EDGE, Drive
-from spectral_contact.contact.resolution import ROUNDING, starting_resolution
+from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
 from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import Annulus, Points, gap, sampled_series
@@ -89,7 +89,8 @@ def annulus_between(
         max(np.log(half / layers[1]), 0.0) + (digits + 3.0) / rate,
     )
     # few distinct depths, so that caches are shared between scenes
-    first, second = (LogPanels(3 * int(np.ceil(d / 6.0)), 2.0, degree) for d in depths)
+    counts = (3 * int(np.ceil(d / (3.0 * PANEL_WIDTH))) for d in depths)
+    first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
     return Annulus(inner, outer, first, second)
 
 
@@ -148,7 +149,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * np.concatenate(parts))
     largest = max(float(np.abs(v).max()) for v in samples)
-    return fields, samples, largest, 2.0 * unresolved
+    return fields, samples, largest, unresolved
 
 
 def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:

@@ -19,7 +19,7 @@ from spectral_contact.fields import Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Layout", "logit_of_rest", "search_zones"]
+__all__ = ["Layout", "depth_of", "full_stick_violations", "logit_of_rest", "search_zones"]
 
 Array = NDArray[np.float64]
 
@@ -63,10 +63,10 @@ def search_zones(
     radius : float, optional
         The stick radius under the assumption of one disk, for disks smaller than a cell.
     """
-    depth = _depth(drive.contact.compliance, beta, friction)
+    depth = depth_of(drive.contact.compliance, beta, friction)
     cells = LogPanels(_CELLS, depth / _CELLS, 0)
     x = cells.width * (np.arange(_CELLS) + 0.5)
-    violated = _violations(drive, stick, friction, depth)
+    violated = full_stick_violations(drive, stick, friction, depth)
     if violated and all(high - low < 4.0 * cells.width for low, high, _ in violated):
         return _layout([(low, high, sign) for low, high, sign in violated])
     bound = friction * drive.pressure.at(np.exp(-x)) / np.sqrt(-np.expm1(-x))
@@ -85,7 +85,7 @@ def search_zones(
     return layout
 
 
-def _depth(alpha: float, beta: float, friction: float) -> float:
+def depth_of(alpha: float, beta: float, friction: float) -> float:
     """Return the ``x`` below which nothing changes any more."""
     if alpha == 0.0:
         # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
@@ -93,7 +93,7 @@ def _depth(alpha: float, beta: float, friction: float) -> float:
     return max(-log(min(alpha, beta, 1.0)), 0.0) + 30.0
 
 
-def _violations(
+def full_stick_violations(
     drive: Drive, stick: FullStick, friction: float, depth: float
 ) -> list[tuple[float, float, int]]:
     """Return the intervals of ``x`` where full stick breaks |q| <= f p, with the sign of q."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import EDGE, Drive
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.resolution import PANEL_WIDTH, series_of
 from spectral_contact.contact.rim import SlipSource, interpolate, rim_target
 from spectral_contact.contact.slip_displacement import annulus_between, pressure_expansion
 from spectral_contact.contact.stick_annuli import StickAnnuli
@@ -143,9 +143,13 @@ class ZoneSystem:
         slips = self._slip_annuli(radii, quadrature)
         grid = self._outer_grid(sticks, slips)
         weights = rim.value**3 * disk.tangential.weights
-        functions = at_rim - falls  # half-integrals of the annulus functions on the disk
         matrix, right = self._annulus_system(sticks, grid)
-        coupling = functions.T @ (weights[:, None] * misfits)
+        # The functions' half-integrals on the disk, at_rim - falls, against the misfits. By
+        # Galerkin orthogonality that is a product of misfits and one of responses: the first
+        # form loses eps/sqrt(beta), as the misfits are rounded at the size of the targets.
+        own, own_misfits = (at_rim * m[:, 1:2] - m[:, 2:] for m in (responses, misfits))
+        coupling = own_misfits.T @ (weights[:, None] * misfits)
+        coupling += rim.value**3 * factored.compliance_energy(own, responses)
         limits = np.array(
             [series_of(panels, responses[:, i]).limit for i in range(responses.shape[1])]
         )
@@ -183,7 +187,7 @@ class ZoneSystem:
         """Return the basis on the stick annuli."""
         annuli = []
         for k, pair in zip(self.stick_annuli(), degrees, strict=True):
-            first, second = (LogPanels(len(d), 2.0, capacity) for d in pair)
+            first, second = (LogPanels(len(d), PANEL_WIDTH, capacity) for d in pair)
             annuli.append(Annulus(radii[k - 1], self.outer(radii, k), first, second))
         return StickAnnuli(annuli, degrees)
 

@@ -204,7 +204,9 @@ class _ZonesProblem:
         disk_space, degrees = self._split(resolution)
         panels, rim = disk_space.panels, trial.radii[0]
         series = series_of(panels, trial.disk)
-        full, full_coarse, coarse = self._coarser(resolution, trial)
+        problem = self._of_coarser_pressure()
+        coarse = problem._coarser(resolution)
+        full, full_coarse = (t.sticks.full(t.outer) for t in (trial, coarse))
         rates = [decay_rates(disk_space, trial.disk)]
         shares = [share_of_change(panels, trial.disk - coarse.disk, series)]
         flat = [d for pair in degrees for d in pair]
@@ -228,8 +230,14 @@ class _ZonesProblem:
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
         lost = [a - b for a, b in zip(misfit, misfit_coarse, strict=True)]
         stray = self._largest_displacement(trial, self._stuck(trial, lost))
-        shear = self._shear(trial, full)
-        shear_lost = abs(shear - self._shear(coarse, full_coarse))
+        parts = self._shear(trial, full)
+        shear = float(parts.sum())
+        # the changes of the zones may cancel by accident; in slip there is that of the load alone
+        lost_parts = np.abs(parts - problem._shear(coarse, full_coarse))
+        sticking = 1 + len(halves)
+        propagated = SAFETY * self.system.drive.contact.rate**2
+        shear_lost = worst * float(lost_parts[:sticking].sum())
+        shear_lost += propagated * float(lost_parts[sticking:].sum())
         value = ZonesSolution(
             trial.radii,
             self.system.states,
@@ -240,7 +248,7 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            worst * shear_lost / shear + 1e-2 * self.quadrature + 16.0 * ROUNDING,
+            shear_lost / shear + 1e-2 * self.quadrature + 16.0 * ROUNDING,
             # what is lost may be small by accident, but hardly against the square of the error
             self._boundary_errors(
                 trial, worst * np.abs(coarse.mismatch - trial.mismatch) + 20.0 * error**2
@@ -250,38 +258,35 @@ class _ZonesProblem:
         unknowns = len(trial.outer) + len(trial.factored.scale)
         return Attempt(value, error, indicators, rate, unknowns)
 
-    def _coarser(
-        self, resolution: Resolution, trial: ZoneTractions
-    ) -> tuple[Array, Array, ZoneTractions]:
-        """Solve at the same boundaries with two degrees less everywhere, the pressure's too."""
+    def _of_coarser_pressure(self) -> _ZonesProblem:
+        """Return the problem that the pressure without its last change poses."""
         problem = copy(self)
         problem.system = replace(self.system, drive=Drive(self.system.drive.contact.coarser))
+        return problem
+
+    def _coarser(self, resolution: Resolution) -> ZoneTractions:
+        """Solve at the same boundaries with two degrees less everywhere."""
         degrees = tuple(n - 2 if n > 3 else max(n - 1, 1) for n in resolution.degrees)
-        coarse = problem._trial(replace(resolution, degrees=degrees), self.logits, self.quadrature)
-        return (
-            trial.sticks.full(trial.outer),
-            coarse.sticks.full(coarse.outer),
-            coarse,
-        )
+        return self._trial(replace(resolution, degrees=degrees), self.logits, self.quadrature)
 
     def _misfit(self, trial: ZoneTractions, full: Array) -> list[Array]:
         """Return E at the disk nodes, then on the outer grid."""
         inner = trial.target - trial.factored.space.half_integral(trial.disk)
         return [inner, *(t - self._others(trial, p, full) for _, p, _, t in trial.grid)]
 
-    def _shear(self, trial: ZoneTractions, full: Array) -> float:
-        """Return ``2 pi int q s ds`` over all zones."""
+    def _shear(self, trial: ZoneTractions, full: Array) -> Array:
+        """Return ``2 pi int q s ds`` over every zone; a stick annulus has two halves."""
         shear = float(trial.factored.space.shear_moments @ trial.disk)
-        moment = trial.radii[0].square * shear / (2.0 * pi)
+        moments = [trial.radii[0].square * shear / (2.0 * pi)]
         for family, part in trial.sticks.parts():
             points, matrix = family.sources()
-            moment += float(np.sqrt(points.z) @ (matrix @ full[part]))
+            moments.append(float(np.sqrt(points.z) @ (matrix @ full[part])))
         for k, state in enumerate(self.system.states):
             if state != 0:
                 ends = (trial.radii[k - 1], self.system.outer(trial.radii, k))
                 load = [float(self.system.drive.load_outside(np.array(r.rest))) for r in ends]
-                moment += state * self.system.friction * (load[0] - load[1])
-        return float(2.0 * pi * moment)
+                moments.append(state * self.system.friction * (load[0] - load[1]))
+        return np.array(moments) * (2.0 * pi)
 
     def _others(self, trial: ZoneTractions, points: Points, full: Array) -> Array:
         return np.asarray(trial.sticks.half_integral(points) @ full[trial.sticks.columns])

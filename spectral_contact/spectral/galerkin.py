@@ -247,18 +247,21 @@ class Space:
         self.operator = operator
         self.degrees = degrees
         terms = operator.panels.degree + 1
-        keep, shed = [], []
+        keep, shed, top = [], [], []
         for j, n in enumerate(degrees):
             kept = max(n - 1, 1) if n else 1
             keep.append(np.arange(j * terms, j * terms + kept))
-            shed.append(np.arange(j * terms + kept, j * terms + n + 1))
+            shed.append(np.arange(j * terms + kept, j * terms + n))
+            top.append(np.arange(j * terms + max(kept, n), j * terms + n + 1))
         tail = len(degrees) * terms
         size = operator.panels.size
         keep.append(np.arange(tail, size - 1))
-        shed.append(np.arange(size - 1, size))
+        top.append(np.arange(size - 1, size))
         self.kept = sum(map(len, keep))
-        #: basis functions of the space, those of the coarser space first
-        self.index = np.concatenate(keep + shed)
+        #: as many with one degree less on every panel
+        self.kept_but_one = self.kept + sum(map(len, shed))
+        #: basis functions of the space, those of the coarser spaces first
+        self.index = np.concatenate(keep + shed + top)
         # panel by panel, as the half-integral is triangular, and from there to the order above
         self._sorted = np.argsort(self.index)
         self._place = np.argsort(self._sorted)
@@ -373,6 +376,12 @@ class Factored:
                 misfit = target - space.half_integral(coefficients)
         return coefficients
 
+    def compliance_energy(self, left: Array, right: Array) -> Array:
+        """Return the compliance times the inner products of functions of the space, as columns."""
+        index = self.space.index
+        product: Array = left[index].T @ (self.space._mass @ right[index])
+        return self.compliance * product
+
     def dual(self, functional: Array) -> Array:
         """Return the dual solution of a linear functional: what its value is most sensitive to.
 
@@ -387,13 +396,14 @@ class Factored:
         coefficients[index] = values * self.scale
         return coefficients
 
-    def change(self, coefficients: Array) -> Change:
-        """Return what the top two degrees of every panel contribute to a solution.
+    def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
+        """Return what the top two degrees of every panel, or the top one, contribute.
 
         It is the difference to the Galerkin solution without them, from the same factorisation
         and without cancellation.
         """
-        k, index, scale = self.space.kept, self.space.index, self.scale
+        index, scale = self.space.index, self.scale
+        k = self.space.kept if degrees == 2 else self.space.kept_but_one
         shed = coefficients[index[k:]] / scale[k:]
         right = self._factor[:k, k:] @ shed
         step, _ = lapack.dpotrs(self._factor[:k, :k], right, lower=1)

@@ -326,20 +326,38 @@ def test_an_indefinite_matrix_is_refused():
 @KINDS
 @pytest.mark.parametrize("compliance", [0.0, 1e-3, 0.5])
 @pytest.mark.parametrize("degrees", [DEGREES, (8,) * 6, (3, 2, 1, 0, 0, 1)])
-def test_change_is_the_difference_to_the_coarser_solution(kind, compliance, degrees):
+@pytest.mark.parametrize("shed", [2, 1])
+def test_change_is_the_difference_to_the_coarser_solution(kind, compliance, degrees, shed):
     operator = getattr(disk_operators(LogPanels(6, 2.0, 8)), kind)
     space, target = operator.space(degrees), some_targets()[:, 2]
     factored = space.factor(compliance)
     solution = factored.solve(target)
-    change = factored.change(solution)
+    change = factored.change(solution, degrees=shed)
     matrix, right = dense(space, compliance), moments(space, target)
-    k = space.kept
+    k = space.kept if shed == 2 else space.kept_but_one
     coarser = np.zeros_like(solution)
     coarser[space.index[:k]] = np.linalg.solve(matrix[:k, :k], right[:k])
     scale = np.sqrt(matrix.diagonal())
     difference = scale * (change.coefficients - (coarser - solution))[space.index]
     assert np.abs(difference).max() < 1e-12 * np.linalg.norm(scale * solution[space.index])
     assert np.linalg.norm(scale * change.coefficients[space.index]) > 0
+
+
+def test_a_panel_sheds_its_highest_degrees_and_the_tail_one_function():
+    space = disk_operators(LogPanels(4, 2.0, 5)).normal.space((5, 2, 1, 0))
+    terms, size = 6, space.operator.panels.size
+    both = {4, 5, terms + 1, terms + 2, 2 * terms + 1, size - 1}
+    assert set(space.index[space.kept :]) == both
+    assert set(space.index[space.kept_but_one :]) == both - {4, terms + 1}
+
+
+def test_the_compliance_energy_is_that_of_the_mass_matrix():
+    space = some_space()
+    rng = np.random.default_rng(3)
+    left, right = np.zeros((2, space.operator.panels.size, 3))
+    left[space.index], right[space.index] = rng.normal(size=(2, len(space.index), 3))
+    expected = 0.5 * left.T @ space.operator.mass @ right
+    assert_allclose(space.factor(0.5).compliance_energy(left, right), expected, rtol=1e-12)
 
 
 def test_energies_of_the_change_are_by_panel():

@@ -272,6 +272,32 @@ def test_rough_normally_smooth_tangentially():
     assert solution.critical_friction == math.inf
 
 
+@pytest.mark.parametrize(("alpha", "beta"), [(0.77, 7.9e-3), (5.6e-4, 7.0)])
+def test_at_the_onset_of_slip_the_estimates_leave_room_for_it(alpha, beta):
+    # slip at the edge, or in an annulus: the loose solve does not see it, and says so
+    critical = solve(Scene(0.2, alpha, beta, math.inf), 1e-11).critical_friction
+    scene = Scene(0.2, alpha, beta, critical * (1.0 - 3e-8))
+    loose, tight = solve(scene, 3e-3), solve(scene, 1e-12)
+    assert [zone.kind for zone in loose.zones] == ["stick"]
+    assert [zone.kind for zone in tight.zones][:2] == ["stick", "slip"]
+    assert 1.0 / tight.stick_radius - 1.0 <= loose.error.stick_radius < 0.5
+    assert loose.error.zones == 1.0
+    assert loose.error.slip == 1.0
+    above = solve(Scene(0.2, alpha, beta, 1.01 * critical), 3e-3)
+    assert (above.error.stick_radius, above.error.zones, above.error.slip) == (0.0, 0.0, 0.0)
+
+
+def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
+    # the coupling of disk and annulus used to lose eps / sqrt(beta) = 2e-10
+    critical = solve(Scene(0.2, 3e-13, 1e-12, math.inf), 1e-9).critical_friction
+    scene = Scene(0.2, 3e-13, 1e-12, 0.999 * critical)
+    one, other = solve(scene, 1e-9), solve(scene, 1e-10)
+    assert len(one.zones) == 3
+    assert one.total_shear == pytest.approx(other.total_shear, rel=3e-13)
+    for a, b in zip(one.zones[:-1], other.zones[:-1], strict=True):
+        assert a.outer_from_edge == pytest.approx(b.outer_from_edge, rel=1e-9)
+
+
 # -- conventions ---------------------------------------------------------------------------------
 
 

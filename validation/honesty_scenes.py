@@ -1,0 +1,160 @@
+"""Random scenes, their truth, and the true errors of every quantity, for honesty.py."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from unittest import mock
+
+import numpy as np
+
+from spectral_contact import Scene, Solution, solve
+from spectral_contact.contact import resolution, slip_displacement, zone_system
+from spectral_contact.spectral.cache import BoundedCache
+
+EPS = 2.2e-16
+#: Where fields are compared, measured from the edge; `places` adds some in every zone.
+DISTANCES = 10.0 ** -np.linspace(1e-3, 30.0, 600)
+#: Panel width of the true solutions; that of the library is 2.
+TRUE_WIDTH = 1.5
+_TRUE_SPACES: BoundedCache = BoundedCache("first spaces of the truth", 128)
+
+SCALARS = ("approach", "total_shear", "stick_radius", "edge_ratio", "critical_friction")
+
+
+def random_scene(seed: int, number: int) -> tuple[Scene, float]:
+    """Return scene `number` of a seed, and a tolerance; they depend on nothing else."""
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+    mode = rng.integers(3)
+    alpha, beta = 10.0 ** rng.uniform(-14, 14, 2)
+    if mode == 0:
+        alpha, beta = 10.0 ** rng.uniform(-4, 1, 2)
+    elif mode == 1:
+        alpha = float(np.clip(beta * 10.0 ** rng.uniform(-3, 1), 1e-14, 1e14))
+    alpha *= rng.random() >= 0.1
+    beta *= rng.random() >= 0.1
+    nu = rng.uniform(-0.99, 0.499)
+    rtol = 10.0 ** rng.uniform(-9, -2)
+    near, share, gap = rng.random() < 0.3, 10.0 ** rng.uniform(-3, 0), 10.0 ** rng.uniform(-6, -1)
+    free = 10.0 ** rng.uniform(-2, 1.2)
+    stick = solve(Scene(nu, alpha, beta, math.inf), 1e-9, ("critical_friction",))
+    critical = stick.critical_friction
+    if math.isinf(critical):
+        friction = Scene(nu).kappa * free
+    else:
+        friction = critical * (1.0 - gap if near else share)
+    return Scene(float(nu), float(alpha), float(beta), float(friction)), float(rtol)
+
+
+@contextmanager
+def other_panels() -> Iterator[None]:
+    """Solve on narrower panels than the library's, of which none shares an end but the first."""
+    with ExitStack() as stack:
+        for module in (resolution, slip_displacement, zone_system):
+            stack.enter_context(mock.patch.object(module, "PANEL_WIDTH", TRUE_WIDTH))
+        # first spaces are cached by what is asked of them, which leaves out the width
+        stack.enter_context(mock.patch.object(resolution, "_FIRST_SPACES", _TRUE_SPACES))
+        yield
+
+
+def true_solution(scene: Scene) -> Solution:
+    """Solve as tightly as doubles allow, on other panels."""
+    with other_panels():
+        return solve(scene, 1e-12, strict=False)
+
+
+def _relative(value: float, truth: float) -> float:
+    if value == truth:
+        return 0.0
+    return abs(value / truth - 1.0) if truth else math.inf
+
+
+def places(truth: Solution) -> np.ndarray:
+    """Return the distances from the edge at which fields are compared."""
+    share = 0.5 - 0.5 * np.cos(np.pi * (np.arange(40) + 0.5) / 40)
+    inside = [
+        zone.outer_from_edge + (zone.inner_from_edge - zone.outer_from_edge) * share
+        for zone in truth.zones
+    ]
+    at = np.concatenate([DISTANCES, *inside])
+    return at[at < 1.0]  # at the centre itself there is no traction to compare
+
+
+def _pointwise(solution: Solution, truth: Solution, name: str, at: np.ndarray) -> np.ndarray:
+    value, true = (getattr(one, name)(from_edge=at) for one in (solution, truth))
+    return np.abs(value / true - 1.0)
+
+
+def _zones_alike(solution: Solution, truth: Solution) -> bool:
+    return [z.kind for z in solution.zones] == [z.kind for z in truth.zones]
+
+
+def _zones_error(solution: Solution, truth: Solution) -> float:
+    """Return the largest error of a boundary, from the centre and from the edge.
+
+    Where a zone is missing or too many, its ends count as one: they are off by its width.
+    """
+    if _zones_alike(solution, truth):
+        pairs = list(zip(solution.zones[:-1], truth.zones[:-1], strict=True))
+        errors = [_relative(z.outer, t.outer) for z, t in pairs]
+        errors += [_relative(z.outer_from_edge, t.outer_from_edge) for z, t in pairs]
+        return max(errors, default=0.0)
+    ends = sorted({(-z.outer_from_edge, z.outer) for one in (solution, truth) for z in one.zones})
+    worst, inner = 0.0, (-1.0, 0.0)
+    for end in ends:
+        middle = 0.5 * (inner[0] + end[0])
+        if _kind_at(solution, -middle) != _kind_at(truth, -middle):
+            outward = end[1] / inner[1] - 1.0 if inner[1] else math.inf
+            worst = max(worst, outward, 1.0 - end[0] / inner[0])
+        inner = end
+    return worst
+
+
+def _kind_at(solution: Solution, from_edge: float) -> str:
+    return next(z.kind for z in solution.zones if z.outer_from_edge < from_edge)
+
+
+def compare(solution: Solution, truth: Solution) -> dict[str, tuple[float, float, float]]:
+    """Return for each quantity the true error, the estimate, and the estimate of the truth."""
+    errors = {n: _relative(getattr(solution, n), getattr(truth, n)) for n in SCALARS}
+    at = places(truth)
+    errors["pressure"] = float(_pointwise(solution, truth, "pressure", at).max())
+    errors["zones"] = _zones_error(solution, truth)
+    away = np.ones(len(at), dtype=bool)
+    for zone in solution.zones[:-1]:  # the traction up to the shift of the boundaries
+        shift = solution.error.zones * max(zone.outer_from_edge, 1e-300)
+        away &= np.abs(at - zone.outer_from_edge) > 1e3 * shift
+    traction = _pointwise(solution, truth, "traction", at)
+    errors["traction"] = float(traction[away].max(initial=0.0))
+    slip = truth.slip(from_edge=at)
+    if np.any(slip):
+        difference = np.abs(solution.slip(from_edge=at) - slip)
+        errors["slip"] = float(difference.max() / np.abs(slip).max())
+    return {
+        name: (error, float(getattr(solution.error, name)), float(getattr(truth.error, name)))
+        for name, error in errors.items()
+    }
+
+
+def violates(error: float, estimate: float, own: float) -> bool:
+    """Return whether a true error is above the estimate; what is no number violates, too."""
+    return not error <= estimate + own + 20 * EPS
+
+
+def outcome(seed: int, number: int) -> dict:
+    """Solve a scene and return what there is to keep of it."""
+    row: dict = {"number": number}
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            scene, rtol = random_scene(seed, number)
+            row |= {"scene": repr(scene), "rtol": rtol}
+            solution, truth = solve(scene, rtol, strict=False), true_solution(scene)
+            row["unconverged"] = not solution.converged
+            row["differing"] = not _zones_alike(solution, truth)
+            row["errors"] = compare(solution, truth)
+    except Exception as error:  # whatever it is, it is a violation
+        row["raised"] = f"{type(error).__name__}: {error!s:.200}"
+    return row
