@@ -26,14 +26,16 @@ SCENES = {
     "partial slip, α* = β* = 0.5, f = 0.1": Scene(0.1, 0.5, 0.5, 0.1),
     "partial slip, α* = β* = 1e-6, f = 0.1": Scene(0.1, 1e-6, 1e-6, 0.1),
 }
-DIGITS = (20, 30, 50)
+DIGITS = (20, 30)
+#: More, for the first scene alone.
+MANY = 50
 
 
 def main() -> None:
     """Run and write the results."""
     rows = []
     for name, scene in SCENES.items():
-        for digits in DIGITS:
+        for digits in (*DIGITS, MANY) if name == next(iter(SCENES)) else DIGITS:
             solution = reference(scene, digits, progress=sys.stderr.isatty())
             worst = max(
                 e

@@ -48,6 +48,8 @@ UNRESOLVED_SLIP = 1e-6
 #: Slip is wider than the place where full stick breaks the law: less than twice where that widens
 #: like a square root of what the friction lacks, and less than four times where like that itself.
 _WIDENED = 4.0
+#: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
+_MOST_ZONES = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +192,7 @@ class _Search:
                 return [self._one_disk(layout.logits[0])]
             except NoStickDiskError:
                 return []
-        if layout.states == (0,):
+        if layout.states == (0,) or len(layout.states) > _MOST_ZONES:
             return []
         try:
             refinement = solve_zones(
