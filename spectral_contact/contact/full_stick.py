@@ -16,6 +16,7 @@ from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import (
     ROUNDING,
     SAFETY,
+    TRACTION_ROUNDING,
     decay_rates,
     expected_error,
     functional_error,
@@ -119,7 +120,7 @@ class _StickProblem:
         shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
         propagated = SAFETY * normal.rate**2
         rounding = 20.0 * ROUNDING
-        traction_error = float(shares.max()) + rounding
+        traction_error = float(shares.max()) + TRACTION_ROUNDING
         traction_error += propagated * float(share_of_change(panels, moved, series).max())
         shear_error = functional_error(factored, moments, change, rates, resolution) / shear
         shear_error += propagated * float(np.abs(swayed).max()) / shear + 4.0 * ROUNDING

@@ -30,6 +30,7 @@ from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
     SAFETY,
+    TRACTION_ROUNDING,
     boundary_error,
     decay_rates,
     expected_error,
@@ -264,7 +265,7 @@ class _OneDiskProblem:
         change = last.coefficients
         indicators = expected_error(share_of_change(panels, change, series), rates)
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
-        error = float(indicators.max()) + 20.0 * ROUNDING
+        error = float(indicators.max()) + TRACTION_ROUNDING
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(space.shear_moments @ coefficients) + outside
         moments = space.shear_moments

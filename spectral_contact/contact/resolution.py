@@ -22,6 +22,7 @@ __all__ = [
     "PANEL_WIDTH",
     "ROUNDING",
     "SAFETY",
+    "TRACTION_ROUNDING",
     "boundary_error",
     "decay_rates",
     "expected_error",
@@ -40,6 +41,8 @@ Array = NDArray[np.float64]
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
+#: That of a traction, pointwise: q/s at the centre is the least accurate.
+TRACTION_ROUNDING = 30.0 * ROUNDING
 #: The error of a space is estimated as 1.3 * change * rate: dropping two degrees makes a change of
 #: about rate**-2 times the error. Over 400 random solves this is 1.2 to 150 times the true error.
 _POINTWISE = 1.3

@@ -19,6 +19,7 @@ from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
     SAFETY,
+    TRACTION_ROUNDING,
     boundary_error,
     decay_rates,
     expected_error,
@@ -226,7 +227,7 @@ class _ZonesProblem:
         rate = np.concatenate(rates)
         indicators = expected_error(np.concatenate(shares), rate)
         worst = 2.0 * SAFETY * max(float(rate[np.argmax(indicators)]), LEAST_RATE)
-        error = max(float(indicators.max()), beyond) + 20.0 * ROUNDING
+        error = max(float(indicators.max()), beyond) + TRACTION_ROUNDING
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
         lost = [a - b for a, b in zip(misfit, misfit_coarse, strict=True)]
         stray = self._largest_displacement(trial, self._stuck(trial, lost))
