@@ -34,6 +34,9 @@ class Drive:
         """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
         raise NotImplementedError
 
+    def release(self) -> None:
+        """Let go of the operators; p and R stay."""
+
 
 class SmoothDrive(Drive):
     """The pressure ``1/(2 pi sqrt(y))`` of a surface that is smooth in normal contact."""
@@ -114,6 +117,10 @@ class RoughDrive(Drive):
         local = 2 * f.over(y[-1], f.exp(-len(table) * h)) - f.one
         weights.append(f.times(w, end, f.dot(f.legendre(local, TAIL_TERMS - 1), tail)) // 4)
         return np.concatenate(y), np.concatenate(weights)
+
+    def release(self) -> None:
+        """Let go of the operators; p and R stay."""
+        del self._disk
 
     # the transform R
 

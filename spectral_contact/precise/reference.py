@@ -101,6 +101,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
         perf_counter() - begin,
         run,
     )
+    run.release()
     tell("", 1.0)
     if not solution.converged:
         raise ConvergenceError(

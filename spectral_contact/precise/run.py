@@ -79,6 +79,11 @@ class Run:
         self._disks.append(Disk(mesh, self.fixed))
         return self._disks[-1]
 
+    def release(self) -> None:
+        """Let go of the operators, which are large; approach, zones and fields stay."""
+        self._disks.clear()
+        self.drive.release()
+
     # the normal problem
 
     @cached_property
