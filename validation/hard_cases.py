@@ -116,9 +116,7 @@ def differences(scene: Scene, name: str, step: float) -> dict[str, float]:
     return {key: abs(math.log(up[key] / down[key])) / reach for key in up}
 
 
-def add_inside(
-    case: HardCase, truth: dict[str, Any], found: dict[str, dict[str, float]]
-) -> None:
+def add_inside(case: HardCase, truth: dict[str, Any], found: dict[str, dict[str, float]]) -> None:
     """Add the ends of a very narrow inner annulus."""
     scene = replace(case.scene, friction=math.inf)
     found["friction"] = {"Q": 0.0}

@@ -59,8 +59,8 @@ def tables(record: dict[str, Any]) -> str:
         )
     lines += [
         "",
-        "Conditions: of the scaled matrices that are factored, of normal contact, of the stick disk "
-        "and of stick annuli; of the problem itself, the largest relative change of an output per "
+        "Conditions: of the scaled matrices that are factored, of normal contact (N), of the stick "
+        "disk (T) and of stick annuli; of the problem itself, the largest relative change of an output per "
         "relative change of an input, and which; the largest shift of an output by one ulp of an "
         "input, and the largest ratio of a shift to conditioning × ulp + ε; and the worst error of "
         "anything but $b$, and of $b$, in over-refined spaces, with their unknowns.",

@@ -9,11 +9,9 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from hard_cases import CASES, HardCase, overrefined
+from hard_cases import HardCase, overrefined
 
 from spectral_contact import Scene, Solution, solve
 from spectral_contact.precise import reference
@@ -21,7 +19,14 @@ from spectral_contact.precise.solution import ReferenceSolution
 
 DIGITS = 20
 #: Distances from the edge at which fields are compared.
-DISTANCES = [0.97, 0.7, 0.4, 0.15, 0.03, *(10.0**-k for k in (2, 3, 4, 5, 6, 8, 10, 12, 13, 14, 16))]
+DISTANCES = [
+    0.97,
+    0.7,
+    0.4,
+    0.15,
+    0.03,
+    *(10.0**-k for k in (2, 3, 4, 5, 6, 8, 10, 12, 13, 14, 16)),
+]
 HOW = {
     "reference": f"`reference`, {DIGITS} digits",
     "one disk": f"`reference`, {DIGITS} digits, without the stick zone at the edge, which changes "
@@ -82,7 +87,7 @@ def _without_edge_zone(scene: Scene) -> ReferenceSolution:
     disk = solve(replace(scene, tangential_compliance=0.0), 1e-9).zones[0]
     module = sys.modules["spectral_contact.precise.reference"]
     found = disk.outer, disk.outer_from_edge
-    with mock.patch.object(module, "_stick_disk", lambda scene: found):
+    with mock.patch.object(module, "_stick_disk", return_value=found):
         return reference(scene, DIGITS)
 
 
@@ -105,14 +110,18 @@ def _inside(scene: Scene) -> dict[str, Any]:
     record = _record(stuck)
     record["boundaries"] = [[_digits(stuck, b), _digits(stuck, 1 - b)] for b in ends]
     step = mp.mpf(10) ** -8
-    record["slopes"] = [_digits(stuck, (excess(b + step) - excess(b - step)) / (2 * step)) for b in ends]
+    record["slopes"] = [
+        _digits(stuck, (excess(b + step) - excess(b - step)) / (2 * step)) for b in ends
+    ]
     return record
 
 
 def numbers(record: dict[str, Any]) -> dict[str, float]:
     """Return the scalars of a truth by the names of `hard_cases.outputs`, as doubles."""
     values = {"approach": float(record["approach"]), "Q": float(record["Q"])}
-    edge = [p for (kind, d), p in zip(record["points"], record["pressure"], strict=True) if d == 0.0]
+    edge = [
+        p for (kind, d), p in zip(record["points"], record["pressure"], strict=True) if d == 0.0
+    ]
     if edge and math.isfinite(float(edge[0])):
         values["p(1)"] = float(edge[0])
     for k, (outer, from_edge) in enumerate(record["boundaries"], start=1):
