@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -76,12 +77,12 @@ CASES = (
         slow=True,
     ),
     HardCase(
-        "28 decades, alpha above beta",
+        "28 decades, α above β",
         "p is flat, q has a layer of 1e-13 at the rim",
         Scene(0.3, 1e14, 1e-14, 0.1),
     ),
     HardCase(
-        "28 decades, beta above alpha",
+        "28 decades, β above α",
         "p has a layer of 1e-14, q is 1e-15 of it",
         Scene(0.3, 1e-14, 1e14, math.inf),
     ),
@@ -93,17 +94,17 @@ CASES = (
     ),
     HardCase(
         "incompressible",
-        "kappa = 2e-12: all shear comes from a difference of doubles",
+        "κ = 2e-12: all shear comes from a difference of doubles",
         Scene(0.5 - 2e-12, 0.5, 0.5, 1e-13),
     ),
     HardCase(
         "little friction, smooth",
-        "c = 1e-40: exponentially small in kappa/f",
+        "c = 1e-40: exponentially small in κ/f",
         Scene(0.3, 0.0, 0.0, 0.003056104486155285),
     ),
     HardCase(
         "little friction, rough",
-        "c = 1e-40: 2 beta f/kappa",
+        "c = 1e-40: 2βf/κ",
         Scene(0.3, 0.5, 0.5, 1.4285714285714286e-41),
     ),
     HardCase(
@@ -137,9 +138,48 @@ def outputs(solution: Solution) -> dict[str, float]:
     return values
 
 
+def numbers(record: dict[str, Any]) -> dict[str, float]:
+    """Return the scalars of a truth by the names of `hard_cases.outputs`, as doubles."""
+    values = {"approach": float(record["approach"]), "Q": float(record["Q"])}
+    edge = [
+        p for (kind, d), p in zip(record["points"], record["pressure"], strict=True) if d == 0.0
+    ]
+    if edge and math.isfinite(float(edge[0])):
+        values["p(1)"] = float(edge[0])
+    for k, (outer, from_edge) in enumerate(record["boundaries"], start=1):
+        values[f"b{k}"], values[f"1-b{k}"] = float(outer), float(from_edge)
+    return values
+
+
 def shifts(values: dict[str, float], others: dict[str, float]) -> dict[str, float]:
     """Return the relative differences."""
     return {name: abs(values[name] / other - 1.0) for name, other in others.items()}
+
+
+def true_errors(solution: Solution, truth: dict[str, Any]) -> dict[str, float]:
+    """Return the relative errors; of the zones, of boundaries and their distances to the edge."""
+    exact, found = numbers(truth), outputs(solution)
+    moved = shifts({k: v for k, v in found.items() if k in exact}, exact)
+    errors = {"approach": moved["approach"], "total_shear": moved["Q"]}
+    errors["zones"] = max((v for k, v in moved.items() if "b" in k), default=0.0)
+    for name in ("pressure", "traction"):
+        errors[name] = 0.0
+        for (kind, at), text in zip(truth["points"], truth[name], strict=True):
+            if kind == "s" and name == "traction":  # up to the shift of the rim
+                at = at * (1.0 + (found["b1"] - exact["b1"]) / exact["b1"])
+            value, exactly = float(getattr(solution, name)(**{kind: at})), float(text)
+            if value != exactly and not beside_a_boundary(solution, kind, at):
+                errors[name] = max(errors[name], abs(value / exactly - 1.0))
+    return errors
+
+
+def beside_a_boundary(solution: Solution, kind: str, at: float) -> bool:
+    """Whether a point is within the uncertainty of a boundary, or beyond an edge zone of 1e-28."""
+    if kind == "s":
+        return False
+    ends = [z.outer_from_edge for z in solution.zones[:-1]]
+    blur = solution.error.zones or 0.0
+    return any(abs(at - end) <= 10.0 * blur * end or at < end < 1e-20 for end in ends)
 
 
 def perturbations(scene: Scene) -> Iterator[tuple[str, float, Scene]]:

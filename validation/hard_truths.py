@@ -114,16 +114,3 @@ def _inside(scene: Scene) -> dict[str, Any]:
         _digits(stuck, (excess(b + step) - excess(b - step)) / (2 * step)) for b in ends
     ]
     return record
-
-
-def numbers(record: dict[str, Any]) -> dict[str, float]:
-    """Return the scalars of a truth by the names of `hard_cases.outputs`, as doubles."""
-    values = {"approach": float(record["approach"]), "Q": float(record["Q"])}
-    edge = [
-        p for (kind, d), p in zip(record["points"], record["pressure"], strict=True) if d == 0.0
-    ]
-    if edge and math.isfinite(float(edge[0])):
-        values["p(1)"] = float(edge[0])
-    for k, (outer, from_edge) in enumerate(record["boundaries"], start=1):
-        values[f"b{k}"], values[f"1-b{k}"] = float(outer), float(from_edge)
-    return values

@@ -22,7 +22,13 @@ def record(study):
 
 @pytest.mark.parametrize(
     ("study", "counted", "least"),
-    [("bad_inputs", "cases", 10_000), ("projections", "count", 300), ("bounds", "count", 30)],
+    [
+        ("bad_inputs", "cases", 10_000),
+        ("projections", "count", 300),
+        ("bounds", "count", 30),
+        ("hard_cases", "count", 14),
+        ("naive", "count", 60),
+    ],
 )
 def test_results_are_fresh_and_of_full_size(study, counted, least):
     found = record(study)
