@@ -155,8 +155,11 @@ def _compare(run: Run, check: Run) -> ErrorEstimates:
 
     depths = np.concatenate([np.linspace(0.02, 0.98, 25), np.exp(-np.linspace(1.0, run.depth, 60))])
     depths = np.array([mp.mpf(v) for v in depths])
+    # inside the stick disk, too, however small
+    inside = run.radius[0] * np.array([mp.mpf(v) for v in (0.25, 0.75)])
+    s, depths = np.concatenate([1 - depths, inside]), np.concatenate([depths, 1 - inside])
     fields = [
-        error(getattr(run, name)(1 - depths, depths), getattr(check, name)(1 - depths, depths))
+        error(getattr(run, name)(s, depths), getattr(check, name)(s, depths))
         for name in ("pressures", "tractions")
     ]
     shear = traction = zones = ratio = None

@@ -175,8 +175,10 @@ class Run:
         mp = self.fixed.mp
         if self._stick is None:
             return np.full(len(s), mp.zero)
-        y, edge = from_edge * (1 + s), self.radius[1]
-        values, stuck = np.empty(len(s), dtype=object), from_edge >= edge
+        y, (c, edge) = from_edge * (1 + s), self.radius
+        values = np.empty(len(s), dtype=object)
+        # a small disk shows in s alone
+        stuck = np.where(s < 0.5, s <= c, from_edge >= edge).astype(bool)
         if stuck.any():
             values[stuck] = self._in_stick(y[stuck], s[stuck])
         if not stuck.all():
@@ -190,7 +192,7 @@ class Run:
             ratios = [-mp.log(v) / r if r and v else mp.zero for v, r in zip(y, s, strict=True)]
             return self.kappa / mp.pi**2 * self._singular(np.array(ratios), y)
         c, from_edge = self.radius
-        d = (y - from_edge * (1 + c)) / c**2
+        d = np.where(s < 0.5, (c - s) * (c + s), y - from_edge * (1 + c)) / c**2
         values = self.fixed.numbers(self.disk.traction.at(self.fixed.of(d))) * s / c * self.kappa
         return self._singular(values, y) if self._power else values
 

@@ -12,6 +12,7 @@ import pytest
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact import NotComputedError, Scene, SceneError, solve
+from spectral_contact.closed_forms import partial_slip_traction
 from spectral_contact.precise import reference
 
 DIGITS = 16
@@ -83,6 +84,15 @@ def test_smooth_partial_slip_is_the_closed_form():
     shear = friction * mp.ellipe(1 - c * c) + kappa * mp.log(1 - c * c)
     assert error_of(precise.error.total_shear, precise.total_shear, shear)
     assert precise.approach == 0.125
+
+
+def test_traction_in_a_small_stick_disk():
+    friction = 2 * Scene(NU).kappa / math.log(4e9)  # c = 1e-9, whose square is 1e-18 of the rest
+    precise = reference(Scene(NU, 0.0, 0.0, friction), 15)
+    c = float(precise.stick_radius)
+    exact = partial_slip_traction(NU, friction, np.array([0.25, 0.75, 1.5]) * c)
+    found = np.array([float(precise.traction(share * c)) for share in (0.25, 0.75, 1.5)])
+    assert np.abs(found / exact - 1.0).max() <= 1e-12
 
 
 def test_full_stick_on_smooth_surfaces():

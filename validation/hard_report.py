@@ -1,0 +1,141 @@
+"""Tables and figure of the hard cases."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+SHORT = {
+    "approach": "δ*",
+    "pressure": "p*",
+    "traction": "q*",
+    "total_shear": "Q*",
+    "zones": "b",
+}
+LABEL = {
+    "approach": r"$\delta^*$",
+    "pressure": "$p^*$",
+    "traction": "$q^*$",
+    "total_shear": "$Q^*$",
+    "zones": "boundaries $b$",
+}
+SYMBOL = {
+    "poisson_ratio": "ν",
+    "normal_compliance": "α*",
+    "tangential_compliance": "β*",
+    "friction": "f",
+    "all": "all",
+}
+
+
+def _scene(scene: dict[str, Any]) -> str:
+    values = (f"{SYMBOL[name]} = {scene[name]:.6g}" for name in list(SYMBOL)[:3])
+    friction = scene["friction"]
+    return ", ".join(values) + f", f = {'∞' if friction == 'inf' else f'{friction:.6g}'}"
+
+
+def _pair(error: float, estimate: float | None) -> str:
+    if not estimate and not error:
+        return "–"
+    excess = " **!**" if error > (estimate or 0.0) else ""
+    return f"{error:.0e} / {estimate:.0e}{excess}"
+
+
+def tables(record: dict[str, Any]) -> str:
+    """Return the Markdown tables."""
+    cases = record["cases"]
+    lines = [
+        f"{len(cases)} cases. The scenes:",
+        "",
+        "| case | scene | what makes it hard | truth |",
+        "|---|---|---|---|",
+        *(f"| {c['name']} | {_scene(c['scene'])} | {c['why']} | {c['how']} |" for c in cases),
+        "",
+        "True relative error / its estimate at `rtol=1e-12`; $p^*$ and $q^*$ at their worst point, "
+        "$b$ all zone boundaries and their distances from the edge; the last column is the worst "
+        "of $\\delta^*$, $Q^*$, $c^*$ at `rtol=1e-13`. **!** marks an estimate that is exceeded.",
+        "",
+        "| case | ending | " + " | ".join(SHORT.values()) + " | at 1e-13 |",
+        "|---|---|" + "---|" * (len(SHORT) + 1),
+    ]
+    for c in cases:
+        cells = [_pair(c["errors"][name], c["estimates"][name]) for name in SHORT]
+        pairs = c["integral"] or {"none": (0.0, 0.0)}
+        tight = max(pairs.values(), key=lambda pair: pair[0] / (pair[1] or 1.0))
+        lines.append(
+            f"| {c['name']} | {c['ending'].lower()} | {' | '.join(cells)} | {_pair(*tight)} |"
+        )
+    lines += [
+        "",
+        "Conditions: of the scaled matrices that are factored, of normal contact (N), of the stick "
+        "disk (T) and of stick annuli; of the problem itself, the largest relative change of an "
+        "output per relative change of an input, and which; the largest shift of an output by one "
+        "ulp of an input, and the largest ratio of a shift to what conditioning explains: that of "
+        "the input times its ulp and that of any of α*, β*, f times ε; and, in over-refined spaces "
+        "of degree 40 everywhere and 12 more panels, errors / estimates of $q^*$ and $b$, with the "
+        "unknowns.",
+        "",
+        "| case | matrices | problem | largest shift | shift / explained | over-refined q* | b "
+        "| unknowns |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for c in cases:
+        matrices = ", ".join(f"{k} {v:.0f}" for k, v in c["matrices"].items())
+        worst = max(
+            (v, f"{out} by {SYMBOL[name]}")
+            for name, values in c["conditioning"].items()
+            for out, v in values.items()
+        )
+        largest = max(row["moved"] for row in c["ulps"])
+        ratio = max(row["ratio"] for row in c["ulps"])
+        fine = c["overrefined"]
+        cells = ["–"] * 3
+        if fine:
+            pairs = (
+                _pair(fine["errors"][name], fine["estimates"][name])
+                for name in ("traction", "zones")
+            )
+            cells = [*pairs, str(fine["unknowns"])]
+        lines.append(
+            f"| {c['name']} | {matrices} | {worst[0]:.1e}, {worst[1]} | {largest:.0e} | "
+            f"{ratio:.0f} | {' | '.join(cells)} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def draw(record: dict[str, Any], path: Path) -> None:
+    """Draw errors beside estimates."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.4, 8.0), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
+    names = [c["name"] for c in record["cases"]]
+    marks = {"approach": "o", "pressure": "s", "traction": "^", "total_shear": "D", "zones": "x"}
+    for k, (name, mark) in enumerate(marks.items()):
+        for row, c in enumerate(record["cases"]):
+            error, estimate = c["errors"][name], c["estimates"][name]
+            if not error and not estimate:
+                continue
+            y = row + 0.13 * (k - 2)
+            axes[0].plot([max(error, 1e-17), estimate], [y, y], color="0.7", lw=1.0, zorder=1)
+            style = {"marker": mark, "ms": 4.0, "ls": "", "color": "black"}
+            label = LABEL[name] if row == 0 else None
+            axes[0].plot([max(error, 1e-17)], [y], **style, label=label)
+            axes[0].plot([estimate], [y], marker="|", ms=6.0, color="0.35", ls="")
+    axes[0].plot([], [], marker="|", ms=6.0, color="0.35", ls="", label="estimate")
+    axes[0].set(xscale="log", xlabel="true relative error; estimate", yticks=range(len(names)))
+    axes[0].set_yticklabels(names)
+    axes[0].axvline(1e-12, color="0.5", lw=0.8, ls=":")
+    axes[0].invert_yaxis()
+    axes[0].legend(loc="upper right", fontsize=8)
+    for row, c in enumerate(record["cases"]):
+        for each in c["ulps"]:
+            axes[1].plot([each["explained"]], [row - 0.1], marker="|", ms=6.0, color="0.35", ls="")
+            axes[1].plot([max(each["moved"], 1e-17)], [row + 0.1], "k.", ms=3.0)
+    axes[1].plot([], [], marker="|", ms=6.0, color="0.35", ls="", label="explained by conditioning")
+    axes[1].plot([], [], "k.", ms=3.0, label="shift")
+    axes[1].set(xscale="log", xlabel="shift by 1 ulp of an input")
+    axes[1].legend(loc="upper right", fontsize=8)
+    for ax in axes:
+        ax.grid(axis="x", color="0.9")
+    figure.savefig(path, dpi=130)
