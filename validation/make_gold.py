@@ -294,10 +294,13 @@ class Table:
 
 def results(todo: list[tuple[Table, Scene]], digits: int, workers: int) -> Iterator[Any]:
     """Yield tables and scenes with their entries, or with what was raised, as they are ready."""
-    with ProcessPoolExecutor(workers) as pool:
+    pool = ProcessPoolExecutor(workers)
+    try:
         running = {pool.submit(solved, scene, digits): (table, scene) for table, scene in todo}
         for future in as_completed(running):
             yield *running.pop(future), future.exception() or future.result()
+    finally:  # of an interrupt, too
+        pool.shutdown(cancel_futures=True)
 
 
 def main() -> int:
