@@ -1,0 +1,12 @@
+"""Gold tables: scenes solved to 25 certified digits and more, to test any solver against."""
+
+from spectral_contact.gold.loader import (
+    GoldPoint,
+    GoldSolution,
+    GoldTable,
+    GoldZone,
+    load,
+    tables,
+)
+
+__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "GoldZone", "load", "tables"]

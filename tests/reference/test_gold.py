@@ -1,0 +1,143 @@
+"""The gold tables: what they cover, exact solutions among them, and the solver against them all.
+
+The oracle was computed in fixed point on other meshes, and its reader knows no solver.
+"""
+
+import math
+
+import pytest
+
+from spectral_contact import gold, solve
+
+LARGEST_ERROR = 1e-25
+TABLES = {table.name: table for table in gold.tables()}
+SOLUTIONS = [solution for table in TABLES.values() for solution in table.solutions]
+SCENES = [solution.scene for solution in SOLUTIONS]
+SIDES = ("inner", "outer", "inner_from_edge", "outer_from_edge")
+#: What the tolerance bounds; zone boundaries are as good as their conditioning allows.
+BOUNDED = ("approach", "pressure", "traction", "total_shear")
+#: Where the estimate is exceeded, and by how much at most: the rounding of q/s toward the centre
+#: is above its floor, and the error of the stick radius is not in the estimate of the traction.
+KNOWN = {
+    ("nu=0.1 alpha=0 beta=0.01 f=inf", "traction", 1e-12): 2.0,
+    ("nu=0.1 alpha=1 beta=1e-06 f=0.0666666667", "traction", 1e-12): 2.0,
+}
+
+
+def named(name):
+    [found] = [solution for solution in SOLUTIONS if solution.name == name]
+    return found
+
+
+def test_there_are_enough_scenes():
+    assert len(SOLUTIONS) >= 60
+    assert len(set(SCENES)) == len(SCENES)
+
+
+def test_every_number_has_25_digits():
+    for solution in SOLUTIONS:
+        error = solution.error
+        errors = [getattr(error, name) for name in error.__slots__]
+        assert max(e for e in errors if e is not None) <= LARGEST_ERROR
+        assert solution.digits >= 25
+
+
+def test_points_reach_the_edge():
+    for solution in SOLUTIONS:
+        depths = {point.from_edge for point in solution.points}
+        assert len(depths) >= 21
+        assert depths >= {0.0, 1.0, *(float(f"1e-{k}") for k in range(1, 13))}
+
+
+def test_all_regimes_are_there():
+    for name in ("normal_compliance", "tangential_compliance"):
+        assert {getattr(scene, name) for scene in SCENES} >= {0.0, 1e-12, 1e-6, 0.5, 1.0, 1e6}
+    rough = [s for s in SCENES if s.tangential_compliance and s.normal_compliance]
+    decades = [math.log10(s.normal_compliance / s.tangential_compliance) for s in rough]
+    assert min(decades) < -17.9
+    assert max(decades) > 17.9
+    assert min(s.poisson_ratio for s in SCENES) == -0.9
+    assert max(s.poisson_ratio for s in SCENES) == 0.5
+    ratios = {s.friction / s.kappa for s in SCENES if s.friction and s.kappa}
+    assert min(ratios) <= 0.01
+    kinds = {}
+    for solution in SOLUTIONS:
+        scene, kind = solution.scene, tuple(zone.kind for zone in solution.zones)
+        smooth = scene.normal_compliance == 0.0, scene.tangential_compliance == 0.0
+        limited = scene.friction is not None and math.isfinite(scene.friction)
+        kinds.setdefault((kind, limited), set()).add(smooth)
+    every = {(False, False), (False, True), (True, False), (True, True)}
+    assert kinds[("stick",), False] == every  # friction is infinite
+    assert kinds[("stick",), True] >= {(False, False), (True, False)}  # above the critical
+    assert kinds[("stick", "slip"), True] == every - {(True, False)}  # there slip is inside
+    slipping = [s for s in SOLUTIONS if len(s.zones) == 2]
+    assert min(s.zones[1].inner_from_edge for s in slipping) < 1e-9  # slip about to start
+    assert kinds[("slip",), True]
+    assert kinds[(), False]
+
+
+def test_smooth_scenes_are_the_closed_forms():
+    stick, slip = (
+        named("nu=0.3 alpha=0 beta=0 f=inf"),
+        named("nu=-0.9 alpha=0 beta=0 f=0.736842105"),
+    )
+    mp = stick.approach.context
+    assert stick.approach == slip.approach == 0.125
+    for solution in (stick, slip):
+        nu = mp.mpf(solution.scene.poisson_ratio)
+        kappa = (1 - 2 * nu) / (4 * (1 - nu))
+        for point in solution.points[:-1]:
+            y = point.from_edge * (2 - mp.mpf(point.from_edge))
+            assert abs(point.pressure * 2 * mp.pi * mp.sqrt(y) - 1) <= LARGEST_ERROR
+        if solution is stick:
+            assert abs(stick.total_shear / (2 * kappa * mp.ln2) - 1) <= LARGEST_ERROR
+            continue
+        c, rest = slip.stick_radius, slip.zones[0].outer_from_edge * (1 + slip.stick_radius)
+        ratio = mp.mpf(slip.scene.friction) / kappa
+        balance = mp.log((1 + c) / (1 - c)) / c / (ratio * mp.ellipk(rest)) - 1
+        assert abs(balance) <= LARGEST_ERROR
+        shear = slip.scene.friction * mp.ellipe(rest) + kappa * mp.log(rest)
+        assert abs(slip.total_shear / shear - 1) <= LARGEST_ERROR
+
+
+def relative(value, truth):
+    """Return the relative error of a double as a double."""
+    value = float(value)
+    return 0.0 if value == truth else float(abs(value / truth - 1)) if truth else math.inf
+
+
+def errors(double, true):
+    """Return the largest true error of every quantity."""
+    depths = [point.from_edge for point in true.points]
+    found = {"approach": relative(double.approach, true.approach)}
+    fields = ["pressure"]
+    if true.scene.friction is not None:
+        fields.append("traction")
+        found["total_shear"] = relative(double.total_shear, true.total_shear)
+        found["stick_radius"] = relative(double.stick_radius, true.stick_radius)
+        found["zones"] = max(
+            relative(getattr(mine, side), getattr(its, side))
+            for mine, its in zip(double.zones, true.zones, strict=True)
+            for side in SIDES
+        )
+    if true.edge_ratio is not None:
+        found["edge_ratio"] = relative(double.edge_ratio, true.edge_ratio)
+    for name in fields:
+        values = getattr(double, name)(from_edge=depths)
+        pairs = zip(values, true.points, strict=True)
+        found[name] = max(relative(value, getattr(point, name)) for value, point in pairs)
+    return found
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("table", TABLES)
+def test_no_error_exceeds_its_estimate_nor_that_the_tolerance(table, rtol):
+    wrong = []
+    for true in TABLES[table].solutions:
+        double = solve(true.scene, rtol)  # raises if it does not converge
+        for name, error in errors(double, true).items():
+            estimate = getattr(double.error, name)
+            most = estimate * KNOWN.get((true.name, name, rtol), 1.0)
+            if not error <= most or (name in BOUNDED and not estimate <= rtol):
+                wrong.append((true.name, name, error, estimate))
+    assert wrong == []
