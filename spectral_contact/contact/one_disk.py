@@ -304,9 +304,9 @@ class _OneDiskProblem:
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out
-        noise = 20.0 * ROUNDING + 0.05 * self.quadrature
+        noise = 8.0 * ROUNDING + 0.05 * self.quadrature
         shift += noise * at_rim + trial.unresolved
-        shift /= abs(self.slope)
+        shift = shift / abs(self.slope) + np.finfo(float).eps * abs(radius.logit)
         misfit = trial.target - space.half_integral(coefficients)
         weights = radius.value**3 * nodes.weights * nodes.rest
         lost_misfit = (
