@@ -60,7 +60,8 @@ class Mesh:
         x = width * np.arange(panels)
         missing = np.clip(1.0 - (x - layer - 4.0) / settle, 0.0, 1.0)
         degrees = np.maximum(np.ceil(top * missing) + 2, 4).astype(int)
-        return cls(LogPanels(panels, width, int(degrees.max()), power), tuple(degrees.tolist()), digits)
+        mesh = LogPanels(panels, width, int(degrees.max()), power)
+        return cls(mesh, tuple(degrees.tolist()), digits)
 
     @property
     def depth(self) -> float:
