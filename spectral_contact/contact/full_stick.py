@@ -120,7 +120,9 @@ class _StickProblem:
         shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
         propagated = SAFETY * normal.rate**2
         rounding = 20.0 * ROUNDING
-        traction_error = float(shares.max()) + TRACTION_ROUNDING
+        # under a pressure that is infinite at the edge q/s at the centre is off by up to 2.5e-13
+        centre = 5.0 if normal.compliance == 0.0 else 1.0
+        traction_error = float(shares.max()) + centre * TRACTION_ROUNDING
         traction_error += propagated * float(share_of_change(panels, moved, series).max())
         shear_error = functional_error(factored, moments, change, rates, resolution) / shear
         shear_error += propagated * float(np.abs(swayed).max()) / shear + 4.0 * ROUNDING

@@ -100,3 +100,11 @@ def test_over_refinement_spoils_no_digit(case):
     assert used[0] > 2 * used[1]
     errors = true_errors(larger, RECORD[case.name]["truth"])
     assert max(errors.values()) <= 1e-12
+
+
+def test_the_estimate_of_the_traction_holds_at_the_centre():
+    # by `precise.reference`; under an infinite edge pressure q/s is least accurate there
+    true = {2.0**-6: 0.000405737173920463113219, 2.0**-14: 0.00000158450310877503324945}
+    solution = solve(Scene(0.1, 0.0, 0.01, np.inf), 1e-12)
+    for s, traction in true.items():
+        assert abs(solution.traction(s) / traction - 1) <= solution.error.traction
