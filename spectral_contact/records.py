@@ -112,7 +112,8 @@ class Zone:
     inner, outer : float
         Its radii; every one to relative accuracy.
     inner_from_edge, outer_from_edge : float
-        One minus the radii, to relative accuracy.
+        One minus the radii, to relative accuracy. In solutions to many digits all four are
+        mpmath's numbers.
     """
 
     kind: str

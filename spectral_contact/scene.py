@@ -16,6 +16,7 @@ from fractions import Fraction
 from typing import Any, Final, Self
 
 from spectral_contact.checks import exactly_one, real
+from spectral_contact.documents import key_complaint
 from spectral_contact.errors import SceneError, SolutionFileError, shown
 
 __all__ = ["PhysicalData", "Scene"]
@@ -388,14 +389,6 @@ def _check_schema(data: Any) -> None:
 
 
 def _check_keys(data: Any, expected: list[str], where: str) -> None:
-    if not isinstance(data, Mapping):
-        raise SolutionFileError("scene", f"{where}an object was expected, not {shown(data)}")
-    missing = [key for key in expected if key not in data]
-    unknown = [shown(key) for key in data if key not in expected]
-    if missing or unknown:
-        complaints = [
-            f"{kind} {', '.join(keys)}"
-            for kind, keys in (("missing", missing), ("unknown", unknown))
-            if keys
-        ]
-        raise SolutionFileError("scene", f"{where}keys are {'; '.join(complaints)}")
+    complaint = key_complaint(data, expected)
+    if complaint:
+        raise SolutionFileError("scene", f"{where}{complaint}")

@@ -19,8 +19,6 @@ import os
 import secrets
 import sys
 import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from io import BytesIO
@@ -35,6 +33,7 @@ from spectral_contact import fields as field_classes
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
+from spectral_contact.documents import Refused, reported
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
@@ -70,10 +69,6 @@ _VALUES: Final[dict[str, Any]] = {
 }
 
 
-class _Refused(Exception):
-    """What is wrong with a file or a solution, in words that need no prefix."""
-
-
 def save(solution: Solution, path: str | os.PathLike[str]) -> None:
     """Store a solution; the file is complete or, after any failure, as it was before.
 
@@ -90,7 +85,7 @@ def save(solution: Solution, path: str | os.PathLike[str]) -> None:
         anything else that does not belong into one.
     """
     source, suffix = _source(path)
-    with _reported(source, "cannot be written"):
+    with reported(source, "cannot be written"):
         _replace(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
 
 
@@ -104,9 +99,9 @@ def load(path: str | os.PathLike[str]) -> Solution:
         version.
     """
     source, suffix = _source(path)
-    with _reported(source, "cannot be read"):
+    with reported(source, "cannot be read"):
         content = Path(source).read_bytes()
-    with _reported(source, f"damaged, or not a {suffix} file of a solution"):
+    with reported(source, f"damaged, or not a {suffix} file of a solution"):
         if suffix == ".json":
             return _unpack(json.loads(content.decode()), None)
         arrays = _npz_members(content)
@@ -121,7 +116,7 @@ def to_json(solution: Solution) -> str:
     SolutionFileError
         If the solution holds NaN or anything else that does not belong into one.
     """
-    with _reported("solution", "cannot be written as JSON"):
+    with reported("solution", "cannot be written as JSON"):
         return _json(solution)
 
 
@@ -133,7 +128,7 @@ def from_json(text: str) -> Solution:
     SolutionFileError
         If the text is not JSON, not a solution, changed, damaged, or of another version.
     """
-    with _reported("solution", "damaged, or not the JSON text of a solution"):
+    with reported("solution", "damaged, or not the JSON text of a solution"):
         return _unpack(json.loads(text), None)
 
 
@@ -154,22 +149,9 @@ def comparable(value: Any) -> object:
     return value
 
 
-@contextmanager
-def _reported(source: str, failure: str) -> Iterator[None]:
-    """Turn whatever is raised inside into a `SolutionFileError`."""
-    try:
-        yield
-    except _Refused as error:
-        raise SolutionFileError(source, str(error)) from error
-    except Exception as error:  # what zip, zlib, JSON and NumPy raise on damage is an open set
-        detail = getattr(error, "strerror", None) or str(error) or type(error).__name__
-        detail = f"no {detail}" if isinstance(error, KeyError) else " ".join(detail.split())
-        raise SolutionFileError(source, f"{failure} ({detail})") from error
-
-
 def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
     """Return the path as text, and its suffix, which is one of ours."""
-    with _reported(shown(path), "not a path"):
+    with reported(shown(path), "not a path"):
         source = os.fsdecode(path)
     suffix = Path(source).suffix.lower()
     if suffix not in _SUFFIXES:
@@ -204,7 +186,7 @@ def _json_array(array: NDArray[np.float64]) -> dict[str, Any]:
 def _from_json_array(body: Any) -> NDArray[np.float64]:
     _check_names("an array", body, ("shape", "data"))
     if any(type(x) is not float and x not in _INFINITIES for x in body["data"]):
-        raise _Refused("an array holds something else than doubles")
+        raise Refused("an array holds something else than doubles")
     return np.array([float(x) for x in body["data"]]).reshape(body["shape"])
 
 
@@ -230,7 +212,7 @@ def _pack(solution: Solution) -> tuple[dict[str, Any], Arrays]:
     arrays: Arrays = {}
     tree = _encode(solution, arrays, "")
     if not isinstance(solution, Solution):
-        raise _Refused(f"a {type(solution).__name__} is not a Solution")
+        raise Refused(f"a {type(solution).__name__} is not a Solution")
     digest = hashlib.sha256(json.dumps(tree, sort_keys=True).encode())
     for array in arrays.values():  # in the order of the tree, which has their names
         digest.update(f"{array.shape}".encode() + array.astype("<f8").tobytes())
@@ -243,17 +225,17 @@ def _pack(solution: Solution) -> tuple[dict[str, Any], Arrays]:
 def _unpack(document: Any, arrays: Arrays | None) -> Solution:
     """Return the solution; without `arrays` they are in the document."""
     if not isinstance(document, dict) or document.get("schema") != _SCHEMA:
-        raise _Refused(f'not a solution: its "schema" is not "{_SCHEMA}"')
+        raise Refused(f'not a solution: its "schema" is not "{_SCHEMA}"')
     version = document.get("version")
     if type(version) is not int or version != _VERSION:
-        raise _Refused(f"version {version!r} is not known to this release, which reads {_VERSION}")
+        raise Refused(f"version {version!r} is not known to this release, which reads {_VERSION}")
     if arrays is None:
         arrays = {name: _from_json_array(body) for name, body in document.pop("arrays", {}).items()}
     _check_names("the header", document, _MEMBERS)
     solution: Solution = _decode(document["solution"], arrays)
     again, named = _pack(solution)
     if again["sha256"] != document["sha256"] or named.keys() != arrays.keys():
-        raise _Refused("its checksum is not that of its contents: it was changed or damaged")
+        raise Refused("its checksum is not that of its contents: it was changed or damaged")
     return solution
 
 
@@ -267,7 +249,7 @@ def _encode(value: Any, arrays: Arrays, place: str) -> Any:
         return {"float": repr(value)}
     if cls is np.ndarray and value.dtype == np.float64:
         if np.isnan(value).any():
-            raise _Refused(f"{place} holds NaN")
+            raise Refused(f"{place} holds NaN")
         arrays[place] = value
         return {"array": place}
     if cls is tuple:
@@ -275,7 +257,7 @@ def _encode(value: Any, arrays: Arrays, place: str) -> Any:
     if cls is dict:
         return {"dict": {key: _encode(item, arrays, key) for key, item in value.items()}}
     if _CLASSES.get(name) is not cls:
-        raise _Refused(f"{place}: {value!r:.40} ({name}) does not belong into a solution")
+        raise Refused(f"{place}: {value!r:.40} ({name}) does not belong into a solution")
     if isinstance(value, Enum):
         return {name: value.name}
     body = {one.name: getattr(value, one.name) for one in fields(value)}
@@ -283,7 +265,7 @@ def _encode(value: Any, arrays: Arrays, place: str) -> Any:
     if cls is Solution and not wrong:
         wrong = [k for k, item in value.values.items() if not _fits(item, _VALUES.get(k))]
     if wrong:
-        raise _Refused(f"{name} has fields of the wrong type or name: {', '.join(map(str, wrong))}")
+        raise Refused(f"{name} has fields of the wrong type or name: {', '.join(map(str, wrong))}")
     prefix = f"{place}." if place else ""
     return {name: {key: _encode(item, arrays, prefix + key) for key, item in body.items()}}
 
@@ -305,7 +287,7 @@ def _decode(tree: Any, arrays: Arrays) -> Any:
         return array
     cls = _CLASSES.get(tag)
     if cls is None:
-        raise _Refused(f"{tag!r} is not a class of which solutions are made")
+        raise Refused(f"{tag!r} is not a class of which solutions are made")
     if issubclass(cls, Enum):
         return cls[body]
     _check_names(tag, body, _HINTS[cls])
@@ -314,7 +296,7 @@ def _decode(tree: Any, arrays: Arrays) -> Any:
 
 def _check_names(what: str, body: Any, expected: Any) -> None:
     if not isinstance(body, dict) or body.keys() != set(expected):
-        raise _Refused(f"{what} must have {', '.join(expected)}, and has {shown(body)}")
+        raise Refused(f"{what} must have {', '.join(expected)}, and has {shown(body)}")
 
 
 def _fits(value: Any, hint: Any) -> bool:

@@ -283,16 +283,15 @@ class _OneDiskProblem:
             lesser = trial.factored.change(coefficients, degrees=1).coefficients
             limits = [abs(series_of(panels, one).limit) for one in (change, lesser)]
             shift = kept * max(limits) / abs(trial.unit)
-        if self.drive.change is not None:
-            moved = self._at(self.drive.change, resolution, radius, trial.factored, 1e-3)
+        changes = self.drive.changes
+        if changes:
+            trials = [self._at(one, resolution, radius, trial.factored, 1e-3) for one in changes]
+            moved = trials[0]
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share
             # of signed parts any one may be small by accident, hardly of both changes
             swayed, swept = [], []
-            for drive in self.drive.changes:
-                one = moved
-                if drive is not self.drive.change:
-                    one = self._at(drive, resolution, radius, trial.factored, 1e-3)
+            for drive, one in zip(changes, trials, strict=True):
                 swayed.append(abs(one.mismatch) + abs(one.slipping))
                 part = radius.square * float(moments @ one.coefficients)
                 outside = float(drive.load_outside(np.array(radius.rest)))

@@ -254,7 +254,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
         [], [Slipping(annulus, 1, misfit[0])], drive.pressure, beta, friction
     )
     error = drive.contact.pressure_error
-    stray = 5.0 * unresolved + 4.0 * error + tolerance * 1e-3
+    stray = unresolved + 4.0 * error + tolerance * 1e-3
     slip_error = _displacement_error(drive, EDGE, stray, beta, friction, largest)
     wrong = float(samples[0].max()) / largest
     return PartialSlip(
@@ -297,9 +297,7 @@ def _one_disk_outcome(
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
     excess = _stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
-    slip_error = _displacement_error(
-        drive, EDGE, disk.stray + 5.0 * unresolved, beta, friction, largest
-    )
+    slip_error = _displacement_error(drive, EDGE, disk.stray + unresolved, beta, friction, largest)
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
     consistent = _obeys(excess, error, float(samples[0].max()) / largest, slip_error)
     return PartialSlip(
@@ -400,7 +398,7 @@ def _zones_outcome(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
     slip_error = _displacement_error(
-        drive, outermost, solved.stray + 5.0 * unresolved, beta, friction, largest
+        drive, outermost, solved.stray + unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)
     return PartialSlip(

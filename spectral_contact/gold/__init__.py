@@ -4,9 +4,8 @@ from spectral_contact.gold.loader import (
     GoldPoint,
     GoldSolution,
     GoldTable,
-    GoldZone,
     load,
     tables,
 )
 
-__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "GoldZone", "load", "tables"]
+__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "load", "tables"]

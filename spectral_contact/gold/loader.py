@@ -10,8 +10,6 @@ import json
 import math
 import os
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -19,11 +17,12 @@ from typing import Any, Final
 
 from mpmath.ctx_mp import MPContext
 
-from spectral_contact.errors import SolutionFileError, shown
-from spectral_contact.records import ErrorEstimates
+from spectral_contact.documents import Refused, key_complaint, reported
+from spectral_contact.errors import shown
+from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 
-__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "GoldZone", "load", "tables"]
+__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "load", "tables"]
 
 _SCHEMA: Final = "spectral_contact.gold"
 _VERSION: Final = 1
@@ -40,27 +39,6 @@ _SIDES: Final = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 _ERRORS: Final = (*_VALUES, "pressure", "traction")
 _FEWEST_DIGITS, _MOST_DIGITS = 15, 60
 _DECIMAL: Final = re.compile(r"-?(\d+)(?:\.(\d+))?(?:e[+-]?\d{1,4})?", re.ASCII)
-
-
-@dataclass(frozen=True, slots=True)
-class GoldZone:
-    """An annulus in which the surfaces stick or slip, dimensionless.
-
-    Attributes
-    ----------
-    kind : str
-        ``"stick"`` or ``"slip"``.
-    inner, outer : mpf
-        Its radii.
-    inner_from_edge, outer_from_edge : mpf
-        One minus the radii, to relative accuracy.
-    """
-
-    kind: str
-    inner: Any
-    outer: Any
-    inner_from_edge: Any
-    outer_from_edge: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +74,7 @@ class GoldSolution:
         What it was asked for; three more are stored.
     approach, total_shear : mpf
         ``delta*`` and ``Q*``.
-    zones : tuple of GoldZone
+    zones : tuple of Zone
         From the centre to the edge; empty without friction.
     edge_ratio : mpf or None
         q/p at the edge where everything sticks, which may be infinite; None elsewhere.
@@ -114,7 +92,7 @@ class GoldSolution:
     digits: int
     approach: Any
     total_shear: Any
-    zones: tuple[GoldZone, ...]
+    zones: tuple[Zone, ...]
     edge_ratio: Any
     points: tuple[GoldPoint, ...]
     error: ErrorEstimates
@@ -149,10 +127,6 @@ class GoldTable:
     solutions: tuple[GoldSolution, ...]
 
 
-class _Refused(Exception):
-    """What is wrong with a file, in words that need no prefix."""
-
-
 def tables() -> tuple[GoldTable, ...]:
     """Return the tables that ship with the library, in the order of their names.
 
@@ -184,38 +158,26 @@ def load(path: str | os.PathLike[str]) -> GoldTable:
     SolutionFileError
         For a file that is not there, no gold table, damaged, or of another version.
     """
-    with _reported(shown(path), "not a path"):
+    with reported(shown(path), "not a path"):
         source = os.fsdecode(path)
-    with _reported(source, "cannot be read"):
+    with reported(source, "cannot be read"):
         content = Path(source).read_bytes()
     return _parsed(source, content)
 
 
 def _parsed(source: str, content: bytes) -> GoldTable:
-    with _reported(source, "damaged, or not the JSON text of a gold table"):
+    with reported(source, "damaged, or not the JSON text of a gold table"):
         return _table(json.loads(content.decode()))
-
-
-@contextmanager
-def _reported(source: str, failure: str) -> Iterator[None]:
-    """Turn whatever is raised inside into a `SolutionFileError`."""
-    try:
-        yield
-    except _Refused as error:
-        raise SolutionFileError(source, str(error)) from error
-    except Exception as error:  # whatever a path or a damaged file leads to
-        detail = getattr(error, "strerror", None) or str(error) or type(error).__name__
-        raise SolutionFileError(source, f"{failure} ({detail})") from error
 
 
 def _table(document: Any) -> GoldTable:
     schema = document.get("schema") if isinstance(document, dict) else None
     if schema != _SCHEMA:
-        raise _Refused(f'not a gold table: its "schema" is not "{_SCHEMA}"')
+        raise Refused(f'not a gold table: its "schema" is not "{_SCHEMA}"')
     version = document.get("version")
     if type(version) is not int or version != _VERSION:
         known = f"is not known to this release, which reads {_VERSION}"
-        raise _Refused(f"version {shown(version)} {known}")
+        raise Refused(f"version {shown(version)} {known}")
     _check_keys("the table", document, _TABLE_KEYS)
     name, regime, script = (
         _text("the table", document, key) for key in ("table", "regime", "script")
@@ -228,13 +190,13 @@ def _table(document: Any) -> GoldTable:
         digits = entry["digits"]
         if type(digits) is not int or not _FEWEST_DIGITS <= digits <= _MOST_DIGITS:
             allowed = f"a whole number in [{_FEWEST_DIGITS}, {_MOST_DIGITS}]"
-            raise _Refused(f'{where}: "digits" is {shown(digits)}, and must be {allowed}')
+            raise Refused(f'{where}: "digits" is {shown(digits)}, and must be {allowed}')
         if digits not in contexts:
             contexts[digits] = MPContext()
             contexts[digits].dps = digits + 3
         solutions.append(_Entry(where, entry, contexts[digits]).solution())
     if len({solution.name for solution in solutions}) < len(solutions):
-        raise _Refused("two scenes have the same name")
+        raise Refused("two scenes have the same name")
     return GoldTable(name, regime, script, tuple(solutions))
 
 
@@ -276,24 +238,24 @@ class _Entry:
         try:
             return Scene(**values)
         except ValueError as error:
-            raise _Refused(f"{where}: {error}") from error
+            raise Refused(f"{where}: {error}") from error
 
-    def _zones(self) -> tuple[GoldZone, ...]:
+    def _zones(self) -> tuple[Zone, ...]:
         zones = []
         before = "0", "1"
         for i, zone in enumerate(_list(self.where, self.body, "zones")):
             where = f"{self.where}, zone {i + 1}"
             _check_keys(where, zone, ("kind", *_SIDES))
             if zone["kind"] not in ("stick", "slip"):
-                raise _Refused(f'{where}: "kind" is {shown(zone["kind"])}, not stick or slip')
+                raise Refused(f'{where}: "kind" is {shown(zone["kind"])}, not stick or slip')
             numbers = [self._number(where, zone, side) for side in _SIDES]
             start = [self.mp.mpf(text) for text in before]
             if [numbers[0], numbers[2]] != start:
-                raise _Refused(f"{where}: it does not begin where the zone before it ends")
+                raise Refused(f"{where}: it does not begin where the zone before it ends")
             before = zone["outer"], zone["outer_from_edge"]
-            zones.append(GoldZone(zone["kind"], *numbers))
+            zones.append(Zone(zone["kind"], *numbers))
         if zones and (zones[-1].outer != 1 or zones[-1].outer_from_edge != 0):
-            raise _Refused(f"{self.where}: its zones do not end at the edge")
+            raise Refused(f"{self.where}: its zones do not end at the edge")
         return tuple(zones)
 
     def _points(self) -> tuple[GoldPoint, ...]:
@@ -303,7 +265,7 @@ class _Entry:
             _check_keys(where, point, ("from_edge", "pressure", "traction"))
             from_edge = _double(f"{where}, from_edge", point["from_edge"])
             if not 0.0 <= from_edge < (points[-1].from_edge if points else 1.5) or from_edge > 1.0:
-                raise _Refused(f'{where}: "from_edge" must fall from point to point, in [0, 1]')
+                raise Refused(f'{where}: "from_edge" must fall from point to point, in [0, 1]')
             fields = [self._number(where, point, name) for name in ("pressure", "traction")]
             points.append(GoldPoint(from_edge, *fields))
         return tuple(points)
@@ -314,9 +276,9 @@ class _Entry:
         for name, error in body.items():
             if name == "edge_ratio" and self.body[name] is None:
                 if error is not None:
-                    raise _Refused(f'{where}: "{name}" is {shown(error)}, and there is no value')
+                    raise Refused(f'{where}: "{name}" is {shown(error)}, and there is no value')
             elif type(error) not in (int, float) or not 0.0 <= error < 1.0:
-                raise _Refused(f'{where}: "{name}" is {shown(error)}, and must be in [0, 1)')
+                raise Refused(f'{where}: "{name}" is {shown(error)}, and must be in [0, 1)')
         return ErrorEstimates(**body, stick_radius=body["zones"])
 
     def _number(self, where: str, body: dict[str, Any], name: str) -> Any:
@@ -330,8 +292,8 @@ class _Entry:
             figures = "".join(part or "" for part in match.groups()).lstrip("0")
             if value == 0 or value == 1 or len(figures) >= self.digits:
                 return value
-            raise _Refused(f'{where}: "{name}" has {len(figures)} digits of {self.digits}: rounded')
-        raise _Refused(f'{where}: "{name}" is {shown(text)}, and must be a decimal number as text')
+            raise Refused(f'{where}: "{name}" has {len(figures)} digits of {self.digits}: rounded')
+        raise Refused(f'{where}: "{name}" is {shown(text)}, and must be a decimal number as text')
 
 
 def _double(where: str, body: Any) -> float:
@@ -343,31 +305,23 @@ def _double(where: str, body: Any) -> float:
     except (TypeError, ValueError, OverflowError):
         same = False
     if not same or math.isnan(value):
-        raise _Refused(f'{where}: "hex" and "decimal" must be texts of the same double')
+        raise Refused(f'{where}: "hex" and "decimal" must be texts of the same double')
     return value
 
 
 def _text(where: str, body: dict[str, Any], key: str) -> str:
     if not isinstance(body[key], str) or not body[key]:
-        raise _Refused(f'{where}: "{key}" is {shown(body[key])}, and must be a text')
+        raise Refused(f'{where}: "{key}" is {shown(body[key])}, and must be a text')
     return str(body[key])
 
 
 def _list(where: str, body: dict[str, Any], key: str) -> list[Any]:
     if not isinstance(body[key], list):
-        raise _Refused(f'{where}: "{key}" is {shown(body[key])}, and must be a list')
+        raise Refused(f'{where}: "{key}" is {shown(body[key])}, and must be a list')
     return list(body[key])
 
 
 def _check_keys(where: str, body: Any, expected: tuple[str, ...]) -> None:
-    if not isinstance(body, dict):
-        raise _Refused(f"{where}: an object was expected, not {shown(body)}")
-    missing = [key for key in expected if key not in body]
-    unknown = [shown(key) for key in body if key not in expected]
-    complaints = [
-        f"{kind} {', '.join(keys)}"
-        for kind, keys in (("missing", missing), ("unknown", unknown))
-        if keys
-    ]
-    if complaints:
-        raise _Refused(f"{where}: keys are {'; '.join(complaints)}")
+    complaint = key_complaint(body, expected)
+    if complaint:
+        raise Refused(f"{where}: {complaint}")

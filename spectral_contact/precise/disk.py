@@ -223,7 +223,6 @@ class Disk:
         bounds = [0, len(first_x)]
         bounds += [len(first_x) + k * count for k in range(1, p)]
         self._rows = [slice(a, b) for a, b in pairwise(bounds)]
-        self._tail_rows = slice(bounds[-1], len(self.d))
 
     # half-integrals
 
@@ -232,20 +231,28 @@ class Disk:
         """Gauss points that integrate over a panel to rounding."""
         return self.panels.degree + ceil(0.75 * self.mesh.digits) + 8
 
+    def root_rule(self, lower: Ints, upper: Ints) -> tuple[Ints, Ints, Ints]:
+        """Return u, ``exp(-u)``, and weights of ``int . du / (2 sqrt(1 - exp(-u)))``.
+
+        The rule is Gauss's in the root of u, from each of `lower` to `upper`.
+        """
+        f = self.fixed
+        g, w = f.gauss(self.rule_points)
+        a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
+        u = a + f.times(b - a, f.one + g) // 2
+        u = f.times(u, u)
+        fall = f.exp(-u)
+        smooth = f.sqrt(f.over(u, f.one - fall))
+        return u, fall, f.times(smooth, w, b - a) // 2
+
     def _deeper(self, to_end: Ints) -> list[Ints]:
         """Return the half-integrals at points of one panel: of that panel, and of the next."""
         f, h = self.fixed, self._h
-        g, w = f.gauss(self.rule_points)
         blocks = []
         lower, upper = 0 * to_end, to_end
         for k in range(2):
-            a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
-            u = a + f.times(b - a, f.one + g) // 2
-            u = f.times(u, u)
-            fall = f.exp(-u)
-            smooth = f.sqrt(f.over(u, f.one - fall))
-            weight = fall if self.panels.power == 0.0 else f.sqrt(fall)
-            values = f.times(weight, smooth, w, b - a) // 2
+            u, fall, weights = self.root_rule(lower, upper)
+            values = f.times(fall if self.panels.power == 0.0 else f.sqrt(fall), weights)
             basis = f.legendre(
                 f.one - 2 * f.over(to_end[:, None] + k * h - u, h), self.panels.degree
             )
@@ -400,6 +407,12 @@ class Disk:
             for a, b in zip(np.atleast_2d(part[0]), np.atleast_2d(part[1]), strict=True)
         ]
         return max(shares)
+
+    def shear(self, coefficients: Ints) -> Any:
+        """Return ``2 pi int q s ds = 2 pi int t F dt`` of the function ``q = s u``."""
+        f = self.fixed
+        density = f.times(2 * f.of(f.mp.pi), self.weights, f.sqrt(self.rest))
+        return f.dot(density, self.half_integral(coefficients))
 
     def series(self, coefficients: Ints) -> Series:
         """Return the function that the coefficients stand for, without the endpoint weight."""

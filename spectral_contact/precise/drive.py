@@ -167,16 +167,12 @@ class RoughDrive(Drive):
         """
         f = self.fixed
         h = f.of(self._disk.panels.width)
-        g, w = f.gauss(self._disk.rule_points)
         lower, upper = np.maximum(from_start - h, 0), from_start
         blocks = []
         for k in range(2):
-            a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
-            u = a + f.times(b - a, f.one + g) // 2
-            u = f.times(u, u)
+            u, _, weights = self._disk.root_rule(lower, upper)
             offset = from_start[:, None] + k * h - u
-            smooth = f.sqrt(f.over(u, f.one - f.exp(-u)))
-            values = f.times(f.exp(-offset // 2), smooth, w, b - a) // 2
+            values = f.times(f.exp(-offset // 2), weights)
             basis = f.legendre(2 * f.over(offset, h) - f.one, self._disk.panels.degree)
             blocks.append(np.array([f.dot(v, m) for v, m in zip(values, basis, strict=True)]))
             lower, upper = upper, upper + h

@@ -27,16 +27,12 @@ class OneDisk:
     ----------
     logit : mpf
         ``ln(c^2 / (1 - c^2))``.
-    square, rest : int
-        ``c^2`` and ``1 - c^2`` in fixed point.
     traction : Series
         ``q / (s/c)`` in ``1 - s^2/c^2``.
     total_shear : int
     """
 
     logit: Any
-    square: Any
-    rest: Any
     traction: Series
     total_shear: Any
 
@@ -209,9 +205,8 @@ class _Trial:
     def outcome(self) -> OneDisk:
         """Return the solution at this radius."""
         f, disk = self._drive.fixed, self._disk
-        moments = f.times(disk.weights, f.sqrt(disk.rest))
-        inside = f.dot(moments, disk.half_integral(self._coefficients))
         outside = f.times(self._friction, self._drive.outside(self.rest)[1].sum())
-        shear = f.times(2 * f.of(f.mp.pi), f.times(self.square, inside) + outside)
+        shear = f.times(self.square, disk.shear(self._coefficients))
+        shear += f.times(2 * f.of(f.mp.pi), outside)
         traction = disk.series(self._coefficients)
-        return OneDisk(self.logit, self.square, self.rest, traction, shear)
+        return OneDisk(self.logit, traction, shear)

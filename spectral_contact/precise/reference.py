@@ -11,8 +11,8 @@ import numpy as np
 from spectral_contact import checks
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.precise.run import Run
-from spectral_contact.precise.solution import PreciseZone, ReferenceSolution
-from spectral_contact.records import ErrorEstimates
+from spectral_contact.precise.solution import ReferenceSolution
+from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solver import solve
 
@@ -125,20 +125,20 @@ def _stick_disk(scene: Scene) -> tuple[float, float] | None:
     return zones[0].outer, zones[0].outer_from_edge
 
 
-def _zones(run: Run) -> tuple[PreciseZone, ...]:
+def _zones(run: Run) -> tuple[Zone, ...]:
     """Return the zones as mpmath's numbers."""
     scene, mp = run.scene, run.fixed.mp
     whole = mp.zero, mp.one, mp.one, mp.zero
     if scene.friction is None:
         return ()
     if scene.friction == 0.0 and scene.kappa != 0.0:
-        return (PreciseZone("slip", *whole),)
+        return (Zone("slip", *whole),)
     c, from_edge = run.radius
     if from_edge == 0:
-        return (PreciseZone("stick", *whole),)
+        return (Zone("stick", *whole),)
     return (
-        PreciseZone("stick", mp.zero, c, mp.one, from_edge),
-        PreciseZone("slip", c, mp.one, from_edge, mp.zero),
+        Zone("stick", mp.zero, c, mp.one, from_edge),
+        Zone("slip", c, mp.one, from_edge, mp.zero),
     )
 
 

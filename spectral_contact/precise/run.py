@@ -138,11 +138,8 @@ class Run:
         beta = f.of(self.scene.tangential_compliance)
         disk = self._disk(self._stick_layer, self._rate, self._power)
         if from_edge == 0.0:
-            # beyond x of the panels the target is asked for at the tail alone
             unit = disk.solve(beta, self.drive.target(disk.d), tangential=True)
-            moments = f.times(disk.weights, f.sqrt(disk.rest))
-            shear = f.times(2 * f.of(f.mp.pi), f.dot(moments, disk.half_integral(unit)))
-            return OneDisk(f.mp.inf, f.one, 0, disk.series(unit), shear)
+            return OneDisk(f.mp.inf, disk.series(unit), disk.shear(unit))
         mp = f.mp
         logit = 2 * mp.log(mp.mpf(c)) - mp.log(mp.mpf(from_edge) * (1 + mp.mpf(c)))
         friction = f.of(mp.mpf(self.scene.friction) / self.kappa)

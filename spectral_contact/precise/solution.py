@@ -10,31 +10,10 @@ import numpy as np
 from spectral_contact import checks
 from spectral_contact.errors import SceneError
 from spectral_contact.precise.run import Run
-from spectral_contact.records import ErrorEstimates
+from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 
-__all__ = ["PreciseZone", "ReferenceSolution"]
-
-
-@dataclass(frozen=True, slots=True)
-class PreciseZone:
-    """An annulus in which the surfaces stick or slip, dimensionless.
-
-    Attributes
-    ----------
-    kind : str
-        ``"stick"`` or ``"slip"``.
-    inner, outer : mpf
-        Its radii.
-    inner_from_edge, outer_from_edge : mpf
-        One minus the radii, to relative accuracy.
-    """
-
-    kind: str
-    inner: Any
-    outer: Any
-    inner_from_edge: Any
-    outer_from_edge: Any
+__all__ = ["ReferenceSolution"]
 
 
 @dataclass(frozen=True)
@@ -52,7 +31,7 @@ class ReferenceSolution:
         ``Q*``; 0 without friction.
     stick_radius : mpf or None
         ``c*``; None without friction.
-    zones : tuple of PreciseZone
+    zones : tuple of Zone
         From the centre to the edge; empty without friction.
     edge_ratio : mpf or None
         q/p at the edge where everything sticks, which may be infinite; None in partial slip.
@@ -73,7 +52,7 @@ class ReferenceSolution:
     approach: Any
     total_shear: Any
     stick_radius: Any
-    zones: tuple[PreciseZone, ...]
+    zones: tuple[Zone, ...]
     edge_ratio: Any
     error: ErrorEstimates
     converged: bool

@@ -1,0 +1,51 @@
+"""What every reader of files and texts needs: one error for whatever is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from spectral_contact.errors import SolutionFileError, shown
+
+__all__ = ["Refused", "key_complaint", "reported"]
+
+
+class Refused(Exception):
+    """What is wrong with a file or a solution, in words that need no prefix."""
+
+
+@contextmanager
+def reported(source: str, failure: str) -> Iterator[None]:
+    """Turn whatever is raised inside into a `SolutionFileError`.
+
+    Parameters
+    ----------
+    source : str
+        The file's path, or what the text was meant to be.
+    failure : str
+        What has failed if something else than `Refused` is raised.
+    """
+    try:
+        yield
+    except Refused as error:
+        raise SolutionFileError(source, str(error)) from error
+    except Exception as error:  # what zip, zlib, JSON and NumPy raise on damage is an open set
+        detail = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        detail = f"no {detail}" if isinstance(error, KeyError) else " ".join(detail.split())
+        raise SolutionFileError(source, f"{failure} ({detail})") from error
+
+
+def key_complaint(data: Any, expected: Iterable[str]) -> str | None:
+    """Return what is wrong with the keys of an object; None if they are those expected."""
+    if not isinstance(data, Mapping):
+        return f"an object was expected, not {shown(data)}"
+    names = list(expected)
+    missing = [key for key in names if key not in data]
+    unknown = [shown(key) for key in data if key not in names]
+    complaints = [
+        f"{kind} {', '.join(keys)}"
+        for kind, keys in (("missing", missing), ("unknown", unknown))
+        if keys
+    ]
+    return f"keys are {'; '.join(complaints)}" if complaints else None
