@@ -196,7 +196,7 @@ def draw(rows: list[dict], path: Path) -> None:
 
     values = collected(rows)
     edges = np.linspace(-17.0, 1.0, 73)
-    layout = {"figsize": (9.0, 9.6), "sharex": True, "sharey": True, "layout": "constrained"}
+    layout = {"figsize": (9.6, 9.0), "sharex": True, "sharey": True, "layout": "constrained"}
     figure, axes = plt.subplots(3, 3, **layout)
     for axis in axes.flat[len(values) :]:
         axis.set_visible(False)
@@ -218,7 +218,7 @@ def draw(rows: list[dict], path: Path) -> None:
         axis.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
     figure.supxlabel("true error", fontsize=10)
     figure.supylabel("estimate (lines: as large as the error, 100 times that)", fontsize=10)
-    bar = {"orientation": "horizontal", "fraction": 0.03, "pad": 0.01, "aspect": 50}
+    bar = {"fraction": 0.03, "pad": 0.01, "aspect": 50}
     figure.colorbar(mesh, ax=axes, label="scenes", ticks=[1, 10, 100, 1000, 10000], **bar)
     figure.savefig(path, dpi=110, metadata={"Software": None})
     plt.close(figure)
