@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.legendre import legendre_rows, legendre_sum
+from spectral_contact.legendre import legendre_sum, legendre_sums
 
 __all__ = [
     "AnnulusSeries",
@@ -98,6 +98,8 @@ class LogSeries:
         """Evaluate at distances `d` in [0, 1], any shape."""
         shape = np.shape(d)
         d = np.ravel(d)
+        if d.size == 0:
+            return np.empty(shape)
         if d.size == 1:
             return np.full(shape, self._one(float(d[0])))
         panels = len(self.coefficients)
@@ -105,12 +107,11 @@ class LogSeries:
         x = -np.log(np.maximum(d, end * 1e-2)) / self.width
         own = np.clip(x.astype(int), 0, panels - 1)
         local = np.clip(2.0 * (x - own) - 1.0, -1.0, 1.0)
-        values = legendre_rows(local, self.coefficients.shape[1] - 1)
-        result = np.einsum("ki,ik->i", values, self.coefficients[own])
+        result = legendre_sums(local, np.take(self.coefficients.T, own, axis=1))
         deep = d < end
         if deep.any():
             ratio = np.sqrt(d[deep] / end) if self.root_tail else d[deep] / end
-            result[deep] = self.tail @ legendre_rows(2.0 * ratio - 1.0, len(self.tail) - 1)
+            result[deep] = legendre_sums(2.0 * ratio - 1.0, self.tail[:, None])
         if self.power != 0.0:
             with np.errstate(divide="ignore"):
                 result *= d**self.power

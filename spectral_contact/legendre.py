@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["legendre_rows", "legendre_rows_between", "legendre_sum"]
+__all__ = ["legendre_rows", "legendre_rows_between", "legendre_sum", "legendre_sums"]
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,33 @@ def legendre_rows_between(low: Array, high: Array, degree: int) -> Array:
         np.add(values[n, ...], step, out=values[n + 1, ...])
     values[1::2] *= np.where(low < high, -1.0, 1.0)
     return values
+
+
+def legendre_sums(x: Array, coefficients: Array) -> Array:
+    """Return values of Legendre series by Clenshaw's recurrence.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    coefficients : ndarray, shape (terms, n) or (terms, 1)
+        Every point has a series of its own, or all have the same.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    # in monic polynomials, x p_n = p_(n+1) + n^2/(4 n^2 - 1) p_(n-1), one factor a step is saved
+    n = np.arange(1.0, len(coefficients))
+    leading = np.cumprod(np.concatenate([[1.0], 2.0 - 1.0 / n]))
+    scaled = np.empty((len(coefficients), len(x)))
+    rows = list(np.multiply(coefficients, leading[:, None], out=scaled))
+    product = np.empty(x.shape)
+    for k in range(len(rows) - 2, -1, -1):
+        rows[k] += np.multiply(x, rows[k + 1], out=product)
+        if k > 0:
+            rows[k + 1] *= k * k / (4.0 * k * k - 1.0)
+            rows[k - 1] -= rows[k + 1]
+    return np.asarray(rows[0])
 
 
 def legendre_sum(x: float, coefficients: list[float]) -> float:

@@ -149,9 +149,7 @@ def _mean_outside(panels: LogPanels, series: LogSeries) -> LogSeries:
     local = np.outer(tail_d, (1.0 + g) / 2.0)
     tail_mean = legendre_values(2.0 * local / end - 1.0, degree) @ series.tail @ (w / 2.0)
     total = end * float(legendre_values(g, degree) @ series.tail @ (w / 2.0))
-    x = panels.sampling()
-    means = np.empty_like(x)
-    offsets = x[0]
+    offsets = panels.sampling()[0]
     # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
     reach = h - offsets
     source = offsets[:, None] + np.outer(reach, (1.0 + g) / 2.0)
@@ -160,8 +158,10 @@ def _mean_outside(panels: LogPanels, series: LogSeries) -> LogSeries:
     matrix = np.einsum("iq,iqk->ik", weight, basis)
     full = h * (1.0 + g) / 2.0
     whole = (np.exp(-full) * w * h / 2.0) @ legendre_values(g, series.coefficients.shape[1] - 1)
-    for j in range(panels.panels - 1, -1, -1):
-        start = np.exp(-j * h)
-        means[j] = (total + start * (matrix @ series.coefficients[j])) / (start * np.exp(-offsets))
-        total += start * float(whole @ series.coefficients[j])
+    start = np.exp(-h * np.arange(panels.panels))
+    parts = start * (series.coefficients @ whole)
+    # what lies beyond each panel, from the edge inward
+    deeper = np.cumsum(np.concatenate([[total], parts[:0:-1]]))[::-1]
+    within = start[:, None] * (series.coefficients @ matrix.T)
+    means = (deeper[:, None] + within) / (start[:, None] * np.exp(-offsets))
     return sampled_series(panels, np.concatenate([means.ravel(), tail_mean]))

@@ -23,6 +23,7 @@ from math import log, pi
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ellipkm1
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
@@ -141,48 +142,50 @@ class _OneDiskProblem:
             ends = [self._trial(space, guess + h, 0.01 * tolerance).mismatch for h in (-0.05, 0.05)]
             self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
             return
-        # the radius roughly: of the smooth surface, then in small spaces
+        # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
         try:
-            self.logit, self.slope = _bracketed_root(self._smooth_mismatch)
+            self.logit, self.slope = self._smooth_root()
         except NoStickDiskError as missing:
             if beta == 0.0 or not missing.at_centre:
                 raise
             self.logit, self.slope = _LEAST_LOGIT, 1.0
         if beta > 0.0:
             # with compliance c grows like 2 beta f/kappa at first
-            rough = 2.0 * beta * friction / (1.0 + 2.0 * beta * friction)
+            rough = min(2.0 * beta * friction, 0.9)
             start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
             if start <= _LEAST_LOGIT:
                 raise NoStickDiskError(at_centre=True)
-            self.logit, self.slope = self._rough_root(start)
+            self.logit, self.slope = _root_near(self._rough_mismatch, start, self.slope, 1e-3)
 
-    def _smooth_mismatch(self, logit: float) -> float:
+    def _smooth_root(self) -> tuple[float, float]:
+        """Return the radius without tangential compliance, roughly, and the slope there."""
+        friction = self.friction
+
+        def mismatch(logit: float) -> float:  # of the pressure 1/(2 pi sqrt(y)), times 2 pi
+            c, rest = Radius.from_logit(logit).value, Radius.from_logit(logit).rest
+            return log((1.0 + c) ** 2 / rest) / c - friction * float(ellipkm1(c * c))
+
+        if self.alpha == 0.0:
+            logit, slope = _bracketed_root(mismatch)
+            return logit, slope / (2.0 * pi)
+        try:
+            logit, slope = _bracketed_root(mismatch)
+        except NoStickDiskError as missing:
+            logit, slope = (_LEAST_LOGIT if missing.at_centre else _LARGEST_LOGIT), 1.0
+        # closer to the edge than alpha the pressure does not grow any more
+        start = min(logit, 2.0 - log(self.alpha))
+        settle = 1e-3 if self.beta == 0.0 else 0.1
+        return _root_near(self._pressure_mismatch, start, slope / (2.0 * pi), settle)
+
+    def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c)``, zero without tangential compliance."""
         radius = Radius.from_logit(logit)
         source = SlipSource(self.drive.pressure, radius, EDGE, self.alpha, 1e-3)
         return float(self.drive.target(np.array(radius.rest))) - self.friction * source.at_rim
 
-    def _rough_root(self, start: float) -> tuple[float, float]:
-        """Return the radius with compliance, roughly, and the slope there."""
-
-        def mismatch(logit: float) -> float:
-            return self._trial(self._resolution(logit, 1e-3), logit, 1e-3).mismatch
-
-        x, value = start, mismatch(start)
-        slope = (mismatch(start + 0.3) - value) / 0.3
-        for _ in range(8):  # the secant mostly settles; else bracket
-            step = max(min(-value / slope, 3.0), -3.0)
-            if not _LEAST_LOGIT < x + step < _LARGEST_LOGIT:
-                break
-            fresh = mismatch(x + step)
-            if fresh != value:
-                slope = (fresh - value) / step
-            x, value = x + step, fresh
-            if slope <= 0.0:
-                break
-            if abs(step) < 1e-3 * max(1.0, abs(x)):
-                return x, slope
-        return _bracketed_root(mismatch)
+    def _rough_mismatch(self, logit: float) -> float:
+        """Return the mismatch in a small space."""
+        return self._trial(self._resolution(logit, 1e-3), logit, 1e-3).mismatch
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
         """Return the first space for a disk of this radius."""
@@ -325,6 +328,26 @@ class _OneDiskProblem:
             stray,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
+
+
+def _root_near(
+    function: Callable[[float], float], start: float, slope: float, settle: float
+) -> tuple[float, float]:
+    """Return a rough root in logit(c**2), and the slope there: the secant, or else a bracket."""
+    x, value, longest = start, function(start), 0.3  # the slope is a guess at first
+    for _ in range(8):
+        step = max(min(-value / slope, longest), -longest)
+        if not _LEAST_LOGIT < x + step < _LARGEST_LOGIT:
+            break
+        fresh = function(x + step)
+        if fresh != value:
+            slope = (fresh - value) / step
+        x, value, longest = x + step, fresh, 3.0
+        if slope <= 0.0:
+            break
+        if abs(step) < settle * max(1.0, abs(x)):
+            return x - value / slope, slope
+    return _bracketed_root(function)
 
 
 def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:

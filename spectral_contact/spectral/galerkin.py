@@ -29,7 +29,11 @@ from spectral_contact.spectral.abel import (
     tail_values,
 )
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+)
 from spectral_contact.spectral.panels import LogPanels, Nodes
 
 __all__ = [
@@ -92,6 +96,7 @@ class DiskOperators:
         self.panels = panels
         self.nodes: Nodes
         self.nodes, (start, first), (begin, other) = panels.nodes()
+        self._offsets = start, begin
         # blocks of the half-integral, which depend on panel differences alone
         p, form = panels.panels, (panels.width, panels.degree, panels.power)
         self._first = deeper_blocks(first, p, *form, start).reshape(len(first), -1)
@@ -99,6 +104,17 @@ class DiskOperators:
         self._tail = deeper_tail(
             self.nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
         )
+
+    @cached_property
+    def from_samples(self) -> tuple[Array, Array]:
+        """Interpolation from samples on a panel to its nodes: on the first panel, on the others."""
+        points = self.panels.sampling().shape[1]
+        expand = legendre_expansion_matrix(points, points - 1)
+        first, other = (
+            legendre_values(2.0 * x / self.panels.width - 1.0, points - 1) @ expand
+            for x in self._offsets
+        )
+        return first, other
 
     @cached_property
     def normal(self) -> GalerkinOperator:
