@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import log, pi
+from math import atanh, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,8 +162,10 @@ class _OneDiskProblem:
         friction = self.friction
 
         def mismatch(logit: float) -> float:  # of the pressure 1/(2 pi sqrt(y)), times 2 pi
-            c, rest = Radius.from_logit(logit).value, Radius.from_logit(logit).rest
-            return log((1.0 + c) ** 2 / rest) / c - friction * float(ellipkm1(c * c))
+            radius = Radius.from_logit(logit)
+            c, rest = radius.value, radius.rest
+            rise = 2.0 * atanh(c) if c < 0.5 else log((1.0 + c) ** 2 / rest)
+            return rise / c - friction * float(ellipkm1(c * c))
 
         if self.alpha == 0.0:
             logit, slope = _bracketed_root(mismatch)
@@ -387,16 +389,17 @@ def _polished_root(
     x, value = guess, function(guess)
     if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
         raise NoStickDiskError(at_centre=x < 0.0)
+    settle = 1e-12  # the slope that is given is good to three digits
     for _ in range(20):
         step = max(min(-value / slope, 2.0), -2.0)
-        # the next secant step would be the square of this one: below rounding
-        if abs(step) <= 1e-9 * max(1.0, abs(x)):
+        if abs(step) <= settle * max(1.0, abs(x)):
             return x + step, slope
         fresh = function(x + step)
         if fresh == value:
             return x + step, slope
         slope = (fresh - value) / step
-        x, value = x + step, fresh
+        # the next secant step will be the square of this one: below rounding
+        x, value, settle = x + step, fresh, 1e-9
         if not _LEAST_LOGIT < x < _LARGEST_LOGIT:
             raise NoStickDiskError(at_centre=x < 0.0)
     return x, slope  # as near as its conditioning lets it; the error estimate shows it
