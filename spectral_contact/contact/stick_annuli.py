@@ -60,16 +60,24 @@ class StickAnnuli:
         full[self.columns] = values
         return full
 
-    def half_integral(self, points: Points) -> Array:
-        """Return the half-integrals of the functions in use, shape (points, columns)."""
-        return np.hstack([a.half_integral(points) for a in self.annuli])[:, self.columns]
+    def half_integral(self, points: Points, own: tuple[Annulus, int] | None = None) -> Array:
+        """Return the half-integrals of the functions in use, shape (points, columns).
+
+        The points may be nodes of an annulus of these, `own`: of its inner half (0) or outer (1).
+        """
+        blocks = [
+            a.half_integral_at_nodes(own[1]) if own and a is own[0] else a.half_integral(points)
+            for a in self.annuli
+        ]
+        return np.hstack(blocks)[:, self.columns]
 
     def mass(self) -> Array:
         """Return the mass matrix of the functions in use."""
-        matrix = np.zeros((self.total, self.total))
+        matrix = np.zeros((len(self.columns), len(self.columns)))
         for family, part in self.parts():
-            matrix[part, part] = family.mass()
-        return np.asarray(matrix[np.ix_(self.columns, self.columns)])
+            used = slice(*np.searchsorted(self.columns, [part.start, part.stop]))
+            matrix[used, used] = family.mass(self.columns[used] - part.start)
+        return matrix
 
     def falls(self, panels: LogPanels, rim: Radius) -> tuple[Array, Array]:
         """Return by how much the half-integrals fall from the rim of the disk inward.

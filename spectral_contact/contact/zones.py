@@ -35,7 +35,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_misfit,
 )
 from spectral_contact.contact.zone_search import Layout
-from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
+from spectral_contact.contact.zone_system import Part, ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points
 
@@ -97,10 +97,9 @@ class _ZonesProblem:
         self.tolerance = tolerance
         self.quadrature = min(0.01 * tolerance, 1e-10)
         self.logits = np.array(layout.logits)
-        self.coarse = self._resolution(_COARSE)
-        self._coarse_counts = self._panel_counts
-        self.jacobian: Array | None = None
-        self._find(self.coarse, _COARSE, 1e-7)
+        coarse = self._resolution(_COARSE)
+        found = self._find(coarse, None, _COARSE, 1e-7)
+        self.jacobian = self._differences(coarse, self.logits, found.mismatch, _COARSE)
 
     # spaces
 
@@ -148,25 +147,25 @@ class _ZonesProblem:
 
     # the boundaries
 
-    def _find(self, resolution: Resolution, quadrature: float, settle: float) -> ZoneTractions:
+    def _find(
+        self, resolution: Resolution, jacobian: Array | None, quadrature: float, settle: float
+    ) -> ZoneTractions:
         """Newton with a difference Jacobian, kept up by Broyden's update."""
         x = self.logits
         trial = self._trial(resolution, x, quadrature)
-        if self.jacobian is None:
-            self.jacobian = self._differences(resolution, x, trial.mismatch, quadrature)
+        if jacobian is None:
+            jacobian = self._differences(resolution, x, trial.mismatch, quadrature)
         for _ in range(25):
-            step: Array = -np.asarray(np.linalg.solve(self.jacobian, trial.mismatch), dtype=float)
-            size = float(np.abs(step).max())
+            step: Array = -np.asarray(np.linalg.solve(jacobian, trial.mismatch), dtype=float)
+            if np.abs(step).max() <= settle:
+                break
             step *= min(1.0, self._longest(x, step))
             x = x + step
             fresh = self._trial(resolution, x, quadrature)
-            change = fresh.mismatch - trial.mismatch - self.jacobian @ step
-            if size > 0.0:
-                self.jacobian = self.jacobian + np.outer(change, step) / float(step @ step)
-            previous, trial = size, fresh
-            if size <= settle or (size <= 1e-7 and np.abs(trial.mismatch).max() <= 1e-14):
-                break
-            if previous < 1e-12:
+            change = fresh.mismatch - trial.mismatch - jacobian @ step
+            jacobian = jacobian + np.outer(change, step) / float(step @ step)
+            trial = fresh
+            if np.abs(trial.mismatch).max() <= 1e-14 and np.abs(step).max() <= 1e-7:
                 break
         self.logits = x
         return trial
@@ -197,7 +196,8 @@ class _ZonesProblem:
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
-        trial = self._find(resolution, self.quadrature, 1e-11)
+        settle = max(1e-4 * self.tolerance, 1e-12)
+        trial = self._find(resolution, self.jacobian, self.quadrature, settle)
         return self._assess(resolution, trial)
 
     def _assess(self, resolution: Resolution, trial: ZoneTractions) -> Attempt[ZonesSolution]:
@@ -273,7 +273,7 @@ class _ZonesProblem:
     def _misfit(self, trial: ZoneTractions, full: Array) -> list[Array]:
         """Return E at the disk nodes, then on the outer grid."""
         inner = trial.target - trial.factored.space.half_integral(trial.disk)
-        return [inner, *(t - self._others(trial, p, full) for _, p, _, t in trial.grid)]
+        return [inner, *(p.target - self._at_nodes(trial, p, full) for p in trial.grid)]
 
     def _shear(self, trial: ZoneTractions, full: Array) -> Array:
         """Return ``2 pi int q s ds`` over every zone; a stick annulus has two halves."""
@@ -289,8 +289,11 @@ class _ZonesProblem:
                 moments.append(state * self.system.friction * (load[0] - load[1]))
         return np.array(moments) * (2.0 * pi)
 
-    def _others(self, trial: ZoneTractions, points: Points, full: Array) -> Array:
-        return np.asarray(trial.sticks.half_integral(points) @ full[trial.sticks.columns])
+    @staticmethod
+    def _at_nodes(trial: ZoneTractions, part: Part, full: Array) -> Array:
+        """Return the half-integral of the stick annuli's tractions at the nodes of a zone."""
+        used = full[trial.sticks.columns]
+        return np.asarray(trial.sticks.half_integral(part.points, part.own) @ used)
 
     def _stuck(self, trial: ZoneTractions, misfit: list[Array]) -> list[Stuck]:
         rim = trial.radii[0]
@@ -299,9 +302,9 @@ class _ZonesProblem:
         stuck = [Stuck(rim, ((Points(rim, -rim.square * nodes.d), weights * misfit[0]),))]
         for k in self.system.stick_annuli():
             parts = tuple(
-                (p, pi * w * e)
-                for (zone, p, w, _), e in zip(trial.grid, misfit[1:], strict=True)
-                if zone == k
+                (p.points, pi * p.weights * e)
+                for p, e in zip(trial.grid, misfit[1:], strict=True)
+                if p.zone == k
             )
             stuck.append(Stuck(self.system.outer(trial.radii, k), parts))
         return stuck
@@ -321,7 +324,7 @@ class _ZonesProblem:
             trial.slips,
             signs,
             self.system.friction,
-            [lambda points: self._others(trial, points, full)],
+            [lambda points: trial.sticks.half_integral(points) @ full[trial.sticks.columns]],
         )
         return [Slipping(a, s, e) for a, s, e in zip(trial.slips, signs, misfit, strict=True)]
 
@@ -329,14 +332,9 @@ class _ZonesProblem:
         self, trial: ZoneTractions, errors: Array
     ) -> tuple[tuple[float, float], ...]:
         """Return what errors of the conditions move the boundaries by."""
-        counts = self._panel_counts
-        self._panel_counts = self._coarse_counts
-        base = self._trial(self.coarse, self.logits, _COARSE).mismatch
-        jacobian = self._differences(self.coarse, self.logits, base, _COARSE)
-        self._panel_counts = counts
         # the conditions themselves hold to rounding and to the source quadrature
         errors = errors + 20.0 * ROUNDING + 1e-3 * self.quadrature + trial.unresolved
-        shift = np.abs(np.linalg.inv(jacobian)) @ errors
+        shift = np.abs(np.linalg.inv(self.jacobian)) @ (errors + np.abs(trial.mismatch))
         return tuple(boundary_error(float(d), r) for d, r in zip(shift, trial.radii, strict=True))
 
 

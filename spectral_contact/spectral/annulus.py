@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from spectral_contact.spectral.abel import (
     outer,
     tail_values,
 )
+from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import Transforms, transforms
@@ -51,6 +53,14 @@ class Points:
     def y(self) -> Array:
         """Return ``1 - s**2``."""
         return self.anchor.rest - self.offset
+
+
+#: An annulus whose halves have unit extent in ``s**2``.
+_UNIT = Radius(0.0, 1.0), Radius(sqrt(2.0), 1.0 - sqrt(2.0))
+
+_AT_NODES: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache(
+    "half-integrals of an annulus", 8
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,18 +143,10 @@ class Family:
         points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
         return points, 0.5 * self.reach * matrix
 
-    def mass(self) -> Array:
-        """Return ``int psi psi s^3 ds``, the mass matrix for ``q = s psi``."""
-        points, matrix = self.sources()
-        plain = matrix / (0.5 * self.reach)
-        # the sources carry the weight once; divide it out of one factor
-        weight = np.zeros(len(points.offset))
-        x, w = self.panels.half_line_nodes()
-        weight[: x.size] = (w * np.exp(-x)).ravel()
-        _, wt = gauss_rule(self.panels.tail_terms + 3)
-        weight[x.size :] = wt * self.panels.end / 2.0
-        values = plain / weight[:, None]
-        return np.asarray((values.T * (0.5 * self.reach * weight * points.z)) @ values)
+    def mass(self, columns: NDArray[np.int_]) -> Array:
+        """Return ``int psi psi s^3 ds`` of some functions: the mass matrix for ``q = s psi``."""
+        half = self.reach / 2.0
+        return self.panels.mass(columns, half * self.boundary.square, half * self.sign * self.reach)
 
     def table(self, coefficients: Array) -> Array:
         """Return panel coefficients as (panels, degree + 1)."""
@@ -208,6 +210,19 @@ class Annulus:
     def half_integral(self, points: Points) -> Array:
         """Return the half-integrals of both families, shape (points, size)."""
         return np.hstack([f.half_integral(points) for f in self.families])
+
+    def half_integral_at_nodes(self, half: int) -> Array:
+        """Return the half-integrals of both families at the nodes of the inner (0) or outer one.
+
+        In scaled distances they depend on the panels alone, for which they are kept.
+        """
+
+        def matrix() -> Array:
+            unit = Annulus(*_UNIT, self.toward_inner, self.toward_outer)
+            return unit.half_integral(unit.families[half].nodes()[0]) / unit._scale
+
+        key = self.toward_inner, self.toward_outer, half
+        return self._scale * _AT_NODES.get(key, matrix)
 
     def inner_integral(self, points: Points) -> Array:
         """Return the `inner_integral` of both families, shape (points, size)."""

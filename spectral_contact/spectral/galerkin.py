@@ -26,11 +26,9 @@ from scipy.linalg import lapack
 from spectral_contact.spectral.abel import (
     deeper_blocks,
     deeper_tail,
-    tail_values,
 )
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
-    gauss_rule,
     legendre_expansion_matrix,
     legendre_values,
 )
@@ -203,26 +201,9 @@ class GalerkinOperator:
 
     def mass_of(self, columns: NDArray[np.int_]) -> Array:
         """Return the mass matrix of the basis functions `columns`, an increasing list."""
-        panels, (a, b) = self.panels, self.measure
-        matrix = np.zeros((len(columns), len(columns)))
-        if panels.power != 0.0:
-            return matrix  # not square integrable: such panels serve zero compliance alone
-        one, two = self._panel_masses
-        starts = np.arange(panels.panels + 1) * (panels.degree + 1)
-        bounds = np.searchsorted(columns, starts).tolist()
-        last = bounds[-1]
-        for j, (low, high) in enumerate(pairwise(bounds)):
-            grid = np.ix_(*[columns[low:high] - j * (panels.degree + 1)] * 2)
-            d = np.exp(-j * panels.width)
-            matrix[low:high, low:high] = d * (a * one[grid] + b * d * two[grid])
-        g, w = gauss_rule(panels.tail_terms + 3)
-        v = (1.0 + g) / 2.0
-        d = panels.end * v**2
-        values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
-        values = values[:, columns[last:] - panels.panels * (panels.degree + 1)]
-        weight = w * v * panels.end * (a + b * d)
-        matrix[last:, last:] = (values.T * weight) @ values
-        return matrix
+        if self.panels.power != 0.0:  # not square integrable: such panels serve zero compliance
+            return np.zeros((len(columns), len(columns)))
+        return self.panels.mass(columns, *self.measure, self._panel_masses)
 
     @cached_property
     def _panel_masses(self) -> tuple[Array, Array]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import ROOT_TERMS, TAIL_TERMS
+from spectral_contact.spectral.abel import ROOT_TERMS, TAIL_TERMS, tail_values
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
 __all__ = ["LogPanels", "Nodes"]
@@ -169,3 +170,42 @@ class LogPanels:
             np.concatenate([d.ravel(), tail]),
             np.concatenate([weights.ravel(), w * v * self.end]),
         )
+
+    def mass(
+        self,
+        columns: NDArray[np.int_],
+        a: float,
+        b: float,
+        first: tuple[Array, Array] | None = None,
+    ) -> Array:
+        """Return ``int_0^1 phi psi (a + b d) dd`` of some of the functions, block diagonal.
+
+        Parameters
+        ----------
+        columns : ndarray of int
+            The functions, increasing. They have no endpoint weight.
+        a, b : float
+        first : tuple of ndarray, optional
+            `panel_gram` of 1 and of 2, if known.
+
+        Returns
+        -------
+        ndarray, shape (len(columns), len(columns))
+        """
+        matrix = np.zeros((len(columns), len(columns)))
+        one, two = first or (self.panel_gram(1.0), self.panel_gram(2.0))
+        terms = self.degree + 1
+        bounds = np.searchsorted(columns, np.arange(self.panels + 1) * terms).tolist()
+        last = bounds[-1]
+        for j, (low, high) in enumerate(pairwise(bounds)):
+            grid = np.ix_(*[columns[low:high] - j * terms] * 2)
+            d = np.exp(-j * self.width)
+            matrix[low:high, low:high] = d * (a * one[grid] + b * d * two[grid])
+        g, w = gauss_rule(self.tail_terms + 3)
+        v = (1.0 + g) / 2.0
+        d = self.end * v**2
+        values = tail_values(d, self.end, self.tail_terms, self.root_tail)
+        values = values[:, columns[last:] - self.panels * terms]
+        weight = w * v * self.end * (a + b * d)
+        matrix[last:, last:] = (values.T * weight) @ values
+        return matrix
