@@ -17,6 +17,7 @@ from spectral_contact.solver import solve
 __all__ = ["SlipOnset", "slip_onset"]
 
 
+_EPS = 2.0**-52
 #: Relative error of a distance from which on it is not taken for known.
 _KNOWN = 0.1
 
@@ -100,18 +101,21 @@ def _place_of_maximum(ratio: Callable[[ArrayLike], Any], level: float) -> tuple[
 
     The maximum lies between the places next to it where the function is at the level.
     """
-    from scipy.optimize import brentq, minimize_scalar  # slow to import, and seldom needed
+    from scipy.optimize import brentq  # slow to import, and seldom needed
 
-    x = np.concatenate([-np.log1p(-np.linspace(0.0, 0.9, 45)), np.linspace(2.4, 40.0, 95)])
-    values = ratio(x)
-    i = int(values.argmax())
-    found = minimize_scalar(
-        lambda x: -float(ratio(x)), bounds=(x[i - 1], x[i + 1]), options={"xatol": 1e-12}
-    ).x
+    grid = np.concatenate([-np.log1p(-np.linspace(0.0, 0.9, 45)), np.linspace(2.4, 40.0, 95)])
+    values = ratio(grid)
+    top = int(values.argmax())
+    x, found = grid[top - 1 : top + 2], grid[top]
+    for _ in range(8):  # between panels a field jumps by its error: no derivatives, no parabolas
+        x = np.linspace(x[0], x[-1], 33)
+        best = int(np.clip(ratio(x).argmax(), 1, 31))
+        found, x = x[best], x[best - 1 : best + 2]
+    level = min(level, float(ratio(found)) * (1.0 - 4.0 * _EPS))
     below = np.flatnonzero(values < level)
-    far, near = below[below < i].max(), below[below > i].min()
+    far, near = below[below < top].max(), below[below > top].min()
     ends = (
         brentq(lambda x: float(ratio(x)) - level, *ends)
-        for ends in ((x[far], found), (found, x[near]))
+        for ends in ((grid[far], found), (found, grid[near]))
     )
     return exp(-found), expm1(max(abs(end - found) for end in ends))

@@ -125,8 +125,8 @@ def _wanted(figures: Iterable[str]) -> list[PaperFigure]:
 
 def _content(data: FigureData, kept: int) -> str:
     name = data.figure.values[0]
-    error = f"largest relative error of the {name.replace('_', ' ')} {data.largest_error(name):.1e}"
-    text = f"{len(data.table)} rows, {error}"
+    error = f"relative error of the {name.replace('_', ' ')} {data.largest_error(name):.1e} at most"
+    text = f"{len(data.table)} rows, estimated {error}"
     return f"{text} ({kept} of {len(data.figure.scenes)} scenes were there)" if kept else text
 
 
