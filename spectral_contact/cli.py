@@ -1,6 +1,6 @@
-"""The command line: ``spectral-contact solve``, also ``python -m spectral_contact solve``.
+"""The command line: ``spectral-contact solve`` and ``paper``, also ``python -m spectral_contact``.
 
-Exit status: 0 for a solution; 1 if the tolerance was not met; 2 for a bad option, value, file or
+Exit status: 0 if it is done; 1 if the tolerance was not met; 2 for a bad option, value, file or
 missing dependency; 130 when interrupted. Whatever fails is said in one line on stderr.
 """
 
@@ -22,7 +22,9 @@ from spectral_contact.errors import (
     SolutionFileError,
     SpectralContactError,
 )
+from spectral_contact.paper import FIGURES, reproduce
 from spectral_contact.planning import plan
+from spectral_contact.progress import ProgressLine
 from spectral_contact.report import FIELDS, report, write_csv
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES, Plan, Solution
@@ -59,12 +61,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     try:
         arguments = _parser().parse_args(_joined(sys.argv[1:] if argv is None else argv))
-        _solve(arguments)
+        arguments.run(arguments)
         sys.stdout.flush()
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)
     except ConvergenceError as error:
-        return _failed(f"{error} (--no-strict prints what was reached)", 1)
+        hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
+        return _failed(f"{error}{hint}", 1)
     except SceneError as error:
         return _failed(_in_options(error, _si_given(arguments)), 2)
     except SpectralContactError as error:
@@ -114,6 +117,8 @@ def _parser() -> _Parser:
     _add_scene(command)
     _add_physical(command)
     _add_request(command)
+    command.set_defaults(run=_solve)
+    _add_paper(commands)
     return parser
 
 
@@ -199,6 +204,37 @@ def _add_request(command: _Parser) -> None:
     )
 
 
+def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "paper",
+        help="reproduce the figures of the paper",
+        description="Recompute Figures 2 to 6 of the paper, the figure that it lacks (where slip "
+        "starts, and the true critical friction) and what it says in numbers. Each figure becomes "
+        "a table (.csv) and a picture (.png). A run that was stopped goes on where it was.",
+        epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
+        allow_abbrev=False,
+    )
+    command.add_argument("--output", metavar="FOLDER", required=True, help="made if need be")
+    command.add_argument(
+        "--figures",
+        nargs="+",
+        choices=FIGURES,
+        default=FIGURES,
+        metavar="NAME",
+        help=f"which figures (default: all): {', '.join(FIGURES)}",
+    )
+    command.add_argument(
+        "--rtol",
+        type=_number,
+        default=1e-9,
+        help="bound on relative errors of every solve, 1e-12 to 1e-2 (default: %(default)s)",
+    )
+    command.add_argument(
+        "--no-pictures", action="store_true", help="tables only (pictures need the extra: plot)"
+    )
+    command.set_defaults(run=_paper)
+
+
 def _number(text: str) -> float:
     try:
         return float(text)
@@ -276,8 +312,21 @@ def _solve(arguments: argparse.Namespace) -> None:
         print(report(solution))
 
 
+def _paper(arguments: argparse.Namespace) -> None:
+    """Reproduce the paper's figures and print what was written."""
+    with ProgressLine(sys.stderr.isatty()) as progress:
+        made = reproduce(
+            arguments.output,
+            arguments.figures,
+            rtol=arguments.rtol,
+            pictures=not arguments.no_pictures,
+            progress=progress,
+        )
+    print(made)
+
+
 def _si_given(arguments: argparse.Namespace) -> bool:
-    return any(getattr(arguments, name) is not None for name in _SI)
+    return any(getattr(arguments, name, None) is not None for name in _SI)
 
 
 def _scene(arguments: argparse.Namespace) -> Scene:

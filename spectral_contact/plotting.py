@@ -31,6 +31,7 @@ __all__ = [
     "plot_coefficients",
     "plot_solution",
     "save",
+    "style",
 ]
 
 Array = NDArray[np.float64]
@@ -97,7 +98,7 @@ def plot_solution(solution: Solution) -> Figure:
     check(solution.plan)
     radii = graded_radii(solution, 600)
     rows = _field_rows(solution, radii)
-    with _style():
+    with style():
         from matplotlib.figure import Figure
 
         heights = [2.5] * len(rows) + [0.5 + 0.22 * len(_estimates(solution))]
@@ -139,7 +140,7 @@ def plot_coefficients(solution: Solution) -> Figure:
     series = [*_pressure_series(solution), *_traction_series(solution)]
     if not series:
         raise NotComputedError("a series with coefficients", _why_no_series(solution))
-    with _style():
+    with style():
         from matplotlib.figure import Figure
 
         columns = min(len(series), 2)
@@ -165,7 +166,7 @@ def save(figure: Figure, path: str) -> None:
     # without the date, the same figure gives the same file
     date = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     try:
-        with _style():
+        with style():
             figure.savefig(path, format=suffix[1:], dpi=150, metadata=date.get(suffix))
     except OSError as error:
         reason = f"cannot be written: {error.strerror or error}"
@@ -181,7 +182,14 @@ def _matplotlib() -> Any:
 
 
 @contextmanager
-def _style() -> Iterator[None]:
+def style() -> Iterator[None]:
+    """Draw in the style of all figures of the library while the context lasts.
+
+    Raises
+    ------
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
     with _matplotlib().rc_context(_STYLE):
         yield
 

@@ -1,0 +1,26 @@
+"""The paper, reproduced: its Figures 2 to 6, the figure that it lacks, and what it says in numbers.
+
+`figure_data` computes a figure, `reproduce` all of them into a folder; `statements` compares what
+the paper says with what comes out. The command line is ``spectral-contact paper``.
+"""
+
+from spectral_contact.paper.figures import FIGURES, PARAMETERS, FigureData, PaperFigure, figure_data
+from spectral_contact.paper.onset import SlipOnset, slip_onset
+from spectral_contact.paper.run import Reproduced, reproduce
+from spectral_contact.paper.statements import Statement, statements
+from spectral_contact.paper.tables import read_csv
+
+__all__ = [
+    "FIGURES",
+    "PARAMETERS",
+    "FigureData",
+    "PaperFigure",
+    "Reproduced",
+    "SlipOnset",
+    "Statement",
+    "figure_data",
+    "read_csv",
+    "reproduce",
+    "slip_onset",
+    "statements",
+]
