@@ -32,6 +32,16 @@ EDGE = Radius(1.0, 0.0)
 _NODES, _FIT = chebyshev_interpolation(14)
 
 
+def _quotient(terms: int) -> Array:
+    """Return the matrix from a Chebyshev series f to that of ``(f(x) - f(-1)) / (x + 1)``."""
+    j, k = np.ogrid[: terms - 1, :terms]
+    sign, double = 1.0 - 2.0 * ((k - j - 1) % 2), 2.0 - (j == 0)
+    return np.asarray(sign * double * np.maximum(k - j, 0))
+
+
+_QUOTIENT = _quotient(14)
+
+
 class Drive:
     """The functions R and g of a pressure, and the load outside a radius.
 
@@ -113,9 +123,7 @@ class Drive:
         # a flat stretch must come out flat: its rounding would be amplified by the division
         fit = _FIT @ (samples - start)
         fit[np.abs(fit) < 4e-16 * abs(start)] = 0.0
-        fit[0] -= chebyshev.chebval(-1.0, fit)
-        # T_k(x) - T_k(-1) = (x + 1) * quotient
-        quotient, _ = chebyshev.chebdiv(fit, [1.0, 1.0])
+        quotient = _QUOTIENT @ fit
 
         def function(d: Array) -> Array:
             x = 2.0 * d / reach - 1.0

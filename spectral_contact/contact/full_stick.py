@@ -20,6 +20,7 @@ from spectral_contact.contact.resolution import (
     decay_rates,
     expected_error,
     functional_error,
+    interpolate,
     on_mesh,
     panel_of,
     panel_table,
@@ -100,8 +101,7 @@ class _StickProblem:
         panels, compliance = resolution.panels, self.compliance
         disk = disk_operators(panels)
         space = disk.tangential.space(resolution.degrees)
-        nodes = disk.nodes
-        target = self.drive.target(nodes.d)
+        target, _ = interpolate(panels, self.drive.target)
         factored = space.factor(compliance)
         solution = factored.solve(target)
         change = factored.change(solution)
@@ -114,8 +114,11 @@ class _StickProblem:
         moved, swayed = np.zeros_like(solution), np.zeros(1)
         moments = space.shear_moments
         if self.drive.changes:
-            targets = np.column_stack([one.target(nodes.d) for one in self.drive.changes])
-            both = factored.solve(targets, correct=False)
+
+            def lost_targets(d: Array) -> Array:
+                return np.column_stack([one.target(d) for one in self.drive.changes])
+
+            both = factored.solve(interpolate(panels, lost_targets)[0], correct=False)
             moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both
         shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
         propagated = SAFETY * normal.rate**2

@@ -36,11 +36,12 @@ from spectral_contact.contact.resolution import (
     decay_rates,
     expected_error,
     functional_error,
+    interpolate,
     on_mesh,
     series_of,
     share_of_change,
 )
-from spectral_contact.contact.rim import SlipSource, disk_resolution, interpolate, rim_target
+from spectral_contact.contact.rim import SlipSource, disk_resolution, rim_target
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.fields import DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points

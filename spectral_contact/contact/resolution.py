@@ -13,9 +13,9 @@ from spectral_contact.adaptive import Resolution
 from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.galerkin import Change, Factored
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
 __all__ = [
     "LEAST_RATE",
@@ -27,6 +27,7 @@ __all__ = [
     "decay_rates",
     "expected_error",
     "functional_error",
+    "interpolate",
     "load_vector",
     "on_mesh",
     "panel_of",
@@ -134,6 +135,32 @@ def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
     if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
         return resolution
     return Resolution(mesh, resolution.degrees + (_LEAST,) * more)
+
+
+def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[Array, float]:
+    """Return a function of ``d`` at the Galerkin nodes, sampled where it is cheap.
+
+    On every panel it is analytic in ``x``: a Legendre expansion from few samples serves the many
+    nodes. The tail is sampled at the nodes themselves.
+
+    Returns
+    -------
+    values : ndarray, shape (nodes, ...)
+    unresolved : float
+        The last two coefficients, at their largest: what the expansion leaves out is less.
+    """
+    x, disk = panels.sampling(SAMPLES), disk_operators(panels)
+    first, other = disk.from_samples
+    tail = disk.nodes.d[len(first) + (panels.panels - 1) * len(other) :]
+    values = function(np.concatenate([np.exp(-x).ravel(), tail]))
+    # any trailing axis of the values (several functions at once) is carried along
+    trailing = values.shape[1:]
+    samples = values[: x.size].reshape(*x.shape, -1)
+    near, far = (first @ samples[0], other @ samples[1:])
+    last = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)[-2:]
+    unresolved = float(np.abs(last @ samples).sum(axis=1).max())
+    parts = [near.reshape(-1, *trailing), far.reshape(-1, *trailing), values[x.size :]]
+    return np.concatenate(parts), unresolved
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:

@@ -18,11 +18,9 @@ from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import gap
-from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import gauss_rule
 
-__all__ = ["SlipSource", "disk_resolution", "interpolate", "rim_target"]
+__all__ = ["SlipSource", "disk_resolution", "rim_target"]
 
 Array = NDArray[np.float64]
 
@@ -149,29 +147,3 @@ def rim_target(
         return value
 
     return balance, function
-
-
-def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[Array, float]:
-    """Return a function of ``d`` at the Galerkin nodes, sampled where it is cheap.
-
-    On every panel it is analytic in ``x``: a Legendre expansion from few samples serves the many
-    nodes. The tail is sampled at the nodes themselves.
-
-    Returns
-    -------
-    values : ndarray, shape (nodes, ...)
-    unresolved : float
-        The last two coefficients, at their largest: what the expansion leaves out is less.
-    """
-    x, disk = panels.sampling(), disk_operators(panels)
-    first, other = disk.from_samples
-    tail = disk.nodes.d[len(first) + (panels.panels - 1) * len(other) :]
-    values = function(np.concatenate([np.exp(-x).ravel(), tail]))
-    # any trailing axis of the values (several functions at once) is carried along
-    trailing = values.shape[1:]
-    samples = values[: x.size].reshape(*x.shape, -1)
-    near, far = (first @ samples[0], other @ samples[1:])
-    last = legendre_expansion_matrix(x.shape[1], x.shape[1] - 1)[-2:]
-    unresolved = float(np.abs(last @ samples).sum(axis=1).max())
-    parts = [near.reshape(-1, *trailing), far.reshape(-1, *trailing), values[x.size :]]
-    return np.concatenate(parts), unresolved

@@ -21,9 +21,14 @@ from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
 from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
-from spectral_contact.spectral.annulus import Annulus, Points, gap, sampled_series
-from spectral_contact.spectral.jacobi import chebyshev_interpolation
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.annulus import Annulus, Family, Points, gap, sampled_series
+from spectral_contact.spectral.jacobi import (
+    chebyshev_interpolation,
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+)
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
 __all__ = [
     "Slipping",
@@ -133,7 +138,7 @@ def slip_displacement(
             points = family.sampling()
             total = own[start : start + len(points.offset)]
             for inner in _inside(stuck, annulus.inner):
-                total += _from_stuck(inner, points, smooth=family is annulus.families[1])
+                total += _from_stuck_at_samples(inner, family)
             for inner_zone in zones:
                 if inner_zone is zone:
                     break
@@ -157,16 +162,29 @@ def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
     return [zone for zone in stuck if zone.outer.rest >= radius.rest]
 
 
-def _from_stuck(zone: Stuck, points: Points, *, smooth: bool = False) -> Array:
-    """Integrate over a stick zone that lies inside `points`.
+def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
+    """Integrate over a stick zone inside, at the sampling points of half a slip zone.
 
-    With `smooth` the points fill the outer half of an annulus, all farther from the zone than
-    that half is wide: there a polynomial in ``s**2`` through few points is right to rounding.
+    The integral is interpolated where it is smooth. The outer half is farther from the zone than it
+    is wide: there a polynomial in ``s**2`` through few points is right to rounding.
     """
-    if smooth:
-        reach = float(points.offset[np.argmax(np.abs(points.offset))])
-        fit = _FIT @ _from_stuck(zone, Points(points.anchor, reach * (1.0 + _NODES) / 2.0))
-        return np.asarray(chebyshev.chebval(2.0 * points.offset / reach - 1.0, fit))
+    panels = family.panels
+    if family.sign < 0:
+        offset = family.sampling().offset
+        reach = -family.reach
+        fit = _FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + _NODES) / 2.0))
+        return np.asarray(chebyshev.chebval(2.0 * offset / reach - 1.0, fit))
+    x, (points,) = panels.sampling(SAMPLES), panels.sampling().shape[1:]
+    d = np.concatenate([np.exp(-x).ravel(), panels.tail_sampling()])
+    values = _from_stuck(zone, family.points(d))
+    g, _ = gauss_rule(points)
+    matrix = legendre_values(g, SAMPLES - 1) @ legendre_expansion_matrix(SAMPLES, SAMPLES - 1)
+    on_panels = values[: x.size].reshape(x.shape) @ matrix.T
+    return np.concatenate([on_panels.ravel(), values[x.size :]])
+
+
+def _from_stuck(zone: Stuck, points: Points) -> Array:
+    """Integrate over a stick zone that lies inside `points`."""
     total = np.zeros(len(points.offset))
     for sources, values in zone.parts:
         # s^2 - t^2 through the anchor they share or the gap between anchors

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.rim import interpolate
+from spectral_contact.contact.resolution import interpolate
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.annulus import Annulus, Family, Points
 from spectral_contact.spectral.galerkin import disk_operators

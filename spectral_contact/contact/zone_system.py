@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import EDGE, Drive
-from spectral_contact.contact.resolution import PANEL_WIDTH, series_of
-from spectral_contact.contact.rim import SlipSource, interpolate, rim_target
+from spectral_contact.contact.resolution import PANEL_WIDTH, interpolate, series_of
+from spectral_contact.contact.rim import SlipSource, rim_target
 from spectral_contact.contact.slip_displacement import annulus_between, pressure_expansion
 from spectral_contact.contact.stick_annuli import StickAnnuli
 from spectral_contact.fields import Radius

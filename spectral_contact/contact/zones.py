@@ -95,11 +95,11 @@ class _ZonesProblem:
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
-        self.quadrature = min(0.01 * tolerance, 1e-10)
+        self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
         coarse = self._resolution(_COARSE)
-        found = self._find(coarse, None, _COARSE, 1e-7)
-        self.jacobian = self._differences(coarse, self.logits, found.mismatch, _COARSE)
+        self._find(coarse, None, _COARSE, 1e-7)
+        self.jacobian = self._differences(coarse, self.logits, _COARSE)
 
     # spaces
 
@@ -154,10 +154,11 @@ class _ZonesProblem:
         x = self.logits
         trial = self._trial(resolution, x, quadrature)
         if jacobian is None:
-            jacobian = self._differences(resolution, x, trial.mismatch, quadrature)
+            jacobian = self._differences(resolution, x, quadrature)
         for _ in range(25):
             step: Array = -np.asarray(np.linalg.solve(jacobian, trial.mismatch), dtype=float)
-            if np.abs(step).max() <= settle:
+            size = float(np.abs(step).max())
+            if size <= 1e-2 * settle:  # nothing to be won
                 break
             step *= min(1.0, self._longest(x, step))
             x = x + step
@@ -165,23 +166,20 @@ class _ZonesProblem:
             change = fresh.mismatch - trial.mismatch - jacobian @ step
             jacobian = jacobian + np.outer(change, step) / float(step @ step)
             trial = fresh
-            if np.abs(trial.mismatch).max() <= 1e-14 and np.abs(step).max() <= 1e-7:
+            if size <= settle:
                 break
         self.logits = x
         return trial
 
-    def _differences(
-        self, resolution: Resolution, x: Array, base: Array, quadrature: float
-    ) -> Array:
-        """Return the Jacobian by differences, a small share of the narrowest zone apart."""
+    def _differences(self, resolution: Resolution, x: Array, quadrature: float) -> Array:
+        """Return the Jacobian by central differences, a small share of the narrowest zone apart."""
         jacobian = np.zeros((len(x), len(x)))
         spacing = np.diff(x)
         for i in range(len(x)):
             near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-            h = 1e-4 * near
-            moved = x.copy()
-            moved[i] += h
-            jacobian[:, i] = (self._trial(resolution, moved, quadrature).mismatch - base) / h
+            h = 1e-3 * near * np.eye(len(x))[i]
+            ahead, behind = (self._trial(resolution, x + d, quadrature).mismatch for d in (h, -h))
+            jacobian[:, i] = (ahead - behind) / (2e-3 * near)
         return jacobian
 
     @staticmethod
@@ -196,8 +194,7 @@ class _ZonesProblem:
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
-        settle = max(1e-4 * self.tolerance, 1e-12)
-        trial = self._find(resolution, self.jacobian, self.quadrature, settle)
+        trial = self._find(resolution, self.jacobian, self.quadrature, 1e-11)
         return self._assess(resolution, trial)
 
     def _assess(self, resolution: Resolution, trial: ZoneTractions) -> Attempt[ZonesSolution]:
@@ -334,7 +331,7 @@ class _ZonesProblem:
         """Return what errors of the conditions move the boundaries by."""
         # the conditions themselves hold to rounding and to the source quadrature
         errors = errors + 20.0 * ROUNDING + 1e-3 * self.quadrature + trial.unresolved
-        shift = np.abs(np.linalg.inv(self.jacobian)) @ (errors + np.abs(trial.mismatch))
+        shift = np.abs(np.linalg.inv(self.jacobian)) @ (errors + 2.0 * np.abs(trial.mismatch))
         return tuple(boundary_error(float(d), r) for d, r in zip(shift, trial.radii, strict=True))
 
 

@@ -32,7 +32,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_expansion_matrix,
     legendre_values,
 )
-from spectral_contact.spectral.panels import LogPanels, Nodes
+from spectral_contact.spectral.panels import SAMPLES, LogPanels, Nodes
 
 __all__ = [
     "Change",
@@ -105,11 +105,10 @@ class DiskOperators:
 
     @cached_property
     def from_samples(self) -> tuple[Array, Array]:
-        """Interpolation from samples on a panel to its nodes: on the first panel, on the others."""
-        points = self.panels.sampling().shape[1]
-        expand = legendre_expansion_matrix(points, points - 1)
+        """Interpolation from `SAMPLES` on a panel to its nodes: on the first one, on the others."""
+        expand = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)
         first, other = (
-            legendre_values(2.0 * x / self.panels.width - 1.0, points - 1) @ expand
+            legendre_values(2.0 * x / self.panels.width - 1.0, SAMPLES - 1) @ expand
             for x in self._offsets
         )
         return first, other

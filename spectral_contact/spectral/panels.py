@@ -11,9 +11,13 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.abel import ROOT_TERMS, TAIL_TERMS, tail_values
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
-__all__ = ["LogPanels", "Nodes"]
+__all__ = ["SAMPLES", "LogPanels", "Nodes"]
 
 Array = NDArray[np.float64]
+
+#: Gauss points that represent on a panel what is analytic in ``x`` up to an imaginary part of pi,
+#: as functions of ``d + e`` are: the error is 6.4**-20 for panels of width 2.
+SAMPLES = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +89,13 @@ class LogPanels:
         extra = max(10, 22 - self.degree)
         return 2 * self.degree + extra + 8, 2 * self.degree + extra
 
-    def sampling(self) -> Array:
+    def sampling(self, points: int | None = None) -> Array:
         """Return ``x`` of Gauss-Legendre sampling points on every panel, shape (panels, n).
 
-        Enough for products with ``exp(-x)`` to be right to rounding, however low the degree.
+        By default enough for products with ``exp(-x)`` to be right to rounding, however low the
+        degree.
         """
-        g, _ = gauss_rule(max(self.degree + 5, 18))
+        g, _ = gauss_rule(points or max(self.degree + 5, 18))
         return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
 
     def tail_sampling(self) -> Array:
