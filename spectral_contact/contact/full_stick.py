@@ -101,7 +101,8 @@ class _StickProblem:
         panels, compliance = resolution.panels, self.compliance
         disk = disk_operators(panels)
         space = disk.tangential.space(resolution.degrees)
-        target, _ = interpolate(panels, self.drive.target)
+        # not interpolated: its rounding, the same over a panel, would show in q/s at the centre
+        target = self.drive.target(disk.nodes.d)
         factored = space.factor(compliance)
         solution = factored.solve(target)
         change = factored.change(solution)
