@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import secrets
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from spectral_contact.errors import SolutionFileError, shown
 
-__all__ = ["Refused", "key_complaint", "reported"]
+__all__ = ["Refused", "key_complaint", "replace_file", "reported"]
 
 
 class Refused(Exception):
@@ -49,3 +52,15 @@ def key_complaint(data: Any, expected: Iterable[str]) -> str | None:
         if keys
     ]
     return f"keys are {'; '.join(complaints)}" if complaints else None
+
+
+def replace_file(path: str, content: bytes) -> None:
+    """Write a file; it is complete or, after any failure, as it was before."""
+    target = Path(os.path.realpath(path))  # else a symbolic link would give way to a file
+    temporary = target.with_name(f".spectral_contact-{secrets.token_hex(8)}.tmp")
+    try:
+        with temporary.open("xb") as file:
+            file.write(content)
+        temporary.replace(target)
+    finally:
+        temporary.unlink(missing_ok=True)

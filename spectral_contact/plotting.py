@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import MissingDependencyError, NotComputedError, SolutionFileError
 from spectral_contact.fields import AnnulusSeries, DiskSeries, LogSeries, ZonalField
 from spectral_contact.radii import Radii, graded_radii, known_zones, layer_depth
+from spectral_contact.scene import Scene
 from spectral_contact.solution import ErrorEstimates, Plan, Solution
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ __all__ = [
     "plot_coefficients",
     "plot_solution",
     "save",
+    "scene_title",
+    "style",
 ]
 
 Array = NDArray[np.float64]
@@ -97,7 +100,7 @@ def plot_solution(solution: Solution) -> Figure:
     check(solution.plan)
     radii = graded_radii(solution, 600)
     rows = _field_rows(solution, radii)
-    with _style():
+    with style():
         from matplotlib.figure import Figure
 
         heights = [2.5] * len(rows) + [0.5 + 0.22 * len(_estimates(solution))]
@@ -110,7 +113,7 @@ def plot_solution(solution: Solution) -> Figure:
             left.set(xlabel="radius $s = r / a$", ylabel=label)
             right.set(xlabel="distance from the edge $1 - s$", ylabel=label)
         _draw_errors(figure.add_subplot(grid[-1, :]), solution)
-        figure.suptitle(_title(solution))
+        figure.suptitle(scene_title(solution.scene))
     return figure
 
 
@@ -139,7 +142,7 @@ def plot_coefficients(solution: Solution) -> Figure:
     series = [*_pressure_series(solution), *_traction_series(solution)]
     if not series:
         raise NotComputedError("a series with coefficients", _why_no_series(solution))
-    with _style():
+    with style():
         from matplotlib.figure import Figure
 
         columns = min(len(series), 2)
@@ -147,7 +150,7 @@ def plot_coefficients(solution: Solution) -> Figure:
         figure = Figure(figsize=(4.6 * columns, 0.4 + 3.2 * rows), layout="constrained")
         for i, (title, one) in enumerate(series):
             _draw_coefficients(figure.add_subplot(rows, columns, i + 1), title, one)
-        figure.suptitle(_title(solution))
+        figure.suptitle(scene_title(solution.scene))
     return figure
 
 
@@ -165,7 +168,7 @@ def save(figure: Figure, path: str) -> None:
     # without the date, the same figure gives the same file
     date = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     try:
-        with _style():
+        with style():
             figure.savefig(path, format=suffix[1:], dpi=150, metadata=date.get(suffix))
     except OSError as error:
         reason = f"cannot be written: {error.strerror or error}"
@@ -181,13 +184,20 @@ def _matplotlib() -> Any:
 
 
 @contextmanager
-def _style() -> Iterator[None]:
+def style() -> Iterator[None]:
+    """Draw in the style of all figures of the library while the context lasts.
+
+    Raises
+    ------
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
     with _matplotlib().rc_context(_STYLE):
         yield
 
 
-def _title(solution: Solution) -> str:
-    scene = solution.scene
+def scene_title(scene: Scene) -> str:
+    """Return the parameters of a scene in the symbols of the theory, as a title of a figure."""
     friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
     if scene.friction == np.inf:
         friction = "full stick"

@@ -16,7 +16,6 @@ import hashlib
 import json
 import math
 import os
-import secrets
 import sys
 import zipfile
 from dataclasses import fields, is_dataclass
@@ -33,7 +32,7 @@ from spectral_contact import fields as field_classes
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
-from spectral_contact.documents import Refused, reported
+from spectral_contact.documents import Refused, replace_file, reported
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
@@ -86,7 +85,7 @@ def save(solution: Solution, path: str | os.PathLike[str]) -> None:
     """
     source, suffix = _source(path)
     with reported(source, "cannot be written"):
-        _replace(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
+        replace_file(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
 
 
 def load(path: str | os.PathLike[str]) -> Solution:
@@ -158,17 +157,6 @@ def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
         reason = f"the suffix is {suffix!r}, and must be {' or '.join(_SUFFIXES)}"
         raise SolutionFileError(source, reason)
     return source, suffix
-
-
-def _replace(source: str, content: bytes) -> None:
-    target = Path(os.path.realpath(source))  # else a symbolic link would give way to a file
-    temporary = target.with_name(f".spectral_contact-{secrets.token_hex(8)}.tmp")
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-        temporary.replace(target)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _json(solution: Solution) -> str:

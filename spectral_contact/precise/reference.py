@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from time import perf_counter
 from typing import Any
 
@@ -12,6 +11,7 @@ from spectral_contact import checks
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.solution import ReferenceSolution
+from spectral_contact.progress import ProgressLine
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solver import solve
@@ -69,7 +69,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
     begin = perf_counter()
-    tell = _Progress(progress)
+    tell = ProgressLine(progress)
     tell("zones, in double precision", 0.0)
     stick = _stick_disk(scene)
     found = []
@@ -177,20 +177,3 @@ def _compare(run: Run, check: Run) -> ErrorEstimates:
         total_shear=shear,
         edge_ratio=ratio,
     )
-
-
-class _Progress:
-    """A line on stderr."""
-
-    def __init__(self, wanted: bool) -> None:
-        self._wanted = wanted
-        self._begin = perf_counter()
-
-    def __call__(self, step: str, share: float) -> None:
-        if self._wanted:
-            bar = "#" * round(20 * share)
-            seconds = perf_counter() - self._begin
-            end = "\n" if share >= 1.0 else ""
-            line = f"\r[{bar:<20}] {100 * share:3.0f} % {seconds:5.0f} s  {step:<32}"
-            sys.stderr.write(line + end)
-            sys.stderr.flush()

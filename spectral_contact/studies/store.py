@@ -1,0 +1,127 @@
+"""Points on disk as they are measured, so that a study that was stopped goes on.
+
+A store is a file of JSON lines, each with its schema and version, the study it belongs to, and one
+point. A last line that was cut short is no point, and gives way to the next one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Final
+
+from spectral_contact.documents import Refused, key_complaint, reported
+from spectral_contact.errors import shown
+from spectral_contact.scene import Scene
+from spectral_contact.studies.files import point_from_row, point_row
+from spectral_contact.studies.results import Point
+
+__all__ = ["Store"]
+
+_SCHEMA: Final = "spectral_contact.study.point"
+_VERSION: Final = 1
+#: Every line begins like this, however short it was cut.
+_BEGIN: Final = f'{{"schema": "{_SCHEMA}"'.encode()
+_OTHER: Final = "use another store for another study"
+
+
+class Store:
+    """The points of one study; without a path they are kept in memory alone.
+
+    Parameters
+    ----------
+    path : str or os.PathLike or None
+        The file; it is made if it is not there.
+    study : dict
+        What makes it this study, as an object of JSON; points of another study are refused.
+    cases : set of (str, Scene)
+        The names of the solvers and the scenes that belong to it.
+
+    Raises
+    ------
+    SolutionFileError
+        If the file is no store, damaged, of another study or version, or cannot be read.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str] | None,
+        study: dict[str, Any],
+        cases: set[tuple[str, Scene]],
+    ) -> None:
+        self._source: str | None = None
+        self._study = study
+        self._points: dict[tuple[str, Scene, float], Point] = {}
+        if path is None:
+            return
+        with reported(shown(path), "not a path"):
+            self._source = os.fsdecode(path)
+        with reported(self._source, "cannot be read or written"):
+            file = Path(self._source)
+            content = file.read_bytes() if file.exists() else b""
+            *lines, cut = content.split(b"\n")
+            if cut and cut[: len(_BEGIN)] != _BEGIN[: len(cut)]:
+                raise Refused("not a store of a study")
+            for number, line in enumerate(lines, 1):
+                self._take(number, line, cases)
+            with file.open("ab") as end:  # fails now, and not after an hour of work
+                end.truncate(len(content) - len(cut))
+
+    def _take(self, number: int, line: bytes, cases: set[tuple[str, Scene]]) -> None:
+        """Keep the point of a line."""
+        try:
+            row = json.loads(line.decode())
+        except ValueError:
+            row = None
+        if not isinstance(row, dict) or row.get("schema") != _SCHEMA:
+            raise Refused(f"line {number} is not a point of a study")
+        if row.get("version") != _VERSION:
+            known = f"is not known to this release, which reads {_VERSION}"
+            raise Refused(f"line {number}: version {shown(row.get('version'))} {known}")
+        complaint = key_complaint(row, ("schema", "version", "study", "point"))
+        if complaint:
+            raise Refused(f"line {number}: {complaint}")
+        if row["study"] != self._study:
+            raise Refused(f"line {number} is of a study with {self._difference(row['study'])}")
+        point = point_from_row(row["point"])
+        if (point.solver, point.scene) not in cases:
+            case = f"of solver {point.solver!r} on {point.scene}"
+            raise Refused(f"line {number} is {case}, which is not asked for: {_OTHER}")
+        self._points[point.solver, point.scene, point.resolution] = point
+
+    def _difference(self, other: Any) -> str:
+        """Return in what another study differs from this one."""
+        theirs = other if isinstance(other, dict) else {}
+        for name, value in self._study.items():
+            if theirs.get(name) != value:
+                found = f"{name} {shown(theirs.get(name))}, not {shown(value)}"
+                return f"{found}: {_OTHER}"
+        return f"other members: {_OTHER}"
+
+    def get(self, solver: str, scene: Scene, resolution: float) -> Point | None:
+        """Return a point, None if it is not there yet."""
+        return self._points.get((solver, scene, resolution))
+
+    def add(self, point: Point) -> None:
+        """Keep a point, on disk before this returns.
+
+        Raises
+        ------
+        SolutionFileError
+            If it cannot be written.
+        """
+        self._points[point.solver, point.scene, point.resolution] = point
+        if self._source is None:
+            return
+        row = {
+            "schema": _SCHEMA,
+            "version": _VERSION,
+            "study": self._study,
+            "point": point_row(point),
+        }
+        with (
+            reported(self._source, "cannot be written"),
+            Path(self._source).open("a", encoding="utf-8", newline="\n") as file,
+        ):
+            file.write(json.dumps(row, allow_nan=False) + "\n")
