@@ -103,7 +103,7 @@ class Rate:
     def __str__(self) -> str:
         low, high = self.interval
         if self.kind == "algebraic":
-            return f"order {self.value:.3g} [{low:.3g}, {high:.3g}]"
+            return f"order {self.value:.3f} [{low:.3f}, {high:.3f}]"
         each = "unknown" if self.kind == "geometric" else "root of the unknowns"
         return f"factor {self.value:.4g} [{low:.4g}, {high:.4g}] per {each}"
 
@@ -133,7 +133,7 @@ def fit_line(x: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Line:
     --------
     >>> line = fit_line([0, 1, 2, 3], [1.0, 3.1, 4.9, 7.0])
     >>> print(f"{line.slope:.2f} in [{line.interval[0]:.2f}, {line.interval[1]:.2f}]")
-    1.98 in [1.82, 2.14]
+    1.98 in [1.80, 2.16]
     """
     # scipy.special takes long to import, and errors without a rate need none of it
     from scipy.special import stdtrit
@@ -197,7 +197,7 @@ def fit_rate(
     --------
     >>> rate = fit_rate([10, 20, 40, 80, 160], [1e-2, 2.6e-3, 6e-4, 1.6e-4, 3.9e-5])
     >>> print(rate)
-    order 2 [1.94, 2.06]
+    order 2.003 [1.952, 2.053]
     >>> print(fit_rate([4, 8, 12, 16, 20, 24], [1e-2, 1e-5, 1e-8, 1e-11, 3e-13, 4e-13]).used)
     (0, 1, 2, 3)
     """

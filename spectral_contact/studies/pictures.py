@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from spectral_contact.documents import reported
 from spectral_contact.errors import shown
 from spectral_contact.plotting import save, scene_title, style
+from spectral_contact.studies.fitting import Rate
 from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.timing import Timing
 
@@ -48,7 +49,7 @@ def convergence_figure(study: Convergence) -> Figure:
         from matplotlib.figure import Figure
 
         count = 1 + len(states)
-        rows = -(-len(study.quantities) // (2 if count < 3 else 3))
+        rows = -(-len(study.quantities) // count)
         figure = Figure(figsize=(1.4 + 3.4 * count, 3.9 + 0.18 * rows), layout="constrained")
         axes = figure.subplots(1, count, sharey=True, squeeze=False)[0]
         for index, quantity in enumerate(study.quantities):
@@ -61,7 +62,9 @@ def convergence_figure(study: Convergence) -> Figure:
         _label_unknowns(axes[0], study)
         for one, state in zip(axes[1:], states, strict=True):
             one.set(xscale="log", xlabel=f"time {state} [ms]")
-        _legend(figure, axes[0], columns=min(count, 3) if count > 1 else 1)
+        for one in axes:
+            _plain_ticks(one)
+        _legend(figure, axes[:1], columns=count)
         figure.suptitle(f"{study.solver}:   {scene_title(study.scene)}")
     return figure
 
@@ -89,9 +92,10 @@ def work_precision_figure(study: WorkPrecision) -> Figure:
                         warm = state == "warm"
                         _draw_times(one, x, timings, errors, index, filled=warm, label=label)
                 one.set(xscale="log", yscale="log", xlabel="time [ms]", title=_SYMBOLS[quantity])
+                _plain_ticks(one)
             axes[0].set_ylabel(_ERROR)
             part.suptitle(scene_title(scene))
-            _legend(part, axes[0], columns=min(2 * len(study.solvers), columns + 1))
+        _legend(figure, figure.axes, columns=min(2 * len(study.solvers), columns + 1))
     return figure
 
 
@@ -139,8 +143,18 @@ def _draw_rate(axes: Axes, study: Convergence, quantity: str, index: int) -> Non
         ends = [n for i, n, _ in found if i in used]
         x = np.geomspace(min(ends), max(ends), 60)
         axes.plot(x, rate.at(x), _line(index), color=colour, lw=1.0)
-        label = f"{label}: {rate}"
+        label = f"{label}: {_law(rate)}"
     axes.plot([], [], marker=marker, ls=_line(index), color=colour, lw=1.0, ms=4.5, label=label)
+
+
+def _law(rate: Rate) -> str:
+    """Return the law of a rate as a formula, with the interval of its number."""
+    low, high = rate.interval
+    ends = f"[{low:.3g}, {high:.3g}]"
+    if rate.kind == "algebraic":
+        return rf"$\sim N^{{-k}}$, $k$ = {rate.value:.3g} {ends}"
+    power = "N" if rate.kind == "geometric" else r"\sqrt{N}"
+    return rf"$\sim \rho^{{-{power}}}$, $\rho$ = {rate.value:.3g} {ends}"
 
 
 def _draw_times(
@@ -170,8 +184,8 @@ def _draw_times(
         color=colour,
         mfc=colour if filled else "white",
         ms=4.5,
-        lw=1.0 if filled else 0.8,
-        elinewidth=0.8,
+        lw=0.8,
+        elinewidth=0.5,
         label=label,
     )
 
@@ -184,9 +198,27 @@ def _label_unknowns(axes: Axes, study: Convergence) -> None:
     axes.set(xlabel="unknowns $N$", ylabel=_ERROR)
 
 
-def _legend(figure: Any, axes: Axes, columns: int) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, fontsize=8.0)
+def _plain_ticks(axes: Axes) -> None:
+    """Write few and plain numbers on a logarithmic axis of less than a decade or two."""
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+
+    low, high = axes.get_xlim()
+    if axes.get_xscale() != "log" or high > 100.0 * low:
+        return
+    few = MaxNLocator(4) if high < 8.0 * low else LogLocator(subs=(1.0, 2.0, 5.0))
+    axes.xaxis.set_major_locator(few)
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _legend(figure: Figure, axes: Iterable[Axes], columns: int) -> None:
+    """Put one legend below all panels; what has the same label in several is there once."""
+    found: dict[str, Any] = {}
+    for one in axes:
+        handles, labels = one.get_legend_handles_labels()
+        found |= dict(zip(labels, handles, strict=True))
+    place: Any = "outside lower center"
+    figure.legend(found.values(), found.keys(), loc=place, ncols=columns, fontsize=8.0)
 
 
 def _pick(values: Sequence[str]) -> Callable[[int], str]:

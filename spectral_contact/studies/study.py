@@ -93,16 +93,18 @@ def convergence(
     asked = _resolutions("resolutions", resolutions)
     true = truth_of(scene, truth, progress=progress)
     case = _Case(name or solver_name(solver), _callable(solver), asked, true)
-    run = _Study("convergence", [case], quantities, stopwatch, store, progress)
-    points = tuple(
-        run.point(case, resolution, i / len(asked)) for i, resolution in enumerate(asked)
-    )
+    with ProgressLine(progress) as tell:
+        run = _Study("convergence", [case], quantities, stopwatch, store, tell)
+        points = tuple(
+            run.point(case, resolution, i / len(asked)) for i, resolution in enumerate(asked)
+        )
+        tell("", 1.0)
     return Convergence(
         case.name,
         scene,
         true.source,
         true.error,
-        run.finished(points),
+        run.shown(points),
         points,
         stopwatch,
         run.machine,
@@ -166,21 +168,23 @@ def work_precision(
         for scene, truth in zip(listed, given, strict=True)
     ]
     cases = [_Case(name, *one, true) for true in found for name, one in called.items()]
-    run = _Study("work-precision", cases, quantities, stopwatch, store, progress)
     points: list[Point] = []
-    for i, case in enumerate(cases):
-        for k, resolution in enumerate(case.resolutions):
-            share = (i + k / len(case.resolutions)) / len(cases)
-            points.append(run.point(case, resolution, share))
-            errors = points[-1].errors
-            if errors and max(errors.values()) <= goals[-1]:
-                break
+    with ProgressLine(progress) as tell:
+        run = _Study("work-precision", cases, quantities, stopwatch, store, tell)
+        for i, case in enumerate(cases):
+            for k, resolution in enumerate(case.resolutions):
+                share = (i + k / len(case.resolutions)) / len(cases)
+                points.append(run.point(case, resolution, share))
+                errors = points[-1].errors
+                if errors and max(errors.values()) <= goals[-1]:
+                    break
+        tell("", 1.0)
     return WorkPrecision(
         tuple(called),
         listed,
         tuple(true.source for true in found),
         goals,
-        run.finished(points),
+        run.shown(points),
         tuple(points),
         stopwatch,
         run.machine,
@@ -207,7 +211,7 @@ class _Study:
         quantities: Sequence[str] | None,
         stopwatch: Stopwatch | None,
         store: str | os.PathLike[str] | None,
-        progress: bool,
+        tell: ProgressLine,
     ) -> None:
         self.wanted = chosen(quantities, [case.truth for case in cases])
         self.machine: Machine = this_machine()
@@ -221,7 +225,7 @@ class _Study:
             "machine": asdict(self.machine),
         }
         self._store = Store(store, identity, {(case.name, case.truth.scene) for case in cases})
-        self._tell = ProgressLine(progress)
+        self._tell = tell
 
     def point(self, case: _Case, resolution: float, share: float) -> Point:
         """Return a point; the share in [0, 1] of all work is done before it."""
@@ -232,9 +236,8 @@ class _Study:
             self._store.add(known)
         return known
 
-    def finished(self, points: Sequence[Point]) -> tuple[str, ...]:
-        """End the progress line; return the quantities asked for, or those that were there."""
-        self._tell("", 1.0)
+    def shown(self, points: Sequence[Point]) -> tuple[str, ...]:
+        """Return the quantities asked for, or those that were there."""
         if self._asked:
             return self.wanted
         return tuple(q for q in self.wanted if any(q in p.errors for p in points)) or self.wanted
