@@ -123,6 +123,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Convergence | WorkPrecis
         own if arguments.solver is None else named_solver(arguments.solver),
         scene,
         _TOLERANCES if resolutions is None else resolutions,
+        name=arguments.solver,
         stopwatch=None if arguments.no_times else Stopwatch(),
         **common,
     )
