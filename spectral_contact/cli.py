@@ -215,7 +215,7 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
             kind,
             help=about,
             description=f"{about.capitalize()}. A run that was stopped goes on from its --store.",
-            epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
+            epilog="Exit status: 0 done, 1 no truth, 2 bad input or file, 130 interrupted.",
             allow_abbrev=False,
         )
         _add_scene(command)

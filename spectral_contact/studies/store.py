@@ -23,6 +23,7 @@ _SCHEMA: Final = "spectral_contact.study.point"
 _VERSION: Final = 1
 #: Every line begins like this, however short it was cut.
 _BEGIN: Final = f'{{"schema": "{_SCHEMA}"'.encode()
+_MEMBERS: Final = ("schema", "version", "study", "truth", "point")
 _OTHER: Final = "use another store for another study"
 
 
@@ -35,8 +36,9 @@ class Store:
         The file; it is made if it is not there.
     study : dict
         What makes it this study, as an object of JSON; points of another study are refused.
-    cases : set of (str, Scene)
-        The names of the solvers and the scenes that belong to it.
+    cases : dict
+        What belongs to it: the name of a solver and a scene, and what the scene's truth is as an
+        object of JSON.
 
     Raises
     ------
@@ -48,10 +50,10 @@ class Store:
         self,
         path: str | os.PathLike[str] | None,
         study: dict[str, Any],
-        cases: set[tuple[str, Scene]],
+        cases: dict[tuple[str, Scene], Any],
     ) -> None:
         self._source: str | None = None
-        self._study = study
+        self._study, self._cases = study, cases
         self._points: dict[tuple[str, Scene, float], Point] = {}
         if path is None:
             return
@@ -64,11 +66,11 @@ class Store:
             if cut and cut[: len(_BEGIN)] != _BEGIN[: len(cut)]:
                 raise Refused("not a store of a study")
             for number, line in enumerate(lines, 1):
-                self._take(number, line, cases)
+                self._take(number, line)
             with file.open("ab") as end:  # fails now, and not after an hour of work
                 end.truncate(len(content) - len(cut))
 
-    def _take(self, number: int, line: bytes, cases: set[tuple[str, Scene]]) -> None:
+    def _take(self, number: int, line: bytes) -> None:
         """Keep the point of a line."""
         try:
             row = json.loads(line.decode())
@@ -79,15 +81,18 @@ class Store:
         if row.get("version") != _VERSION:
             known = f"is not known to this release, which reads {_VERSION}"
             raise Refused(f"line {number}: version {shown(row.get('version'))} {known}")
-        complaint = key_complaint(row, ("schema", "version", "study", "point"))
+        complaint = key_complaint(row, _MEMBERS)
         if complaint:
             raise Refused(f"line {number}: {complaint}")
         if row["study"] != self._study:
             raise Refused(f"line {number} is of a study with {self._difference(row['study'])}")
         point = point_from_row(row["point"])
-        if (point.solver, point.scene) not in cases:
-            case = f"of solver {point.solver!r} on {point.scene}"
-            raise Refused(f"line {number} is {case}, which is not asked for: {_OTHER}")
+        case = point.solver, point.scene
+        if case not in self._cases:
+            asked = f"of solver {point.solver!r} on {point.scene}, which is not asked for"
+            raise Refused(f"line {number} is {asked}: {_OTHER}")
+        if row["truth"] != self._cases[case]:
+            raise Refused(f"line {number} is of another truth, {shown(row['truth'])}: {_OTHER}")
         self._points[point.solver, point.scene, point.resolution] = point
 
     def _difference(self, other: Any) -> str:
@@ -114,12 +119,9 @@ class Store:
         self._points[point.solver, point.scene, point.resolution] = point
         if self._source is None:
             return
-        row = {
-            "schema": _SCHEMA,
-            "version": _VERSION,
-            "study": self._study,
-            "point": point_row(point),
-        }
+        truth = self._cases[point.solver, point.scene]
+        members = (_SCHEMA, _VERSION, self._study, truth, point_row(point))
+        row = dict(zip(_MEMBERS, members, strict=True))
         with (
             reported(self._source, "cannot be written"),
             Path(self._source).open("a", encoding="utf-8", newline="\n") as file,

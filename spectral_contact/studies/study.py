@@ -220,11 +220,11 @@ class _Study:
         identity = {
             "study": kind,
             "quantities": list(self.wanted),
-            "truths": sorted({case.truth.source for case in cases}),
             "stopwatch": None if stopwatch is None else asdict(stopwatch),
             "machine": asdict(self.machine),
         }
-        self._store = Store(store, identity, {(case.name, case.truth.scene) for case in cases})
+        known = {(case.name, case.truth.scene): case.truth.identity for case in cases}
+        self._store = Store(store, identity, known)
         self._tell = tell
 
     def point(self, case: _Case, resolution: float, share: float) -> Point:

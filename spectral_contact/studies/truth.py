@@ -68,6 +68,11 @@ class Truth:
         """What can be compared, in the order of `QUANTITIES`."""
         return tuple(name for name in QUANTITIES if name in self.scalars or name in self.fields)
 
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What tells it from other truths of the scene, as an object of JSON."""
+        return {"source": self.source, "scalars": self.scalars}
+
     def errors(self, solution: Any, wanted: Iterable[str]) -> dict[str, float]:
         """Return the relative errors of a solution.
 
@@ -123,9 +128,9 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
     scene : Scene
     truth : object, optional
         A `GoldSolution`, a `ReferenceSolution`, or anything with some of the same attributes: a
-        `Solution` to a tolerance far below the errors to be measured, a closed form. By default it is the
-        gold solution of the scene if there is one, else `reference` to 20 digits, which takes from
-        seconds to minutes.
+        `Solution` to a tolerance far below the errors to be measured, a closed form. By default it
+        is the gold solution of the scene if there is one, else `reference` to 20 digits, which
+        takes from seconds to minutes.
     progress : bool
         Show the progress of `reference` on stderr.
 
@@ -146,7 +151,7 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
     if truth is None:
         source, truth = _best(scene, progress)
     own = getattr(truth, "scene", scene)
-    if not _same_problem(own, scene):
+    if isinstance(own, Scene) and not _same_problem(own, scene):
         raise SceneError("truth", own, f"that of {scene}")
     if isinstance(truth, Truth):
         return replace(truth, scene=scene)

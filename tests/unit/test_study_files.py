@@ -202,8 +202,12 @@ def test_what_is_no_store_is_left_alone(tmp_path):
     [
         ({"stopwatch": QUICK}, "stopwatch"),
         ({"truth": SimpleNamespace(approach=0.25, scene=NORMAL)}, None),
-        ({"truth": None, "quantities": ["approach"]}, "truths ['SimpleNamespace, given'], not"),
+        (
+            {"truth": None, "quantities": ["approach"]},
+            "of another truth, {'source': 'SimpleNamespace, given'",
+        ),
         ({"quantities": ["approach"]}, None),
+        ({"truth": SimpleNamespace(approach=0.26)}, "of another truth"),
         ({"name": "other"}, "of solver 'counted'"),
     ],
 )
@@ -216,6 +220,18 @@ def test_the_store_of_another_study_is_refused(tmp_path, change, said):
     message = refusal(lambda: study(store=store, **change))
     assert said in message
     assert "use another store" in message
+
+
+def test_solvers_and_scenes_may_join_a_store(tmp_path):
+    store, quick = tmp_path / "points.jsonl", {"stopwatch": QUICK, "quantities": ["approach"]}
+    one, other = Counted(), Counted()
+    work_precision({"a": (one, [8])}, NORMAL, [1e-2], store=store, **quick)
+    called = len(one.calls)
+    both = {"a": (one, [8]), "b": (other, [8])}
+    found = work_precision(both, [NORMAL, Scene(0.2, 1e-4)], [1e-2], store=store, **quick)
+    assert len(found.points) == 4
+    assert len(one.calls) == 2 * called  # on the new scene alone
+    assert len(other.calls) == 2 * called
 
 
 def test_another_kind_machine_or_version_is_another_study(tmp_path, monkeypatch):
