@@ -12,10 +12,9 @@ from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.studies import (
     QUANTITIES,
-    Convergence,
     OwnSolver,
     Stopwatch,
-    WorkPrecision,
+    Study,
     convergence,
     named_solver,
     work_precision,
@@ -90,7 +89,7 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
     )
 
 
-def run(arguments: argparse.Namespace, scene: Scene) -> Convergence | WorkPrecision:
+def run(arguments: argparse.Namespace, scene: Scene) -> Study:
     """Run the study that the options ask for.
 
     Raises
@@ -129,7 +128,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Convergence | WorkPrecis
     )
 
 
-def write(study: Convergence | WorkPrecision, arguments: argparse.Namespace) -> None:
+def write(study: Study, arguments: argparse.Namespace) -> None:
     """Write the files that the options name.
 
     Raises

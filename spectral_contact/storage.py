@@ -32,7 +32,7 @@ from spectral_contact import fields as field_classes
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
-from spectral_contact.documents import Refused, replace_file, reported
+from spectral_contact.documents import Refused, check_schema, path_text, replace_file, reported
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
@@ -150,8 +150,7 @@ def comparable(value: Any) -> object:
 
 def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
     """Return the path as text, and its suffix, which is one of ours."""
-    with reported(shown(path), "not a path"):
-        source = os.fsdecode(path)
+    source = path_text(path)
     suffix = Path(source).suffix.lower()
     if suffix not in _SUFFIXES:
         reason = f"the suffix is {suffix!r}, and must be {' or '.join(_SUFFIXES)}"
@@ -212,11 +211,7 @@ def _pack(solution: Solution) -> tuple[dict[str, Any], Arrays]:
 
 def _unpack(document: Any, arrays: Arrays | None) -> Solution:
     """Return the solution; without `arrays` they are in the document."""
-    if not isinstance(document, dict) or document.get("schema") != _SCHEMA:
-        raise Refused(f'not a solution: its "schema" is not "{_SCHEMA}"')
-    version = document.get("version")
-    if type(version) is not int or version != _VERSION:
-        raise Refused(f"version {version!r} is not known to this release, which reads {_VERSION}")
+    check_schema(document, "solution", _SCHEMA, _VERSION)
     if arrays is None:
         arrays = {name: _from_json_array(body) for name, body in document.pop("arrays", {}).items()}
     _check_names("the header", document, _MEMBERS)

@@ -11,17 +11,23 @@ from io import StringIO
 from pathlib import Path
 from typing import Any, Final
 
-from spectral_contact.documents import Refused, key_complaint, replace_file, reported
+from spectral_contact.documents import (
+    Refused,
+    check_schema,
+    key_complaint,
+    path_text,
+    read_file,
+    replace_file,
+    reported,
+)
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.report import scene_text
 from spectral_contact.scene import Scene
 from spectral_contact.studies.machine import Machine
-from spectral_contact.studies.results import Convergence, Point, WorkPrecision
+from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
 
 __all__ = ["SUFFIXES", "load", "point_from_row", "point_row", "save"]
-
-Study = Convergence | WorkPrecision
 
 #: What `save` knows.
 SUFFIXES: Final = (".json", ".csv")
@@ -52,8 +58,7 @@ def save(study: Study, path: str | os.PathLike[str]) -> None:
     SolutionFileError
         For another suffix, or a path that cannot be written.
     """
-    with reported(shown(path), "not a path"):
-        source = os.fsdecode(path)
+    source = path_text(path)
     suffix = Path(source).suffix.lower()
     if suffix not in SUFFIXES:
         raise SolutionFileError(source, f"the suffix must be one of {', '.join(SUFFIXES)}")
@@ -78,10 +83,7 @@ def load(path: str | os.PathLike[str]) -> Study:
     SolutionFileError
         For a file that is not there, no study, damaged, or of another version.
     """
-    with reported(shown(path), "not a path"):
-        source = os.fsdecode(path)
-    with reported(source, "cannot be read"):
-        content = Path(source).read_bytes()
+    source, content = read_file(path)
     with reported(source, "damaged, or not the JSON text of a study"):
         return _study(json.loads(content.decode()))
 
@@ -138,12 +140,7 @@ def _json(study: Study) -> str:
 
 
 def _study(body: Any) -> Study:
-    schema = body.get("schema") if isinstance(body, dict) else None
-    if schema != _SCHEMA:
-        raise Refused(f'not a study: its "schema" is not "{_SCHEMA}"')
-    if type(body.get("version")) is not int or body["version"] != _VERSION:
-        known = f"is not known to this release, which reads {_VERSION}"
-        raise Refused(f"version {shown(body.get('version'))} {known}")
+    check_schema(body, "study", _SCHEMA, _VERSION)
     if body.get("study") not in _KINDS:
         raise Refused(f'"study" is {shown(body.get("study"))}, not {" or ".join(_KINDS)}')
     cls = _KINDS[body["study"]]

@@ -8,18 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spectral_contact.documents import reported
-from spectral_contact.errors import shown
+from spectral_contact.documents import path_text
 from spectral_contact.plotting import save, scene_title, style
 from spectral_contact.studies.fitting import Rate
-from spectral_contact.studies.results import Convergence, Point, WorkPrecision
+from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["convergence_figure", "drawn", "work_precision_figure"]
+__all__ = ["drawn"]
 
 _SYMBOLS = {
     "approach": r"approach $\delta^*$",
@@ -38,7 +37,15 @@ _LEAST = 1e-17
 _ERROR = "true relative error"
 
 
-def convergence_figure(study: Convergence) -> Figure:
+def drawn(study: Study, path: str | os.PathLike[str] | None) -> Figure:
+    """Return the figure of a study, written to a file if there is a path."""
+    figure = _convergence(study) if isinstance(study, Convergence) else _work_precision(study)
+    if path is not None:
+        save(figure, path_text(path))
+    return figure
+
+
+def _convergence(study: Convergence) -> Figure:
     """Return the errors over unknowns with the fitted rates, and over warm and cold times.
 
     Full markers are points that a rate goes through, open ones are not. The time panels are there
@@ -69,7 +76,7 @@ def convergence_figure(study: Convergence) -> Figure:
     return figure
 
 
-def work_precision_figure(study: WorkPrecision) -> Figure:
+def _work_precision(study: WorkPrecision) -> Figure:
     """Return the errors over times: a row for each scene, a panel for each quantity.
 
     Full markers are warm times, open ones cold times.
@@ -96,15 +103,6 @@ def work_precision_figure(study: WorkPrecision) -> Figure:
             axes[0].set_ylabel(_ERROR)
             part.suptitle(scene_title(scene))
         _legend(figure, figure.axes, columns=min(2 * len(study.solvers), columns + 1))
-    return figure
-
-
-def drawn(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
-    """Return the figure, written to a file if there is a path."""
-    if path is not None:
-        with reported(shown(path), "not a path"):
-            source = os.fsdecode(path)
-        save(figure, source)
     return figure
 
 

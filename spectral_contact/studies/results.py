@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.timing import Stopwatch, Times
 
-__all__ = ["Convergence", "Point", "WorkPrecision"]
+__all__ = ["Convergence", "Point", "Study", "WorkPrecision"]
 
 #: Errors less than this many times that of the truth say nothing.
 _ABOVE_TRUTH = 10.0
@@ -62,8 +62,57 @@ class Point:
         return self.times.warm.median / -math.log10(max(error, 2.0**-53))
 
 
+class _Result:
+    """What every study can do."""
+
+    __slots__ = ()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Store the study: ``.json`` whole and exact, for `load`; ``.csv`` a row for each point.
+
+        Raises
+        ------
+        SolutionFileError
+            For another suffix, or a path that cannot be written.
+        """
+        from spectral_contact.studies import files
+
+        files.save(cast("Study", self), path)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
+        """Draw the errors over times, and over unknowns with their rates; write the figure.
+
+        Full markers over the unknowns are points that a rate is fitted to; beside other solvers,
+        full markers are warm times, open ones cold times.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to write it; nothing is written without.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        MissingDependencyError
+            If matplotlib is not installed.
+        SolutionFileError
+            For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
+        """
+        from spectral_contact.studies import pictures
+
+        return pictures.drawn(cast("Study", self), path)
+
+    def __str__(self) -> str:
+        from spectral_contact.studies import tables
+
+        return tables.text_of(cast("Study", self))
+
+
 @dataclass(frozen=True, slots=True)
-class Convergence:
+class Convergence(_Result):
     """Error against unknowns and time, of one solver on one scene; prints as a table.
 
     Attributes
@@ -104,49 +153,9 @@ class Convergence:
         """The rates of all errors, by quantity."""
         return {quantity: self.rate(quantity) for quantity in self.quantities}
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Store the study: ``.json`` whole and exact, for `load`; ``.csv`` a row for each point.
-
-        Raises
-        ------
-        SolutionFileError
-            For another suffix, or a path that cannot be written.
-        """
-        from spectral_contact.studies import files
-
-        files.save(self, path)
-
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
-        """Draw the errors over unknowns, with the fitted rates, and over time; write the figure.
-
-        Parameters
-        ----------
-        path : path, optional
-            Where to write it; nothing is written without.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        MissingDependencyError
-            If matplotlib is not installed.
-        SolutionFileError
-            For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
-        """
-        from spectral_contact.studies import pictures
-
-        return pictures.drawn(pictures.convergence_figure(self), path)
-
-    def __str__(self) -> str:
-        from spectral_contact.studies import tables
-
-        return tables.convergence_text(self)
-
 
 @dataclass(frozen=True, slots=True)
-class WorkPrecision:
+class WorkPrecision(_Result):
     """Error against time of several solvers on several scenes; prints as tables.
 
     Attributes
@@ -203,42 +212,5 @@ class WorkPrecision:
                 times += [] if taken is None else [taken.median]
         return min(times, default=None)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Store the study: ``.json`` whole and exact, for `load`; ``.csv`` a row for each point.
 
-        Raises
-        ------
-        SolutionFileError
-            For another suffix, or a path that cannot be written.
-        """
-        from spectral_contact.studies import files
-
-        files.save(self, path)
-
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
-        """Draw the errors over time, a row for each scene; write the figure.
-
-        Parameters
-        ----------
-        path : path, optional
-            Where to write it; nothing is written without.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-
-        Raises
-        ------
-        MissingDependencyError
-            If matplotlib is not installed.
-        SolutionFileError
-            For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
-        """
-        from spectral_contact.studies import pictures
-
-        return pictures.drawn(pictures.work_precision_figure(self), path)
-
-    def __str__(self) -> str:
-        from spectral_contact.studies import tables
-
-        return tables.work_precision_text(self)
+Study = Convergence | WorkPrecision

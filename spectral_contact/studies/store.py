@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 from typing import Any, Final
 
-from spectral_contact.documents import Refused, key_complaint, reported
+from spectral_contact.documents import Refused, check_schema, key_complaint, path_text, reported
 from spectral_contact.errors import shown
 from spectral_contact.scene import Scene
 from spectral_contact.studies.files import point_from_row, point_row
@@ -57,8 +57,7 @@ class Store:
         self._points: dict[tuple[str, Scene, float], Point] = {}
         if path is None:
             return
-        with reported(shown(path), "not a path"):
-            self._source = os.fsdecode(path)
+        self._source = path_text(path)
         with reported(self._source, "cannot be read or written"):
             file = Path(self._source)
             content = file.read_bytes() if file.exists() else b""
@@ -66,33 +65,27 @@ class Store:
             if cut and cut[: len(_BEGIN)] != _BEGIN[: len(cut)]:
                 raise Refused("not a store of a study")
             for number, line in enumerate(lines, 1):
-                self._take(number, line)
+                with reported(f"{self._source}, line {number}", "damaged"):
+                    self._take(line)
             with file.open("ab") as end:  # fails now, and not after an hour of work
                 end.truncate(len(content) - len(cut))
 
-    def _take(self, number: int, line: bytes) -> None:
+    def _take(self, line: bytes) -> None:
         """Keep the point of a line."""
-        try:
-            row = json.loads(line.decode())
-        except ValueError:
-            row = None
-        if not isinstance(row, dict) or row.get("schema") != _SCHEMA:
-            raise Refused(f"line {number} is not a point of a study")
-        if row.get("version") != _VERSION:
-            known = f"is not known to this release, which reads {_VERSION}"
-            raise Refused(f"line {number}: version {shown(row.get('version'))} {known}")
+        row = json.loads(line.decode())
+        check_schema(row, "store of a study", _SCHEMA, _VERSION)
         complaint = key_complaint(row, _MEMBERS)
         if complaint:
-            raise Refused(f"line {number}: {complaint}")
+            raise Refused(complaint)
         if row["study"] != self._study:
-            raise Refused(f"line {number} is of a study with {self._difference(row['study'])}")
+            raise Refused(f"it is of a study with {self._difference(row['study'])}")
         point = point_from_row(row["point"])
         case = point.solver, point.scene
         if case not in self._cases:
             asked = f"of solver {point.solver!r} on {point.scene}, which is not asked for"
-            raise Refused(f"line {number} is {asked}: {_OTHER}")
+            raise Refused(f"it is {asked}: {_OTHER}")
         if row["truth"] != self._cases[case]:
-            raise Refused(f"line {number} is of another truth, {shown(row['truth'])}: {_OTHER}")
+            raise Refused(f"it is of another truth, {shown(row['truth'])}: {_OTHER}")
         self._points[point.solver, point.scene, point.resolution] = point
 
     def _difference(self, other: Any) -> str:

@@ -6,13 +6,18 @@ import math
 
 from spectral_contact.report import scene_text, table
 from spectral_contact.scene import Scene
-from spectral_contact.studies.results import Convergence, Point, WorkPrecision
+from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
 
-__all__ = ["convergence_text", "work_precision_text"]
+__all__ = ["text_of"]
 
 
-def convergence_text(study: Convergence) -> str:
+def text_of(study: Study) -> str:
+    """Return what is printed of a study."""
+    return _convergence(study) if isinstance(study, Convergence) else _work_precision(study)
+
+
+def _convergence(study: Convergence) -> str:
     """Return the points, the rates, and how the times were taken."""
     timed = study.stopwatch is not None
     heading = ["resolution", "unknowns", *(name.replace("_", " ") for name in study.quantities)]
@@ -53,7 +58,7 @@ def _rate_text(study: Convergence, quantity: str) -> str:
     return f"{rate}, {rate.kind}{rivals}, {points}"
 
 
-def work_precision_text(study: WorkPrecision) -> str:
+def _work_precision(study: WorkPrecision) -> str:
     """Return, for every scene and quantity, the times to reach the accuracies."""
     parts = []
     for scene, truth in zip(study.scenes, study.truths, strict=True):
@@ -90,7 +95,7 @@ def _ratio(theirs: float | None, ours: float | None) -> str:
     return "-" if theirs is None or ours is None else f"{theirs / ours:.3g}"
 
 
-def _timing_notes(study: Convergence | WorkPrecision) -> list[str]:
+def _timing_notes(study: Study) -> list[str]:
     """Return how the times were taken, and where."""
     lines = []
     for note in sorted({_note(point) for point in study.points} - {""}):
