@@ -1,4 +1,6 @@
-"""The command line: ``spectral-contact solve`` and ``paper``, also ``python -m spectral_contact``.
+"""The command line: ``spectral-contact solve``, ``paper`` and ``study``.
+
+Also ``python -m spectral_contact``.
 
 Exit status: 0 if it is done; 1 if the tolerance was not met; 2 for a bad option, value, file or
 missing dependency; 130 when interrupted. Whatever fails is said in one line on stderr.
@@ -15,7 +17,7 @@ from pathlib import Path
 from typing import NoReturn
 
 import spectral_contact
-from spectral_contact import plotting
+from spectral_contact import cli_study, plotting
 from spectral_contact.errors import (
     ConvergenceError,
     SceneError,
@@ -119,6 +121,7 @@ def _parser() -> _Parser:
     _add_request(command)
     command.set_defaults(run=_solve)
     _add_paper(commands)
+    _add_studies(commands)
     return parser
 
 
@@ -235,6 +238,27 @@ def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
     command.set_defaults(run=_paper)
 
 
+def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
+    study = commands.add_parser(
+        "study",
+        help="measure the errors and times of solvers",
+        description="Measure errors against solutions to many digits, and times.",
+        allow_abbrev=False,
+    )
+    kinds = study.add_subparsers(dest="kind", metavar="kind", required=True)
+    for kind, about in cli_study.KINDS.items():
+        command = kinds.add_parser(
+            kind,
+            help=about,
+            description=f"{about.capitalize()}. A run that was stopped goes on from its --store.",
+            epilog="Exit status: 0 done, 1 no truth, 2 bad input or file, 130 interrupted.",
+            allow_abbrev=False,
+        )
+        _add_scene(command)
+        cli_study.add_options(command, kind)
+        command.set_defaults(run=_study)
+
+
 def _number(text: str) -> float:
     try:
         return float(text)
@@ -325,13 +349,23 @@ def _paper(arguments: argparse.Namespace) -> None:
     print(made)
 
 
+def _study(arguments: argparse.Namespace) -> None:
+    """Run a study, write the files and print the tables."""
+    _check_paths(arguments, cli_study.OUTPUTS)
+    study = cli_study.run(arguments, _scene(arguments))
+    try:
+        cli_study.write(study, arguments)
+    finally:
+        print(study)
+
+
 def _si_given(arguments: argparse.Namespace) -> bool:
     return any(getattr(arguments, name, None) is not None for name in _SI)
 
 
 def _scene(arguments: argparse.Namespace) -> Scene:
     """Return the scene of the options, dimensionless or SI."""
-    given = {name for name in (*_COMPLIANCES, *_SI) if getattr(arguments, name) is not None}
+    given = {name for name in (*_COMPLIANCES, *_SI) if getattr(arguments, name, None) is not None}
     if not _si_given(arguments):
         alpha, beta = (
             _DEFAULT_COMPLIANCE if getattr(arguments, name) is None else getattr(arguments, name)
@@ -364,13 +398,17 @@ def _scene(arguments: argparse.Namespace) -> Scene:
 
 def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:
     """Refuse, before the work, files that could not be written after it."""
-    for path, suffixes in ((arguments.output, _OUTPUTS), (arguments.plot, plotting.FORMATS)):
-        if path is not None:
-            _check_path(Path(path), suffixes)
+    _check_paths(arguments, _OUTPUTS)
     if _is_csv(arguments.output) and not set(FIELDS).intersection(todo.quantities):
         raise _UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
     if arguments.plot is not None:
         plotting.check(todo)
+
+
+def _check_paths(arguments: argparse.Namespace, outputs: Iterable[str]) -> None:
+    for path, suffixes in ((arguments.output, outputs), (arguments.plot, plotting.FORMATS)):
+        if path is not None:
+            _check_path(Path(path), suffixes)
 
 
 def _is_csv(path: str | None) -> bool:

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import secrets
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from spectral_contact.errors import SolutionFileError, shown
 
-__all__ = ["Refused", "key_complaint", "reported"]
+__all__ = [
+    "Refused",
+    "check_schema",
+    "key_complaint",
+    "path_text",
+    "read_file",
+    "replace_file",
+    "reported",
+]
 
 
 class Refused(Exception):
@@ -49,3 +60,57 @@ def key_complaint(data: Any, expected: Iterable[str]) -> str | None:
         if keys
     ]
     return f"keys are {'; '.join(complaints)}" if complaints else None
+
+
+def check_schema(document: Any, what: str, schema: str, version: int) -> None:
+    """Check that a document is of a schema and of the version that this release reads.
+
+    Raises
+    ------
+    Refused
+        If it is not; `what` is what it was meant to be.
+    """
+    found = document.get("schema") if isinstance(document, Mapping) else None
+    if not isinstance(found, str) or found != schema:
+        raise Refused(f'not a {what}: its "schema" is not "{schema}"')
+    found = document.get("version")
+    if type(found) is not int or found != version:
+        known = f"is not known to this release, which reads {version}"
+        raise Refused(f"version {shown(found)} {known}")
+
+
+def path_text(path: str | os.PathLike[str]) -> str:
+    """Return a path as text.
+
+    Raises
+    ------
+    SolutionFileError
+        If it is no path.
+    """
+    with reported(shown(path), "not a path"):
+        return os.fsdecode(path)
+
+
+def read_file(path: str | os.PathLike[str]) -> tuple[str, bytes]:
+    """Return a path as text, and what is in the file.
+
+    Raises
+    ------
+    SolutionFileError
+        If it is no path, or cannot be read.
+    """
+    source = path_text(path)
+    with reported(source, "cannot be read"):
+        return source, Path(source).read_bytes()
+
+
+def replace_file(path: str, content: bytes) -> None:
+    """Write a file; it is complete or, after any failure, as it was before."""
+    target = Path(os.path.realpath(path))  # else a symbolic link would give way to a file
+    temporary = target.with_name(f".spectral_contact-{secrets.token_hex(8)}.tmp")
+    try:
+        with temporary.open("xb") as file:
+            file.write(content)
+        temporary.replace(target)
+    finally:
+        temporary.unlink(missing_ok=True)

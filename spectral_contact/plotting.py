@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import MissingDependencyError, NotComputedError, SolutionFileError
 from spectral_contact.fields import AnnulusSeries, DiskSeries, LogSeries, ZonalField
 from spectral_contact.radii import Radii, graded_radii, known_zones, layer_depth
+from spectral_contact.scene import Scene
 from spectral_contact.solution import ErrorEstimates, Plan, Solution
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ __all__ = [
     "plot_coefficients",
     "plot_solution",
     "save",
+    "scene_title",
     "style",
 ]
 
@@ -111,7 +113,7 @@ def plot_solution(solution: Solution) -> Figure:
             left.set(xlabel="radius $s = r / a$", ylabel=label)
             right.set(xlabel="distance from the edge $1 - s$", ylabel=label)
         _draw_errors(figure.add_subplot(grid[-1, :]), solution)
-        figure.suptitle(_title(solution))
+        figure.suptitle(scene_title(solution.scene))
     return figure
 
 
@@ -148,7 +150,7 @@ def plot_coefficients(solution: Solution) -> Figure:
         figure = Figure(figsize=(4.6 * columns, 0.4 + 3.2 * rows), layout="constrained")
         for i, (title, one) in enumerate(series):
             _draw_coefficients(figure.add_subplot(rows, columns, i + 1), title, one)
-        figure.suptitle(_title(solution))
+        figure.suptitle(scene_title(solution.scene))
     return figure
 
 
@@ -194,8 +196,8 @@ def style() -> Iterator[None]:
         yield
 
 
-def _title(solution: Solution) -> str:
-    scene = solution.scene
+def scene_title(scene: Scene) -> str:
+    """Return the parameters of a scene in the symbols of the theory, as a title of a figure."""
     friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
     if scene.friction == np.inf:
         friction = "full stick"

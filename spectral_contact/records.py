@@ -199,6 +199,11 @@ class Work:
         return max((step.unknowns for step in self.steps), default=0)
 
     @property
+    def refinements(self) -> int:
+        """Spaces that were tried, all steps together."""
+        return sum(len(step.history) for step in self.steps)
+
+    @property
     def seconds(self) -> float:
         """Wall-clock time of all steps."""
         return sum(step.seconds for step in self.steps)

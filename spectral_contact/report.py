@@ -13,9 +13,10 @@ import numpy as np
 import spectral_contact
 from spectral_contact.errors import SolutionFileError
 from spectral_contact.radii import graded_radii
+from spectral_contact.scene import Scene
 from spectral_contact.solution import PhysicalSolution, Solution
 
-__all__ = ["FIELDS", "report", "write_csv"]
+__all__ = ["FIELDS", "report", "scene_text", "table", "write_csv"]
 
 #: Quantities that are functions of the radius: the columns of a table.
 FIELDS = ("pressure", "traction", "slip")
@@ -124,17 +125,22 @@ def _scalars(
     return rows
 
 
-def _scene_text(solution: Solution) -> str:
-    scene, data = solution.scene, solution.scene.physical
+def scene_text(scene: Scene) -> str:
+    """Return the dimensionless parameters of a scene on one line."""
     friction = f"f = {scene.friction!r}"
     if scene.friction is None:
         friction = "no friction"
     elif scene.friction == math.inf:
         friction = "full stick"
-    text = (
+    return (
         f"nu = {scene.poisson_ratio!r}, alpha* = {scene.normal_compliance!r}, "
-        f"beta* = {scene.tangential_compliance!r}, {friction}; rtol = {solution.rtol!r}"
+        f"beta* = {scene.tangential_compliance!r}, {friction}"
     )
+
+
+def _scene_text(solution: Solution) -> str:
+    data = solution.scene.physical
+    text = f"{scene_text(solution.scene)}; rtol = {solution.rtol!r}"
     if data is not None:
         drive = f"P = {data.load!r} N" if data.approach is None else f"delta = {data.approach!r} m"
         text += (
@@ -149,7 +155,7 @@ def _quantity_table(rows: list[_Row], title: str) -> str:
     for row in rows:
         value = f"{_digits(row.value, row.error)} {row.unit}".rstrip()
         cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
-    return _table(cells)
+    return table(cells)
 
 
 def _zone_table(solution: Solution) -> str:
@@ -163,7 +169,7 @@ def _zone_table(solution: Solution) -> str:
     if solution.scene.physical is not None:
         metres = (_digits(zone.outer, estimate) for zone in solution.physical.zones)
         cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]
-    return _table(cells)
+    return table(cells)
 
 
 def _work_table(solution: Solution) -> str:
@@ -175,11 +181,11 @@ def _work_table(solution: Solution) -> str:
         cells.append((step.name, str(step.unknowns), degree, spaces, time))
     work = solution.work
     cells.append(("total", "", "", "", f"{1e3 * work.seconds:.1f} ms"))
-    return _table(cells)
+    return table(cells)
 
 
-def _table(cells: Sequence[tuple[str, ...]]) -> str:
-    """Align columns to the left; the first line is a heading."""
+def table(cells: Sequence[tuple[str, ...]]) -> str:
+    """Return cells as text, columns aligned to the left; the first line is a heading."""
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     widths[0] += 2
     lines = []

@@ -16,7 +16,6 @@ import hashlib
 import json
 import math
 import os
-import secrets
 import sys
 import zipfile
 from dataclasses import fields, is_dataclass
@@ -33,7 +32,7 @@ from spectral_contact import fields as field_classes
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
-from spectral_contact.documents import Refused, reported
+from spectral_contact.documents import Refused, check_schema, path_text, replace_file, reported
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
@@ -86,7 +85,7 @@ def save(solution: Solution, path: str | os.PathLike[str]) -> None:
     """
     source, suffix = _source(path)
     with reported(source, "cannot be written"):
-        _replace(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
+        replace_file(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
 
 
 def load(path: str | os.PathLike[str]) -> Solution:
@@ -151,24 +150,12 @@ def comparable(value: Any) -> object:
 
 def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
     """Return the path as text, and its suffix, which is one of ours."""
-    with reported(shown(path), "not a path"):
-        source = os.fsdecode(path)
+    source = path_text(path)
     suffix = Path(source).suffix.lower()
     if suffix not in _SUFFIXES:
         reason = f"the suffix is {suffix!r}, and must be {' or '.join(_SUFFIXES)}"
         raise SolutionFileError(source, reason)
     return source, suffix
-
-
-def _replace(source: str, content: bytes) -> None:
-    target = Path(os.path.realpath(source))  # else a symbolic link would give way to a file
-    temporary = target.with_name(f".spectral_contact-{secrets.token_hex(8)}.tmp")
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-        temporary.replace(target)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _json(solution: Solution) -> str:
@@ -224,11 +211,7 @@ def _pack(solution: Solution) -> tuple[dict[str, Any], Arrays]:
 
 def _unpack(document: Any, arrays: Arrays | None) -> Solution:
     """Return the solution; without `arrays` they are in the document."""
-    if not isinstance(document, dict) or document.get("schema") != _SCHEMA:
-        raise Refused(f'not a solution: its "schema" is not "{_SCHEMA}"')
-    version = document.get("version")
-    if type(version) is not int or version != _VERSION:
-        raise Refused(f"version {version!r} is not known to this release, which reads {_VERSION}")
+    check_schema(document, "solution", _SCHEMA, _VERSION)
     if arrays is None:
         arrays = {name: _from_json_array(body) for name, body in document.pop("arrays", {}).items()}
     _check_names("the header", document, _MEMBERS)

@@ -12,12 +12,17 @@ import os
 import re
 from dataclasses import dataclass
 from importlib import resources
-from pathlib import Path
 from typing import Any, Final
 
 from mpmath.ctx_mp import MPContext
 
-from spectral_contact.documents import Refused, key_complaint, reported
+from spectral_contact.documents import (
+    Refused,
+    check_schema,
+    key_complaint,
+    read_file,
+    reported,
+)
 from spectral_contact.errors import shown
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
@@ -158,11 +163,7 @@ def load(path: str | os.PathLike[str]) -> GoldTable:
     SolutionFileError
         For a file that is not there, no gold table, damaged, or of another version.
     """
-    with reported(shown(path), "not a path"):
-        source = os.fsdecode(path)
-    with reported(source, "cannot be read"):
-        content = Path(source).read_bytes()
-    return _parsed(source, content)
+    return _parsed(*read_file(path))
 
 
 def _parsed(source: str, content: bytes) -> GoldTable:
@@ -171,13 +172,7 @@ def _parsed(source: str, content: bytes) -> GoldTable:
 
 
 def _table(document: Any) -> GoldTable:
-    schema = document.get("schema") if isinstance(document, dict) else None
-    if schema != _SCHEMA:
-        raise Refused(f'not a gold table: its "schema" is not "{_SCHEMA}"')
-    version = document.get("version")
-    if type(version) is not int or version != _VERSION:
-        known = f"is not known to this release, which reads {_VERSION}"
-        raise Refused(f"version {shown(version)} {known}")
+    check_schema(document, "gold table", _SCHEMA, _VERSION)
     _check_keys("the table", document, _TABLE_KEYS)
     name, regime, script = (
         _text("the table", document, key) for key in ("table", "regime", "script")

@@ -20,7 +20,7 @@ from spectral_contact.equations import (
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 
-__all__ = ["Check", "CheckReport", "check_solution"]
+__all__ = ["Check", "CheckReport", "check_solution", "field_of"]
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
@@ -145,10 +145,10 @@ def check_solution(
     # cuts by decades keep the layers at the edge apart from the bulk
     finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
     cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0]
-    pressure = _field(solution, "pressure")
+    pressure = field_of(solution, "pressure")
     checks = _normal_checks(solution, scene, pressure, rtol + _FLOOR, cuts)
     if scene.friction is not None:
-        traction = _field(solution, "traction")
+        traction = field_of(solution, "traction")
         checks += _friction_checks(solution, scene, pressure, traction, rtol + _FLOOR, cuts)
     report = CheckReport(tuple(checks))
     if strict and not report.passed:
@@ -156,8 +156,26 @@ def check_solution(
     return report
 
 
-def _field(solution: Any, name: str) -> Field:
-    """Return a field of the solution as a function of the distance from the edge."""
+def field_of(solution: Any, name: str) -> Field:
+    """Return a field of any solution as a function of the distance from the edge.
+
+    Parameters
+    ----------
+    solution : object
+        With a method of that name, which takes radii ``s``, or distances ``from_edge``.
+    name : str
+        ``"pressure"`` or ``"traction"``.
+
+    Returns
+    -------
+    callable
+        Takes an array of distances 1 - s and returns doubles.
+
+    Raises
+    ------
+    SceneError
+        If there is no such method.
+    """
     method = getattr(solution, name, None)
     if not callable(method):
         raise SceneError("solution", solution, f"an object with a method {name}(s)")

@@ -9,6 +9,7 @@ import pytest
 from spectral_contact import __version__
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.studies import OwnSolver, load, truth_of
 
 RESULTS = Path(__file__).parents[2] / "validation" / "results"
 EPS = 2.0**-52
@@ -48,6 +49,19 @@ def test_results_are_without_violations(study, counted, total):
     found = record(study)
     assert found[counted] == total(group[counted] for group in found["summary"].values())
     assert found["violations"] == []
+
+
+@pytest.mark.parametrize("name", ["study_convergence", "study_work_precision"])
+def test_studies_that_documentation_shows_are_fresh(name):
+    study = load(RESULTS / f"{name}.json")
+    assert study.machine.library == __version__
+    assert [point.failure for point in study.points if point.failure] == []
+    assert all(point.times.cold is not None for point in study.points)
+    for point in study.points:
+        if point.solver == OwnSolver().name:
+            own = OwnSolver(("approach", "pressure"))(point.scene, point.resolution)
+            true = truth_of(point.scene)
+            assert true.errors(own, study.quantities) == pytest.approx(point.errors, abs=4 * EPS)
 
 
 def test_projections_agree_and_are_certified():

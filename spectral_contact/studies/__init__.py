@@ -1,0 +1,39 @@
+"""Convergence and work-precision studies of any solver, against solutions to many digits.
+
+`convergence` measures how the errors of one solver fall with the number of unknowns, and what they
+cost; `work_precision` what it takes several solvers to reach an accuracy. A solver is any callable
+of a scene and a resolution: your own boundary or finite elements, or this library (`OwnSolver`).
+"""
+
+from spectral_contact.studies.files import load
+from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
+from spectral_contact.studies.machine import Machine, this_machine
+from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
+from spectral_contact.studies.solvers import OwnSolver, named_solver
+from spectral_contact.studies.study import convergence, work_precision
+from spectral_contact.studies.timing import Stopwatch, Times, Timing
+from spectral_contact.studies.truth import QUANTITIES, Truth, truth_of
+
+__all__ = [
+    "QUANTITIES",
+    "Convergence",
+    "Line",
+    "Machine",
+    "OwnSolver",
+    "Point",
+    "Rate",
+    "Stopwatch",
+    "Study",
+    "Times",
+    "Timing",
+    "Truth",
+    "WorkPrecision",
+    "convergence",
+    "fit_line",
+    "fit_rate",
+    "load",
+    "named_solver",
+    "this_machine",
+    "truth_of",
+    "work_precision",
+]

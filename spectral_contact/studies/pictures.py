@@ -1,0 +1,226 @@
+"""Figures of studies, in the style of the figures of solutions; matplotlib is imported to draw."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spectral_contact.documents import path_text
+from spectral_contact.plotting import save, scene_title, style
+from spectral_contact.studies.fitting import Rate
+from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
+from spectral_contact.studies.timing import Timing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["drawn"]
+
+_SYMBOLS = {
+    "approach": r"approach $\delta^*$",
+    "edge_pressure": "edge pressure $p^*(1)$",
+    "pressure": "pressure $p^*$, worst point",
+    "traction": "traction $q^*$, worst point",
+    "total_shear": "total shear $Q^*$",
+    "stick_radius": "stick radius $c^*$",
+}
+# Colours of Okabe and Ito; markers tell the curves apart in grey.
+_COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+_LINES = ("-", "--", "-.", ":")
+#: Errors of zero are drawn here.
+_LEAST = 1e-17
+_ERROR = "true relative error"
+
+
+def drawn(study: Study, path: str | os.PathLike[str] | None) -> Figure:
+    """Return the figure of a study, written to a file if there is a path."""
+    figure = _convergence(study) if isinstance(study, Convergence) else _work_precision(study)
+    if path is not None:
+        save(figure, path_text(path))
+    return figure
+
+
+def _convergence(study: Convergence) -> Figure:
+    """Return the errors over unknowns with the fitted rates, and over warm and cold times.
+
+    Full markers are points that a rate goes through, open ones are not. The time panels are there
+    if there are such times.
+    """
+    states = [state for state in ("warm", "cold") if _timed(study.points, state)]
+    with style():
+        from matplotlib.figure import Figure
+
+        count = 1 + len(states)
+        rows = -(-len(study.quantities) // count)
+        figure = Figure(figsize=(1.4 + 3.4 * count, 3.9 + 0.18 * rows), layout="constrained")
+        axes = figure.subplots(1, count, sharey=True, squeeze=False)[0]
+        for index, quantity in enumerate(study.quantities):
+            _draw_rate(axes[0], study, quantity, index)
+            for one, state in zip(axes[1:], states, strict=True):
+                x, timings, errors = _series(study.points, quantity, state)
+                _draw_times(one, x, timings, errors, index, filled=True)
+        for one in axes:
+            one.set_yscale("log")
+        _label_unknowns(axes[0], study)
+        for one, state in zip(axes[1:], states, strict=True):
+            one.set(xscale="log", xlabel=f"time {state} [ms]")
+        for one in axes:
+            _plain_ticks(one)
+        _legend(figure, axes[:1], columns=count)
+        figure.suptitle(f"{study.solver}:   {scene_title(study.scene)}")
+    return figure
+
+
+def _work_precision(study: WorkPrecision) -> Figure:
+    """Return the errors over times: a row for each scene, a panel for each quantity.
+
+    Full markers are warm times, open ones cold times.
+    """
+    with style():
+        from matplotlib.figure import Figure
+
+        rows, columns = len(study.scenes), len(study.quantities)
+        width, height = max(1.4 + 3.0 * columns, 6.0), 0.5 + 3.2 * rows
+        figure = Figure(figsize=(width, height), layout="constrained")
+        parts = figure.subfigures(rows, 1, squeeze=False)[:, 0]
+        for part, scene in zip(parts, study.scenes, strict=True):
+            axes = part.subplots(1, columns, sharey=True, squeeze=False)[0]
+            for one, quantity in zip(axes, study.quantities, strict=True):
+                for index, solver in enumerate(study.solvers):
+                    points = study.of(solver, scene)
+                    for state in ("warm", "cold"):
+                        x, timings, errors = _series(points, quantity, state)
+                        label = f"{solver}, {state}" if x else None
+                        warm = state == "warm"
+                        _draw_times(one, x, timings, errors, index, filled=warm, label=label)
+                one.set(xscale="log", yscale="log", xlabel="time [ms]", title=_SYMBOLS[quantity])
+                _plain_ticks(one)
+            axes[0].set_ylabel(_ERROR)
+            part.suptitle(scene_title(scene))
+        _legend(figure, figure.axes, columns=min(2 * len(study.solvers), columns + 1))
+    return figure
+
+
+def _timed(points: Sequence[Point], state: str) -> bool:
+    return any(p.times is not None and getattr(p.times, state) is not None for p in points)
+
+
+def _series(
+    points: Sequence[Point], quantity: str, state: str
+) -> tuple[list[float], list[Timing], list[float]]:
+    """Return the medians in ms, the timings and the errors of points that have both."""
+    timings, errors = [], []
+    for point in points:
+        taken = None if point.times is None else getattr(point.times, state)
+        error = point.errors.get(quantity, np.inf)
+        if taken is not None and np.isfinite(error):
+            timings.append(taken)
+            errors.append(max(error, _LEAST))
+    return [1e3 * taken.median for taken in timings], timings, errors
+
+
+def _draw_rate(axes: Axes, study: Convergence, quantity: str, index: int) -> None:
+    """Draw one error over the unknowns, and the line of its rate."""
+    rate, colour, marker = study.rate(quantity), _colour(index), _marker(index)
+    used = () if rate is None else rate.used
+    found = [
+        (i, point.unknowns, max(point.errors[quantity], _LEAST))
+        for i, point in enumerate(study.points)
+        if point.unknowns and np.isfinite(point.errors.get(quantity, np.inf))
+    ]
+    for i, unknowns, error in found:
+        face = colour if i in used else "white"
+        axes.plot([unknowns], [error], marker, color=colour, mfc=face, ms=4.5, zorder=3.0)
+    label = _SYMBOLS[quantity]
+    if rate is not None:
+        ends = [n for i, n, _ in found if i in used]
+        x = np.geomspace(min(ends), max(ends), 60)
+        axes.plot(x, rate.at(x), _line(index), color=colour, lw=1.0)
+        label = f"{label}: {_law(rate)}"
+    axes.plot([], [], marker=marker, ls=_line(index), color=colour, lw=1.0, ms=4.5, label=label)
+
+
+def _law(rate: Rate) -> str:
+    """Return the law of a rate as a formula, with the interval of its number."""
+    low, high = rate.interval
+    ends = f"[{low:.3g}, {high:.3g}]"
+    if rate.kind == "algebraic":
+        return rf"$\sim N^{{-k}}$, $k$ = {rate.value:.3g} {ends}"
+    power = "N" if rate.kind == "geometric" else r"\sqrt{N}"
+    return rf"$\sim \rho^{{-{power}}}$, $\rho$ = {rate.value:.3g} {ends}"
+
+
+def _draw_times(
+    axes: Axes,
+    x: Sequence[float],
+    timings: Sequence[Timing],
+    errors: Sequence[float],
+    index: int,
+    *,
+    filled: bool,
+    label: str | None = None,
+) -> None:
+    """Draw errors over times with their quartiles."""
+    if not x:
+        return
+    colour = _colour(index)
+    spread = [
+        [1e3 * (taken.median - taken.lower) for taken in timings],
+        [1e3 * (taken.upper - taken.median) for taken in timings],
+    ]
+    axes.errorbar(
+        x,
+        errors,
+        xerr=spread,
+        fmt=_marker(index),
+        ls=_line(index) if filled else ":",
+        color=colour,
+        mfc=colour if filled else "white",
+        ms=4.5,
+        lw=0.8,
+        elinewidth=0.5,
+        label=label,
+    )
+
+
+def _label_unknowns(axes: Axes, study: Convergence) -> None:
+    """Label the axis of the unknowns; it is linear where errors fall geometrically."""
+    kinds = {rate.kind for rate in study.rates.values() if rate is not None}
+    if not kinds or "algebraic" in kinds:
+        axes.set_xscale("log")
+    axes.set(xlabel="unknowns $N$", ylabel=_ERROR)
+
+
+def _plain_ticks(axes: Axes) -> None:
+    """Write few and plain numbers on a logarithmic axis of less than a decade or two."""
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+
+    low, high = axes.get_xlim()
+    if axes.get_xscale() != "log" or high > 100.0 * low:
+        return
+    few = MaxNLocator(4) if high < 8.0 * low else LogLocator(subs=(1.0, 2.0, 5.0))
+    axes.xaxis.set_major_locator(few)
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _legend(figure: Figure, axes: Iterable[Axes], columns: int) -> None:
+    """Put one legend below all panels; what has the same label in several is there once."""
+    found: dict[str, Any] = {}
+    for one in axes:
+        handles, labels = one.get_legend_handles_labels()
+        found |= dict(zip(labels, handles, strict=True))
+    place: Any = "outside lower center"
+    figure.legend(found.values(), found.keys(), loc=place, ncols=columns, fontsize=8.0)
+
+
+def _pick(values: Sequence[str]) -> Callable[[int], str]:
+    return lambda index: values[index % len(values)]
+
+
+_colour, _marker, _line = _pick(_COLOURS), _pick(_MARKERS), _pick(_LINES)

@@ -1,0 +1,216 @@
+"""What studies return: every point that was measured, and what follows from them."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import Any, cast
+
+from spectral_contact.scene import Scene
+from spectral_contact.studies.fitting import Rate, fit_rate
+from spectral_contact.studies.machine import Machine
+from spectral_contact.studies.timing import Stopwatch, Times
+
+__all__ = ["Convergence", "Point", "Study", "WorkPrecision"]
+
+#: Errors less than this many times that of the truth say nothing.
+_ABOVE_TRUTH = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """One solve of a study.
+
+    Attributes
+    ----------
+    solver : str
+        Name of the solver.
+    scene : Scene
+    resolution : int or float
+        What the solver was asked for.
+    unknowns : int or None
+        ``unknowns`` of what it returned, or ``work.unknowns``; else the resolution if that is a
+        whole number.
+    refinements : int or None
+        ``refinements`` of what it returned; for this library, spaces tried, all steps together.
+    errors : dict
+        True relative errors, by quantity.
+    estimates : dict
+        What the solver itself says of them, in ``error`` of what it returned.
+    times : Times or None
+        None if none were asked for.
+    failure : str
+        What the solver raised; empty if nothing.
+    """
+
+    solver: str
+    scene: Scene
+    resolution: float
+    unknowns: int | None
+    refinements: int | None
+    errors: dict[str, float]
+    estimates: dict[str, float]
+    times: Times | None
+    failure: str = ""
+
+    def seconds_per_digit(self, quantity: str) -> float | None:
+        """Return the warm time [s] for each right digit; None without a time, or a digit."""
+        error = self.errors.get(quantity, math.inf)
+        if self.times is None or not error < 0.1:
+            return None
+        return self.times.warm.median / -math.log10(max(error, 2.0**-53))
+
+
+class _Result:
+    """What every study can do."""
+
+    __slots__ = ()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Store the study: ``.json`` whole and exact, for `load`; ``.csv`` a row for each point.
+
+        Raises
+        ------
+        SolutionFileError
+            For another suffix, or a path that cannot be written.
+        """
+        from spectral_contact.studies import files
+
+        files.save(cast("Study", self), path)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
+        """Draw the errors over times, and over unknowns with their rates; write the figure.
+
+        Full markers over the unknowns are points that a rate is fitted to; beside other solvers,
+        full markers are warm times, open ones cold times.
+
+        Parameters
+        ----------
+        path : path, optional
+            Where to write it; nothing is written without.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        MissingDependencyError
+            If matplotlib is not installed.
+        SolutionFileError
+            For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
+        """
+        from spectral_contact.studies import pictures
+
+        return pictures.drawn(cast("Study", self), path)
+
+    def __str__(self) -> str:
+        from spectral_contact.studies import tables
+
+        return tables.text_of(cast("Study", self))
+
+
+@dataclass(frozen=True, slots=True)
+class Convergence(_Result):
+    """Error against unknowns and time, of one solver on one scene; prints as a table.
+
+    Attributes
+    ----------
+    solver : str
+    scene : Scene
+    truth : str
+        Where the true values are from.
+    truth_error : dict
+        Their relative errors, by quantity.
+    quantities : tuple of str
+    points : tuple of Point
+        In the order of the resolutions.
+    stopwatch : Stopwatch or None
+    machine : Machine
+    """
+
+    solver: str
+    scene: Scene
+    truth: str
+    truth_error: dict[str, float]
+    quantities: tuple[str, ...]
+    points: tuple[Point, ...]
+    stopwatch: Stopwatch | None
+    machine: Machine
+
+    def rate(self, quantity: str, confidence: float = 0.95) -> Rate | None:
+        """Return the fitted rate of one error; None if too few points show it: see `fit_rate`."""
+        return fit_rate(
+            [point.unknowns for point in self.points],
+            [point.errors.get(quantity) for point in self.points],
+            _ABOVE_TRUTH * self.truth_error.get(quantity, 0.0),
+            confidence,
+        )
+
+    @property
+    def rates(self) -> dict[str, Rate | None]:
+        """The rates of all errors, by quantity."""
+        return {quantity: self.rate(quantity) for quantity in self.quantities}
+
+
+@dataclass(frozen=True, slots=True)
+class WorkPrecision(_Result):
+    """Error against time of several solvers on several scenes; prints as tables.
+
+    Attributes
+    ----------
+    solvers : tuple of str
+        The first is the one that the others are compared with.
+    scenes : tuple of Scene
+    truths : tuple of str
+        Where the true values are from, scene by scene.
+    accuracies : tuple of float
+        Relative errors to be reached, falling.
+    quantities : tuple of str
+    points : tuple of Point
+    stopwatch : Stopwatch
+    machine : Machine
+    """
+
+    solvers: tuple[str, ...]
+    scenes: tuple[Scene, ...]
+    truths: tuple[str, ...]
+    accuracies: tuple[float, ...]
+    quantities: tuple[str, ...]
+    points: tuple[Point, ...]
+    stopwatch: Stopwatch
+    machine: Machine
+
+    def of(self, solver: str, scene: Scene) -> tuple[Point, ...]:
+        """Return the points of one solver on one scene, in the order of the resolutions."""
+        return tuple(p for p in self.points if p.solver == solver and p.scene == scene)
+
+    def reached(
+        self, solver: str, scene: Scene, quantity: str, accuracy: float, *, cold: bool = False
+    ) -> float | None:
+        """Return the least time [s] in which a solver reached an accuracy.
+
+        Parameters
+        ----------
+        solver, scene, quantity
+            Of this study.
+        accuracy : float
+            Relative error.
+        cold : bool
+            Take the cold times; the warm ones are taken otherwise.
+
+        Returns
+        -------
+        float or None
+            The least median; None if the accuracy was not reached, or there are no such times.
+        """
+        times = []
+        for point in self.of(solver, scene):
+            if point.times is not None and point.errors.get(quantity, math.inf) <= accuracy:
+                taken = point.times.cold if cold else point.times.warm
+                times += [] if taken is None else [taken.median]
+        return min(times, default=None)
+
+
+Study = Convergence | WorkPrecision

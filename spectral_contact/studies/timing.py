@@ -1,0 +1,206 @@
+"""Times worth comparing: cold and warm apart, medians and quartiles, one BLAS thread.
+
+Cold is the first solve of a fresh process, the imports before it not counted; warm is one of the
+repeats after it, with all caches filled. Both are taken in processes of their own, in which BLAS
+has one thread, if the solver can be imported there. A solver that cannot (a lambda, a function
+inside a function, or one of the main script) is timed in this process, warm alone.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.checks import real, whole
+from spectral_contact.scene import Scene
+
+__all__ = ["Stopwatch", "Times", "Timing", "repeated", "times_of"]
+
+_THREADS = (
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+    "BLIS_NUM_THREADS",
+)
+_START = (
+    "import sys; sys.path[:] = {path!r}; from spectral_contact.studies.worker import main; main()"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Stopwatch:
+    """How times are taken.
+
+    Parameters
+    ----------
+    repeats : int
+        Least number of warm repeats.
+    seconds : float
+        Least total time of them [s]: repeats go on until both are reached.
+    longest : float
+        Total time [s] after which there are no more of them, however few.
+    processes : int
+        Fresh processes, each of which gives one cold time.
+    """
+
+    repeats: int = 5
+    seconds: float = 0.2
+    longest: float = 10.0
+    processes: int = 3
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        for name in ("repeats", "processes"):
+            put(self, name, whole(name, getattr(self, name), 1))
+        for name in ("seconds", "longest"):
+            value = real(name, getattr(self, name), allowed="finite and >= 0 [s]", low=0.0)
+            put(self, name, value)
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """Several times of the same work, in seconds.
+
+    Attributes
+    ----------
+    median, lower, upper : float
+        Median and quartiles [s].
+    repeats : int
+    """
+
+    median: float
+    lower: float
+    upper: float
+    repeats: int
+
+    @classmethod
+    def of(cls, seconds: Sequence[float]) -> Timing:
+        """Return median and quartiles of times."""
+        lower, median, upper = (float(q) for q in np.percentile(seconds, (25, 50, 75)))
+        return cls(median, lower, upper, len(seconds))
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """The times of one solve.
+
+    Attributes
+    ----------
+    warm : Timing
+    cold : Timing or None
+        None if the solver cannot be imported by a fresh process.
+    blas_threads : int or None
+        Threads of BLAS; None if nothing said how many.
+    note : str
+        Why there is no cold time; empty if there is.
+    """
+
+    warm: Timing
+    cold: Timing | None
+    blas_threads: int | None
+    note: str = ""
+
+
+def repeated(
+    call: Callable[[], object], stopwatch: Stopwatch, clock: Callable[[], float] = perf_counter
+) -> list[float]:
+    """Return the times [s] of a call that is warmed up already."""
+    times: list[float] = []
+    total = 0.0
+    while len(times) < stopwatch.repeats or total < stopwatch.seconds:
+        begin = clock()
+        call()
+        times.append(clock() - begin)
+        total += times[-1]
+        if total >= stopwatch.longest:
+            break
+    return times
+
+
+def times_of(
+    solver: Callable[[Scene, Any], Any], scene: Scene, resolution: float, stopwatch: Stopwatch
+) -> Times:
+    """Time a solve in fresh processes, or, if that cannot be, in this one, which is warmed up.
+
+    Parameters
+    ----------
+    solver : callable
+    scene : Scene
+    resolution : float
+    stopwatch : Stopwatch
+
+    Returns
+    -------
+    Times
+    """
+    colds, warm = [], []
+    try:
+        for k in range(stopwatch.processes):
+            first = _fresh(solver, scene, resolution, stopwatch if k == 0 else None)
+            colds.append(first["cold"])
+            warm += first["warm"]
+    except _NotPortable as error:
+        with _one_thread() as threads:
+            times = repeated(lambda: solver(scene, resolution), stopwatch)
+        return Times(Timing.of(times), None, threads, str(error))
+    return Times(Timing.of(warm), Timing.of(colds), 1)
+
+
+class _NotPortable(Exception):
+    """A fresh process cannot run the solver; says why."""
+
+
+def _fresh(
+    solver: Callable[[Scene, Any], Any],
+    scene: Scene,
+    resolution: float,
+    stopwatch: Stopwatch | None,
+) -> dict[str, Any]:
+    """Return the times of a fresh process; without a stopwatch the cold one alone."""
+    try:
+        task = pickle.dumps((scene, solver, resolution, stopwatch))
+    except Exception as error:  # pickle raises whatever the object's own hooks raise
+        raise _NotPortable(f"not importable: {' '.join(str(error).split())}") from error
+    if _in_main_script(solver):
+        raise _NotPortable("not importable: it is defined in the main script")
+    done = subprocess.run(
+        [sys.executable, "-c", _START.format(path=sys.path)],
+        input=task,
+        capture_output=True,
+        check=False,
+        env=os.environ | dict.fromkeys(_THREADS, "1"),
+    )
+    if done.returncode != 0:
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        raise _NotPortable(f"a fresh process failed: {said[-1] if said else done.returncode}")
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def _in_main_script(solver: Callable[[Scene, Any], Any]) -> bool:
+    own = getattr(solver, "__module__", None)
+    return "__main__" in (own, type(solver).__module__)
+
+
+@contextmanager
+def _one_thread() -> Iterator[int | None]:
+    """Hold BLAS to one thread if threadpoolctl is there; yield how many threads it has."""
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError:
+        said = [os.environ.get(name, "") for name in _THREADS]
+        yield next((int(text) for text in said if text.isdigit()), None)
+        return
+    with threadpool_limits(1, "blas"):
+        yield 1

@@ -1,0 +1,256 @@
+"""What is true of a scene, and how far any solution is from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.scene import Scene
+from spectral_contact.testing.checks import field_of
+
+__all__ = ["QUANTITIES", "Truth", "chosen", "estimate_of", "truth_of"]
+
+Array = NDArray[np.float64]
+
+#: What a study can look at.
+QUANTITIES = (
+    "approach",
+    "edge_pressure",
+    "pressure",
+    "traction",
+    "total_shear",
+    "stick_radius",
+)
+_SCALARS = ("approach", "total_shear", "stick_radius")
+_FIELDS = ("pressure", "traction")
+#: Distances from the edge at which fields are compared: those of the gold tables.
+_PLACES = np.array(
+    [1.0, *(k / 8.0 for k in range(7, 0, -1)), *(10.0**-k for k in range(1, 13)), 0.0]
+)
+_DIGITS = 20
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Truth:
+    """True values of a scene, correctly rounded to doubles; dimensionless as in `Solution`.
+
+    Attributes
+    ----------
+    scene : Scene
+    source : str
+        Where they are from.
+    scalars : dict
+        By name: approach, edge pressure, total shear, stick radius; those that are finite, and
+        not known by definition.
+    from_edge : ndarray
+        Distances from the edge, of the points at which fields are compared.
+    fields : dict
+        By name: pressure and traction there; infinite at the edge where the theory has it so.
+    error : dict
+        Relative errors of all these, by name.
+    """
+
+    scene: Scene
+    source: str
+    scalars: dict[str, float]
+    from_edge: Array
+    fields: dict[str, Array]
+    error: dict[str, float]
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What can be compared, in the order of `QUANTITIES`."""
+        return tuple(name for name in QUANTITIES if name in self.scalars or name in self.fields)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What tells it from other truths of the scene, as an object of JSON."""
+        return {"source": self.source, "scalars": self.scalars}
+
+    def errors(self, solution: Any, wanted: Iterable[str]) -> dict[str, float]:
+        """Return the relative errors of a solution.
+
+        That of a field is the largest over the points, each relative to the value there; where the
+        true traction is zero, which is at the centre, it is absolute.
+
+        Parameters
+        ----------
+        solution : object
+            With some of ``approach``, ``total_shear``, ``stick_radius``, ``pressure(s)``,
+            ``traction(s)``.
+        wanted : iterable of str
+            Out of `quantities`.
+
+        Returns
+        -------
+        dict
+            By quantity; what the solution lacks is missing, what is no number is infinite.
+        """
+        found = {}
+        for name in wanted:
+            try:
+                error = self._error(solution, name)
+            except NotComputedError:
+                continue
+            if error is not None:
+                found[name] = error if error >= 0.0 else math.inf
+        return found
+
+    def _error(self, solution: Any, name: str) -> float | None:
+        """Return the error of one quantity, None if the solution lacks it."""
+        attribute = _attribute(name)
+        value = getattr(solution, attribute, None)
+        if value is None:
+            return None
+        if name in _SCALARS:
+            return abs(float(value) - self.scalars[name]) / abs(self.scalars[name])
+        if name == "edge_pressure":
+            edge = float(field_of(solution, attribute)(np.zeros(1))[0])
+            return abs(edge - self.scalars[name]) / self.scalars[name]
+        true = self.fields[name]
+        finite = np.isfinite(true)
+        values, true = field_of(solution, name)(self.from_edge[finite]), true[finite]
+        errors = np.abs(values - true) / np.where(true == 0.0, 1.0, np.abs(true))
+        return float(np.max(errors))
+
+
+def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Truth:
+    """Return the truth about a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    truth : object, optional
+        A `GoldSolution`, a `ReferenceSolution`, or anything with some of the same attributes: a
+        `Solution` to a tolerance far below the errors to be measured, a closed form. By default it
+        is the gold solution of the scene if there is one, else `reference` to 20 digits, which
+        takes from seconds to minutes.
+    progress : bool
+        Show the progress of `reference` on stderr.
+
+    Returns
+    -------
+    Truth
+
+    Raises
+    ------
+    SceneError
+        If `truth` belongs to another scene, or has nothing to compare with.
+    NotComputedError
+        If `reference` does not solve the scene; give the truth then.
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError("scene", scene, "a Scene")
+    source = "given"
+    if truth is None:
+        source, truth = _best(scene, progress)
+    own = getattr(truth, "scene", scene)
+    if isinstance(own, Scene) and not _same_problem(own, scene):
+        raise SceneError("truth", own, f"that of {scene}")
+    if isinstance(truth, Truth):
+        return replace(truth, scene=scene)
+    if source == "given":
+        source = f"{type(truth).__name__}, given"
+    points, fields = _fields(truth, scene)
+    scalars = _scalars(truth, scene)
+    if "pressure" in fields and points[-1] == 0.0 and math.isfinite(fields["pressure"][-1]):
+        scalars["edge_pressure"] = float(fields["pressure"][-1])
+    found = Truth(scene, source, scalars, points, fields, {})
+    if not found.quantities:
+        raise SceneError("truth", truth, f"an object with one of {', '.join(QUANTITIES)}")
+    for name in found.quantities:
+        found.error[name] = estimate_of(truth, name) or 0.0
+    return found
+
+
+def estimate_of(solution: Any, name: str) -> float | None:
+    """Return what a solution says of the relative error of a quantity; None if nothing."""
+    estimate = getattr(getattr(solution, "error", None), _attribute(name), None)
+    return None if estimate is None else float(estimate)
+
+
+def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:
+    """Return the quantities of a study: those asked for, or all of which some truth is known.
+
+    Raises
+    ------
+    SceneError
+        For a name that is unknown, or of which a truth says nothing.
+    """
+    if quantities is None:
+        return tuple(q for q in QUANTITIES if any(q in truth.quantities for truth in truths))
+    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
+    if not names:
+        raise SceneError("quantities", names, f"some of {', '.join(QUANTITIES)}")
+    for name in names:
+        if name not in QUANTITIES:
+            raise SceneError("quantities", name, f"among {', '.join(QUANTITIES)}")
+        for truth in truths:
+            if name not in truth.quantities:
+                known = ", ".join(truth.quantities)
+                raise SceneError("quantities", name, f"among what the truth has here: {known}")
+    return tuple(name for name in QUANTITIES if name in names)
+
+
+def _attribute(name: str) -> str:
+    return "pressure" if name == "edge_pressure" else name
+
+
+def _same_problem(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have the same solution by definition: without friction, by alpha."""
+    if one.friction is None and other.friction is None:
+        return one.normal_compliance == other.normal_compliance
+    return replace(one, physical=None) == replace(other, physical=None)
+
+
+def _best(scene: Scene, progress: bool) -> tuple[str, Any]:
+    """Return the gold solution of a scene, or its reference, and what to call it."""
+    # mpmath, on which both of them are built, is imported for studies alone
+    from spectral_contact import gold
+
+    for table in gold.tables():
+        for solution in table.solutions:
+            if _same_problem(solution.scene, scene):
+                return f"gold table {table.name}, {solution.digits} digits", solution
+    from spectral_contact.precise import reference
+
+    return f"reference, {_DIGITS} digits", reference(scene, _DIGITS, progress=progress)
+
+
+def _scalars(truth: Any, scene: Scene) -> dict[str, float]:
+    """Return the scalars that are finite and not given by definition."""
+    values = {}
+    for name in _SCALARS:
+        if name == "stick_radius" and scene.friction == math.inf:
+            continue
+        try:
+            value = getattr(truth, name, None)
+        except NotComputedError:
+            continue
+        if value is not None and float(value) != 0.0 and math.isfinite(value):
+            values[name] = float(value)
+    return values
+
+
+def _fields(truth: Any, scene: Scene) -> tuple[Array, dict[str, Array]]:
+    """Return the points and the fields there."""
+    fields = {}
+    listed = getattr(truth, "points", None)
+    if listed:
+        points = np.array([point.from_edge for point in listed])
+        for name in _FIELDS:
+            fields[name] = np.array([float(getattr(point, name)) for point in listed])
+    else:
+        points = _PLACES
+        for name in _FIELDS:
+            try:
+                fields[name] = field_of(truth, name)(points)
+            except (SceneError, NotComputedError):  # it has no such field
+                continue
+    return points, {name: values for name, values in fields.items() if values.any()}

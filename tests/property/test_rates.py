@@ -1,0 +1,58 @@
+"""Fitted rates: the interval holds the true value as often as it says, for every law."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spectral_contact.studies import fit_line, fit_rate
+
+NUMBERS = np.array([8.0, 12.0, 18.0, 27.0, 40.0, 60.0, 90.0])
+LAWS = {
+    "algebraic": lambda n, k: n**-k,
+    "geometric": lambda n, k: np.exp(-n * k / 20.0),
+    "root-geometric": lambda n, k: np.exp(-np.sqrt(n) * k / 2.0),
+}
+
+
+@given(st.sampled_from(list(LAWS)), st.floats(1.0, 3.0), st.floats(-3.0, 3.0))
+def test_every_exact_law_is_recovered(kind, strength, level):
+    errors = np.exp(level) * LAWS[kind](NUMBERS, strength)
+    rate = fit_rate(NUMBERS, errors)
+    assert rate.kind == kind
+    assert rate.used == tuple(range(len(NUMBERS)))
+    assert np.allclose(rate.at(NUMBERS), errors, rtol=1e-8)
+
+
+@pytest.mark.parametrize("confidence", [0.5, 0.95])
+def test_intervals_hold_the_slope_as_often_as_they_say(confidence):
+    random = np.random.default_rng(7)
+    trials, held = 2000, 0
+    for _ in range(trials):
+        y = 1.0 - 2.0 * NUMBERS + 5.0 * random.standard_normal(len(NUMBERS))
+        low, high = fit_line(NUMBERS, y, confidence).interval
+        held += low <= -2.0 <= high
+    spread = np.sqrt(confidence * (1.0 - confidence) / trials)
+    assert abs(held / trials - confidence) < 4.0 * spread
+
+
+def test_intervals_of_noisy_orders_hold_them():
+    """The plateau and the law are chosen, too, which costs the interval little of its promise."""
+    random = np.random.default_rng(11)
+    trials, held = 500, 0
+    for _ in range(trials):
+        errors = NUMBERS**-2.0 * np.exp(0.1 * random.standard_normal(len(NUMBERS)))
+        rate = fit_rate(NUMBERS, errors)
+        held += rate.kind == "algebraic" and rate.interval[0] <= 2.0 <= rate.interval[1]
+    assert held / trials > 0.9
+
+
+@given(st.floats(1e-11, 1e-6), st.integers(0, 2**32 - 1))
+def test_a_plateau_does_not_bend_the_rate(level, seed):
+    random = np.random.default_rng(seed)
+    numbers = np.arange(1, 16) * 6.0
+    errors = 10.0 ** (-numbers / 6.0) + level * np.exp(0.3 * random.standard_normal(15))
+    rate = fit_rate(numbers, errors)
+    assert rate.kind == "geometric"
+    assert abs(np.log10(rate.value) * 6.0 - 1.0) < 0.15
+    assert len(rate.used) <= -np.log10(level) + 2

@@ -1,0 +1,130 @@
+"""Lines and rates: intervals as scipy has them, laws told apart, plateaus found."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from spectral_contact import SceneError
+from spectral_contact.studies import fit_line, fit_rate
+
+COUNTS = [10, 20, 40, 80, 160, 320]
+
+
+def test_a_line_is_that_of_linregress():
+    random = np.random.default_rng(1)
+    x = np.linspace(0.0, 3.0, 9)
+    y = 2.0 - 1.5 * x + 0.1 * random.standard_normal(9)
+    line, expected = fit_line(x, y, confidence=0.9), stats.linregress(x, y)
+    half = expected.stderr * stats.t.ppf(0.95, 7)
+    assert line.slope == pytest.approx(expected.slope, rel=1e-12)
+    assert line.intercept == pytest.approx(expected.intercept, rel=1e-12)
+    assert line.interval == pytest.approx((line.slope - half, line.slope + half), rel=1e-12)
+    deviations = y - expected.intercept - expected.slope * x
+    assert line.residual == pytest.approx(np.sqrt(np.mean(deviations**2)), rel=1e-10)
+    assert line.count == 9
+
+
+def test_an_exact_line_has_no_interval():
+    line = fit_line([0.0, 1.0, 2.0], [1.0, 3.0, 5.0])
+    assert line.interval == pytest.approx((2.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("x", "y"),
+    [([1, 2], [1, 2]), ([1, 1, 1], [1, 2, 3]), ([1, 2, 3], [1, 2]), ([1, 2, math.nan], [1, 2, 3])],
+)
+def test_no_line_through_too_little(x, y):
+    with pytest.raises(SceneError, match="x, y"):
+        fit_line(x, y)
+
+
+@pytest.mark.parametrize("confidence", [0.0, 1.0, math.nan])
+def test_confidence_is_a_share(confidence):
+    with pytest.raises(SceneError, match="confidence"):
+        fit_line([1, 2, 3], [1, 2, 3], confidence)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "law"),
+    [
+        ("algebraic", 2.5, lambda n: 0.3 * n**-2.5),
+        ("geometric", 1.2, lambda n: 7.0 * 1.2**-n),
+        ("root-geometric", 8.0, lambda n: 2.0 * 8.0 ** -np.sqrt(n)),
+    ],
+)
+def test_exact_laws_are_found(kind, value, law):
+    numbers = np.array([10.0, 20.0, 30.0, 50.0, 80.0, 110.0])
+    errors = law(numbers)
+    rate = fit_rate(numbers, errors)
+    assert rate.kind == kind
+    assert rate.value == pytest.approx(value, rel=1e-10)
+    assert rate.interval == pytest.approx((value, value), rel=1e-6)
+    assert rate.rivals == ()
+    assert min(rate.residuals, key=rate.residuals.get) == kind
+    used = [i for i in range(6) if errors[i] > 2.3e-15]
+    assert rate.used == tuple(used)
+    assert rate.at(numbers[:3]) == pytest.approx(errors[:3], rel=1e-9)
+
+
+def test_a_law_that_cannot_be_told_apart_is_said():
+    rate = fit_rate([10, 11, 12], [1.00e-3, 0.90e-3, 0.82e-3])
+    assert len(rate.rivals) == 2
+
+
+def test_the_plateau_of_a_solver_is_left_out():
+    numbers = np.arange(4, 40, 4)
+    errors = np.maximum(10.0 ** (-numbers / 2.0), 3e-9 * np.array([1, 1.5, 0.7] * 3))
+    rate = fit_rate(numbers, errors)
+    assert rate.kind == "geometric"
+    assert rate.used == (0, 1, 2, 3)
+    assert rate.value == pytest.approx(10.0**0.5, rel=1e-9)
+
+
+def test_two_points_are_enough_of_a_plateau():
+    numbers, errors = [2, 4, 6, 8, 10], [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
+    assert fit_rate([*numbers, 12, 14], [*errors, 9e-7, 1.1e-6]).used == (0, 1, 2, 3, 4)
+    assert fit_rate([*numbers, 12], [*errors, 9e-7]).used == (0, 1, 2, 3)
+    assert fit_rate([*numbers, 12], [*errors, 1.2e-7]).used == (0, 1, 2, 3, 4, 5)
+
+
+def test_slow_convergence_is_no_plateau():
+    numbers = [10, 11, 12, 13, 14, 15]
+    assert fit_rate(numbers, [1.0 / n for n in numbers]).used == tuple(range(6))
+
+
+def test_what_rounding_or_the_truth_hides_is_left_out():
+    errors = [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-16]
+    assert fit_rate(COUNTS, errors).used == (0, 1, 2, 3, 4)
+    assert fit_rate(COUNTS, errors, floor=1e-7).used == (0, 1, 2)
+    # once rounding is reached its scatter is no error
+    scattered = [1e-3, 1e-7, 1e-11, 3e-16, 5e-15, 4e-16]
+    assert fit_rate(COUNTS, scattered).used == (0, 1, 2)
+
+
+def test_missing_points_are_left_out():
+    numbers = [10, None, 40, 80, 0, 160]
+    errors = [1e-2, 1e-3, None, 1e-4, 1e-5, 2.5e-5]
+    assert fit_rate(numbers, errors).used == (0, 3, 5)
+    assert fit_rate([10, 20, 40, 80], [math.inf, 1e-2, 1e-3, 1e-4]).used == (1, 2, 3)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "errors"),
+    [([], []), ([10, 20], [1e-2, 1e-3]), ([5, 5, 5], [1e-2, 1e-3, 1e-4]), (COUNTS, [1e-16] * 6)],
+)
+def test_too_few_points_have_no_rate(numbers, errors):
+    assert fit_rate(numbers, errors) is None
+
+
+def test_lists_must_match():
+    with pytest.raises(SceneError, match="unknowns, errors"):
+        fit_rate([1, 2, 3], [1e-1])
+
+
+def test_rates_as_text():
+    assert str(fit_rate(COUNTS, [n**-2.0 for n in COUNTS])) == "order 2.000 [2.000, 2.000]"
+    assert str(fit_rate([2, 4, 6], [2.0**-n for n in (2, 4, 6)])).endswith("per unknown")
+    roots = [2.0**-n for n in (2, 4, 6)]
+    assert str(fit_rate([4, 16, 36], roots)) == "factor 2 [2, 2] per root of the unknowns"

@@ -1,0 +1,376 @@
+"""Studies: what a solver must have, whose truth it is, what is measured, what is printed."""
+
+import math
+from functools import partial
+from types import SimpleNamespace
+
+import numpy as np
+import peers
+import pytest
+
+from spectral_contact import NotComputedError, Scene, SceneError, gold, solve
+from spectral_contact.precise import reference
+from spectral_contact.studies import (
+    QUANTITIES,
+    OwnSolver,
+    Stopwatch,
+    convergence,
+    named_solver,
+    solvers,
+    this_machine,
+    truth_of,
+    work_precision,
+)
+
+NORMAL = Scene(0.1, 0.5)
+SLIPPING = Scene(0.1, 0.5, 0.5, 0.1)
+QUICK = Stopwatch(repeats=1, seconds=0.0, processes=1)
+#: What `peers.Decaying` converges to.
+LIMIT = SimpleNamespace(approach=0.25, pressure=lambda s: 1.0 + np.asarray(s) ** 2)
+
+
+def decaying(scene, count):
+    """Not importable by name, so that it is timed here."""
+    return peers.Decaying(scene, count)
+
+
+decaying.__qualname__ = "test.<locals>.decaying"
+
+
+# --- truth ----------------------------------------------------------------------------------------
+
+
+def entry(scene):
+    [found] = [s for table in gold.tables() for s in table.solutions if s.scene == scene]
+    return found
+
+
+def test_gold_is_the_truth_where_it_is():
+    true, table = truth_of(SLIPPING), entry(SLIPPING)
+    assert true.source == "gold table slip_equal, 27 digits"
+    assert true.quantities == QUANTITIES
+    assert true.scalars["approach"] == float(table.approach)
+    assert true.scalars["edge_pressure"] == float(table.points[-1].pressure)
+    assert list(true.from_edge) == [point.from_edge for point in table.points]
+    assert list(true.fields["traction"]) == [float(point.traction) for point in table.points]
+    assert true.error["traction"] == table.error.traction
+    assert true.error["edge_pressure"] == table.error.pressure
+
+
+def test_what_is_known_by_definition_is_not_studied():
+    assert truth_of(NORMAL).quantities == ("approach", "edge_pressure", "pressure")
+    assert "stick_radius" not in truth_of(Scene(0.1, 0.5, 0.5, math.inf)).quantities
+    frictionless = truth_of(Scene(0.3, 0.5, 0.5, 0.0))
+    assert frictionless.quantities == ("approach", "edge_pressure", "pressure")
+    smooth = truth_of(Scene(0.3, 0.0, 0.0, math.inf))
+    assert smooth.quantities == ("approach", "pressure", "traction", "total_shear")
+
+
+def test_without_friction_the_normal_compliance_alone_matters():
+    true = truth_of(Scene(0.45, 0.5, 3.0))
+    assert true.source == "gold table frictionless, 27 digits"
+    assert true.scene == Scene(0.45, 0.5, 3.0)
+
+
+def test_si_data_do_not_matter():
+    data = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "radius": 1e-3, "load": 1.0}
+    assert truth_of(Scene.from_physical(**data)).source.startswith("gold")
+
+
+def test_other_scenes_are_solved_by_reference(capsys):
+    true = truth_of(Scene(0.3, 0.7), progress=True)
+    assert true.source == "reference, 20 digits"
+    assert "100 %" in capsys.readouterr().err
+    assert true.error["approach"] <= 1e-18
+    own = solve(Scene(0.3, 0.7), 1e-12)
+    errors = true.errors(own, true.quantities)
+    assert max(errors.values()) < 1e-12
+    again = reference(Scene(0.3, 0.7), 15)
+    assert truth_of(Scene(0.3, 0.7), again).scalars == pytest.approx(true.scalars, rel=1e-14)
+
+
+def test_a_scene_that_nobody_solves_needs_a_truth():
+    scene = Scene(0.3, 0.05, 1.0, 0.23 / 7)  # slip in an interior annulus
+    with pytest.raises(NotComputedError, match="reference"):
+        truth_of(scene)
+    given = truth_of(scene, solve(scene, 1e-11))
+    assert given.source == "Solution, given"
+    assert given.error["stick_radius"] > 0.0
+
+
+def test_a_truth_must_fit():
+    with pytest.raises(SceneError, match="truth"):
+        truth_of(SLIPPING, entry(NORMAL))
+    with pytest.raises(SceneError, match="approach, edge_pressure"):
+        truth_of(NORMAL, object())
+    with pytest.raises(SceneError, match="scene"):
+        truth_of("steel")
+    assert truth_of(NORMAL, truth_of(NORMAL)).scalars == truth_of(NORMAL).scalars
+
+
+def test_errors_are_relative_and_of_the_worst_point():
+    true, own = truth_of(SLIPPING), solve(SLIPPING, 1e-12)
+
+    class Wrong:
+        approach = own.approach * (1 + 1e-6)
+        total_shear = own.total_shear
+        stick_radius = own.stick_radius * (1 - 1e-5)
+
+        def pressure(self, *, from_edge):
+            return own.pressure(from_edge=from_edge) * np.where(from_edge == 1e-6, 0.99, 1.0)
+
+        def traction(self, s):
+            return own.traction(s) + np.where(s == 0.0, 1e-3, 0.0)
+
+    errors = true.errors(Wrong(), QUANTITIES)
+    assert errors["approach"] == pytest.approx(1e-6, rel=1e-6)
+    assert errors["stick_radius"] == pytest.approx(1e-5, rel=1e-6)
+    assert errors["pressure"] == pytest.approx(1e-2, rel=1e-6)
+    assert errors["edge_pressure"] < 1e-13
+    assert errors["traction"] == pytest.approx(1e-3, rel=1e-9)  # zero at the centre: absolute
+    assert errors["total_shear"] < 1e-13
+
+
+def test_an_error_that_is_no_number_is_infinite():
+    errors = truth_of(NORMAL).errors(
+        SimpleNamespace(approach=math.nan, pressure=lambda s: np.where(s > 0.9, np.nan, 1.0)),
+        QUANTITIES[:3],
+    )
+    assert set(errors.values()) == {math.inf}
+
+
+# --- convergence ----------------------------------------------------------------------------------
+
+
+def test_the_orders_of_a_solver_are_found():
+    study = convergence(decaying, NORMAL, [8, 16, 32, 64], LIMIT, stopwatch=QUICK)
+    assert study.solver == "decaying"
+    assert study.quantities == ("approach", "edge_pressure", "pressure")
+    assert [point.unknowns for point in study.points] == [24, 48, 96, 192]
+    assert [point.errors["approach"] for point in study.points] == pytest.approx(
+        [8**-2, 16**-2, 32**-2, 64**-2]
+    )
+    assert study.rates["approach"].value == pytest.approx(2.0, abs=1e-9)
+    assert study.rates["pressure"].value == pytest.approx(1.0, abs=1e-9)
+    assert all(point.times.cold is None for point in study.points)
+    point = study.points[-1]
+    digits = -math.log10(point.errors["approach"])
+    assert point.seconds_per_digit("approach") == point.times.warm.median / digits
+    assert point.seconds_per_digit("traction") is None
+
+
+def test_the_library_is_honest_in_its_own_study():
+    study = convergence(OwnSolver(), SLIPPING, [1e-2, 1e-5, 1e-8, 1e-11], stopwatch=None)
+    assert study.quantities == QUANTITIES
+    for point in study.points:
+        assert point.times is None
+        assert point.refinements >= 3
+        for name, error in point.errors.items():
+            slack = 2.0 * point.estimates["stick_radius"] if name == "traction" else 0.0
+            assert error <= point.estimates[name] + slack + 4 * 2.0**-52
+    unknowns = [point.unknowns for point in study.points]
+    assert unknowns == sorted(unknowns)
+
+
+def test_times_are_cold_and_warm():
+    study = convergence(OwnSolver(("approach",)), NORMAL, [1e-4], stopwatch=QUICK)
+    [point] = study.points
+    assert point.times.cold.median > point.times.warm.median > 0.0
+    assert point.times.blas_threads == 1
+    assert point.errors.keys() == {"approach"}
+    assert study.quantities == ("approach",)
+
+
+def test_whole_resolutions_are_unknowns_if_nothing_else_is():
+    def bare(scene, count):
+        return SimpleNamespace(approach=0.25 + count**-3)
+
+    assert [
+        p.unknowns for p in convergence(bare, NORMAL, [8, 16], LIMIT, stopwatch=None).points
+    ] == [8, 16]
+    [point] = convergence(bare, NORMAL, [8.5], LIMIT, stopwatch=None).points
+    assert point.unknowns is None
+
+
+def test_what_a_solver_raises_is_kept_and_the_study_goes_on():
+    def fragile(scene, count):
+        if count == 16:
+            raise MemoryError("too\nmuch")
+        return peers.Decaying(scene, count)
+
+    study = convergence(fragile, NORMAL, [8, 16, 32, 64], LIMIT, stopwatch=None)
+    assert [bool(point.errors) for point in study.points] == [True, False, True, True]
+    assert study.points[1].failure == "MemoryError: too much"
+    assert study.rates["approach"].used == (0, 2, 3)
+    assert "MemoryError: too much" in str(study)
+
+
+def test_a_quantity_that_is_asked_for_must_be_there():
+    with pytest.raises(SceneError, match=r"solver = 'decaying': must be .* have total_shear"):
+        convergence(
+            decaying,
+            SLIPPING,
+            [8],
+            quantities=["approach", "total_shear"],
+            stopwatch=None,
+        )
+    with pytest.raises(SceneError, match="approach or edge_pressure or pressure"):
+        convergence(lambda scene, count: None, NORMAL, [8], stopwatch=None)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"resolutions": []}, "resolutions"),
+        ({"resolutions": [8, 8]}, "resolutions"),
+        ({"resolutions": [-1]}, "resolutions = -1"),
+        ({"resolutions": 8}, "resolutions"),
+        ({"resolutions": [True]}, "resolutions"),
+        ({"quantities": ["wear"]}, "quantities = 'wear'"),
+        ({"quantities": []}, "quantities"),
+        ({"quantities": ["traction"]}, "among what the truth has here"),
+        ({"solver": 3}, "solver = 3"),
+        ({"scene": None}, "scene"),
+    ],
+)
+def test_bad_requests_are_refused_before_any_work(change, named):
+    def never(scene, resolution):
+        raise AssertionError
+
+    request = {"solver": never, "scene": NORMAL, "resolutions": [8], **change}
+    with pytest.raises(SceneError, match=named):
+        convergence(**request)
+
+
+def test_a_study_as_text():
+    study = convergence(decaying, NORMAL, [8, 16, 32, 64], LIMIT, stopwatch=QUICK, name="mine")
+    text = str(study)
+    assert text.startswith("mine: nu = 0.1, alpha* = 0.5, beta* = 0.0, no friction\ntruth: ")
+    assert "order 2.000 [2.000, 2.000], algebraic, points 1 to 4 of 4" in text
+    assert "in this process, BLAS threads: 1 (not importable: " in text
+    assert str(this_machine()) in text
+    assert "1.6e-02" in text
+    bare = str(convergence(decaying, NORMAL, [8, 16], LIMIT, stopwatch=None))
+    assert "warm" not in bare
+    assert "machine" not in bare
+    assert "none: fewer than three points" in bare
+
+
+# --- work and precision ---------------------------------------------------------------------------
+
+
+def test_the_time_to_reach_an_accuracy_is_the_least():
+    found = work_precision(
+        {"mine": (decaying, [8, 16, 32, 64, 128])},
+        NORMAL,
+        [1e-2, 1e-3, 1e-9],
+        [LIMIT],
+        quantities=["approach"],
+        stopwatch=QUICK,
+    )
+    assert found.accuracies == (1e-2, 1e-3, 1e-9)
+    assert len(found.points) == 5
+    times = [point.times.warm.median for point in found.points]
+    assert found.reached("mine", NORMAL, "approach", 1e-2) == min(times[1:])
+    assert found.reached("mine", NORMAL, "approach", 1e-3) == min(times[2:])
+    assert found.reached("mine", NORMAL, "approach", 1e-9) is None
+    assert found.reached("mine", NORMAL, "approach", 1e-2, cold=True) is None
+
+
+def test_a_solver_stops_where_the_least_accuracy_is_reached():
+    found = work_precision(
+        {"mine": (decaying, [8, 16, 32, 64, 128])},
+        NORMAL,
+        [1e-1, 1e-3],
+        [LIMIT],
+        quantities=["approach"],
+        stopwatch=QUICK,
+    )
+    assert [point.resolution for point in found.points] == [8, 16, 32]
+
+
+def test_solvers_are_compared_on_every_scene():
+    scenes = [NORMAL, Scene(0.2, 1e-4)]
+    found = work_precision(
+        {"ours": OwnSolver(("approach",)), "theirs": (decaying, [8, 16])},
+        scenes,
+        [1e-6, 1e-2, 1e-1],
+        quantities=["approach"],
+        stopwatch=QUICK,
+    )
+    assert found.solvers == ("ours", "theirs")
+    assert found.accuracies == (1e-1, 1e-2, 1e-6)
+    assert [len(found.of("ours", scene)) for scene in scenes] == [1, 1]  # superconvergent
+    assert all(found.reached("ours", scene, "approach", 1e-6) for scene in scenes)
+    text = str(found)
+    assert text.count("approach to") == 2
+    assert "theirs [ms]" in text
+    assert "truth: gold table frictionless, 27 digits" in text
+    ours, theirs = (found.reached(name, NORMAL, "approach", 0.2) for name in found.solvers)
+    assert theirs is not None
+    assert ours is not None
+
+
+def test_failures_are_listed():
+    def failing(scene, count):
+        raise ValueError("no")
+
+    found = work_precision(
+        {"ours": decaying, "theirs": failing}, NORMAL, [0.5], [LIMIT], stopwatch=QUICK
+    )
+    assert "theirs at 0.5: ValueError: no" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"solvers": {}}, "solvers"),
+        ({"solvers": [decaying]}, "solvers"),
+        ({"solvers": {"a": 3}}, "solver = 3"),
+        ({"solvers": {"a": (decaying, [])}}, "resolutions"),
+        ({"scenes": []}, "scenes"),
+        ({"scenes": [NORMAL, NORMAL]}, "scenes"),
+        ({"accuracies": [1.0]}, "accuracies = 1.0"),
+        ({"accuracies": []}, "accuracies"),
+        ({"truths": [None, None]}, "truths"),
+        ({"stopwatch": None}, "stopwatch"),
+    ],
+)
+def test_bad_comparisons_are_refused(change, named):
+    request = {"solvers": {"a": decaying}, "scenes": [NORMAL], "accuracies": [1e-2], **change}
+    with pytest.raises(SceneError, match=named):
+        work_precision(**request)
+
+
+# --- solvers --------------------------------------------------------------------------------------
+
+
+def test_solvers_by_name():
+    assert named_solver("peers:Decaying") is peers.Decaying
+    assert named_solver("os:path.join").__name__ == "join"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("peers", "module:function"),
+        (":f", "module:function"),
+        ("no_such_module:f", "ModuleNotFoundError"),
+        ("peers:missing", "AttributeError"),
+        ("peers:__doc__", "a callable"),
+    ],
+)
+def test_bad_names_are_refused(name, said):
+    with pytest.raises(SceneError, match=said):
+        named_solver(name)
+
+
+def test_solvers_have_names():
+    assert solvers.solver_name(OwnSolver()) == "spectral_contact"
+    assert solvers.solver_name(peers.Decaying) == "Decaying"
+    assert solvers.solver_name(partial(decaying)) == "decaying"
+    assert solvers.solver_name(SimpleNamespace(name=3)) == "SimpleNamespace"
+
+
+def test_the_library_takes_loose_accuracies():
+    assert OwnSolver(("approach",))(NORMAL, 0.5).rtol == 1e-2
