@@ -6,6 +6,7 @@ The oracle was computed in fixed point on other meshes, and its reader knows no 
 import math
 
 import pytest
+from gold_errors import errors
 
 from spectral_contact import gold, solve
 
@@ -13,7 +14,6 @@ LARGEST_ERROR = 1e-25
 TABLES = {table.name: table for table in gold.tables()}
 SOLUTIONS = [solution for table in TABLES.values() for solution in table.solutions]
 SCENES = [solution.scene for solution in SOLUTIONS]
-SIDES = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 #: What the tolerance bounds; zone boundaries are as good as their conditioning allows.
 BOUNDED = ("approach", "pressure", "traction", "total_shear")
 
@@ -92,35 +92,6 @@ def test_smooth_scenes_are_the_closed_forms():
         assert abs(balance) <= LARGEST_ERROR
         shear = slip.scene.friction * mp.ellipe(rest) + kappa * mp.log(rest)
         assert abs(slip.total_shear / shear - 1) <= LARGEST_ERROR
-
-
-def relative(value, truth):
-    """Return the relative error of a double as a double."""
-    value = float(value)
-    return 0.0 if value == truth else float(abs(value / truth - 1)) if truth else math.inf
-
-
-def errors(double, true):
-    """Return the largest true error of every quantity."""
-    depths = [point.from_edge for point in true.points]
-    found = {"approach": relative(double.approach, true.approach)}
-    fields = ["pressure"]
-    if true.scene.friction is not None:
-        fields.append("traction")
-        found["total_shear"] = relative(double.total_shear, true.total_shear)
-        found["stick_radius"] = relative(double.stick_radius, true.stick_radius)
-        found["zones"] = max(
-            relative(getattr(mine, side), getattr(its, side))
-            for mine, its in zip(double.zones, true.zones, strict=True)
-            for side in SIDES
-        )
-    if true.edge_ratio is not None:
-        found["edge_ratio"] = relative(double.edge_ratio, true.edge_ratio)
-    for name in fields:
-        values = getattr(double, name)(from_edge=depths)
-        pairs = zip(values, true.points, strict=True)
-        found[name] = max(relative(value, getattr(point, name)) for value, point in pairs)
-    return found
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-12])

@@ -30,6 +30,7 @@ def record(study):
         ("honesty", "scenes", 800),
         ("naive", "count", 60),
         ("projections", "count", 300),
+        ("sharpness", "scenes", 73),
     ],
 )
 def test_results_are_fresh_and_of_full_size(study, counted, least):
@@ -49,6 +50,12 @@ def test_results_are_without_violations(study, counted, total):
     found = record(study)
     assert found[counted] == total(group[counted] for group in found["summary"].values())
     assert found["violations"] == []
+
+
+def test_estimates_are_sharp_at_the_tightest_tolerance():
+    rows = [row for row in record("sharpness")["rows"] if row["rtol"] == 1e-12]
+    assert len(rows) == 7
+    assert min(row["share_within_100"] for row in rows) >= 0.95
 
 
 @pytest.mark.parametrize("name", ["study_convergence", "study_work_precision"])

@@ -1,0 +1,34 @@
+"""True errors of a solution in doubles, against a gold solution of the same scene."""
+
+import math
+
+SIDES = ("inner", "outer", "inner_from_edge", "outer_from_edge")
+
+
+def relative(value, truth):
+    """Return the relative error of a double as a double."""
+    value = float(value)
+    return 0.0 if value == truth else float(abs(value / truth - 1)) if truth else math.inf
+
+
+def errors(double, true):
+    """Return the largest true error of every quantity."""
+    depths = [point.from_edge for point in true.points]
+    found = {"approach": relative(double.approach, true.approach)}
+    fields = ["pressure"]
+    if true.scene.friction is not None:
+        fields.append("traction")
+        found["total_shear"] = relative(double.total_shear, true.total_shear)
+        found["stick_radius"] = relative(double.stick_radius, true.stick_radius)
+        found["zones"] = max(
+            relative(getattr(mine, side), getattr(its, side))
+            for mine, its in zip(double.zones, true.zones, strict=True)
+            for side in SIDES
+        )
+    if true.edge_ratio is not None:
+        found["edge_ratio"] = relative(double.edge_ratio, true.edge_ratio)
+    for name in fields:
+        values = getattr(double, name)(from_edge=depths)
+        pairs = zip(values, true.points, strict=True)
+        found[name] = max(relative(value, getattr(point, name)) for value, point in pairs)
+    return found
