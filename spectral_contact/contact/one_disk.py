@@ -53,6 +53,8 @@ Array = NDArray[np.float64]
 
 #: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
 _LEAST_LOGIT, _LARGEST_LOGIT = -300.0, 100.0
+#: What is linear in the radius may be off by this much.
+_SETTLED = 1e-15
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,8 +248,8 @@ class _OneDiskProblem:
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
         (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
         step, lag = self.logit - last, self.logit - before
-        if before != last and abs(step * lag) <= 1e-3 * self.tolerance:
-            # what is linear in the last two trials is right to the square of so small a step
+        if before != last and abs(step * lag) <= _SETTLED:
+            # what is linear in the last two trials is right to the product of the steps
             ratio = step / (last - before)
             final = replace(
                 second,
@@ -390,17 +392,17 @@ def _polished_root(
     x, value = guess, function(guess)
     if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
         raise NoStickDiskError(at_centre=x < 0.0)
-    settle = 1e-12  # the slope that is given is good to three digits
+    lag = 1e-3  # what is given of the slope is good to three digits
     for _ in range(20):
         step = max(min(-value / slope, 2.0), -2.0)
-        if abs(step) <= settle * max(1.0, abs(x)):
+        # a secant step errs by the product of itself and the one before
+        if abs(step) * lag <= _SETTLED * max(1.0, abs(x)):
             return x + step, slope
         fresh = function(x + step)
         if fresh == value:
             return x + step, slope
         slope = (fresh - value) / step
-        # the next secant step will be the square of this one: below rounding
-        x, value, settle = x + step, fresh, 1e-9
+        x, value, lag = x + step, fresh, abs(step)
         if not _LEAST_LOGIT < x < _LARGEST_LOGIT:
             raise NoStickDiskError(at_centre=x < 0.0)
     return x, slope  # as near as its conditioning lets it; the error estimate shows it

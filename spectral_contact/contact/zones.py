@@ -246,7 +246,7 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            shear_lost / shear + 1e-2 * self.quadrature + 16.0 * ROUNDING,
+            shear_lost / shear + 0.1 * self.quadrature + 16.0 * ROUNDING,
             # what is lost may be small by accident, but hardly against the square of the error
             self._boundary_errors(
                 trial, worst * np.abs(coarse.mismatch - trial.mismatch) + 20.0 * error**2
