@@ -66,14 +66,20 @@ class Between:
 
 
 class _Cells:
-    """An annulus seen from the gap: distances of its nodes, and half the weights of ``dz``."""
+    """An annulus seen from the gap: distances of its nodes, and half the weights of ``dz``.
+
+    The first `count` cells are taken one by one; the others are all near the far end.
+    """
 
     def __init__(self, mesh: AnnulusMesh, width: Any, gap: Any) -> None:
         f = mesh.fixed
-        self.mesh, self.width = mesh, width
+        self.mesh, self.width, self.end = mesh, width, gap + width
         self.distance = gap + f.times(width, mesh.above)
+        self.rest = f.times(width, mesh.below)
         self.masses = f.times(width, mesh.weights) // 2
         self.low, self.high = self.distance.min(axis=1), self.distance.max(axis=1)
+        limit = f.times(f.of(_RATIO), self.end)
+        self.count = int(np.sum(self.rest.max(axis=1) > limit))
 
 
 class _Sums:
@@ -84,43 +90,35 @@ class _Sums:
     ) -> None:
         self._fixed, self._targets, self._sources = f, targets, sources
         self._tail = tail
-        ratio = f.of(_RATIO)
-        nearer = f.times(ratio, targets.low)
-        self._begin = np.array([int(np.sum(sources.high <= v)) for v in nearer])
-        farther = f.over(targets.high, ratio)
-        self._end = np.array([int(np.sum(sources.low < v)) for v in farther])
-        self._end = np.maximum(self._end, self._begin)
-        self._near = {}
-        for t in range(len(targets.low)):
-            for s in range(self._begin[t], self._end[t]):
-                if back is not None and (s, t) in back._near:
-                    self._near[t, s] = back._near[s, t].T
-                else:
-                    total = targets.distance[t][:, None] + sources.distance[s]
-                    self._near[t, s] = f.over(f.one, f.sqrt(total))
+        low, high = sources.low[: sources.count], sources.high[: sources.count]
+        self._range = [
+            (int(np.sum(high <= nearer)), int(np.sum(low < farther)))
+            for nearer, farther in zip(
+                f.times(f.of(_RATIO), targets.low[: targets.count]),
+                f.over(targets.high[: targets.count], f.of(_RATIO)),
+                strict=True,
+            )
+        ]
+        self._near: dict[tuple[int, int], Ints] = {}
+        for t, (first, last) in enumerate(self._range):
+            for s in range(first, last):
+                self._near[t, s] = (
+                    back._near[s, t].T
+                    if back is not None
+                    else self._inverse_root(targets.distance[t][:, None] + sources.distance[s])
+                )
         terms = ceil((targets.mesh.blocks.digits + 6) / -log(_RATIO, 10.0)) + 1
         binomials = [f.one]
         for j in range(1, terms):
-            binomials.append(-binomials[-1] * (2 * j - 1) // (2 * j))
+            binomials.append(binomials[-1] * (2 * j - 1) // (2 * j))
         self._binomials = np.array(binomials)
-        root = f.sqrt(sources.distance)
-        self._far_masses = f.over(sources.masses, root)
-        self._source_powers = [
-            self._powers(f.over(sources.distance, sources.high[:, None])),
-            self._powers(f.over(sources.low[:, None], sources.distance)),
-        ]
-        # from cell to cell
-        self._rise = self._powers(f.over(sources.high[:-1], sources.high[1:]))
-        self._fall = self._powers(f.over(sources.low[:-1], sources.low[1:]))
-        self._root = f.sqrt(targets.distance)
-        self._target_powers = []
-        for t, (first, last) in enumerate(zip(self._begin, self._end, strict=True)):
-            pair = [None, None]
-            if first:
-                pair[0] = self._powers(f.over(sources.high[first - 1], targets.distance[t]))
-            if last < len(sources.low):
-                pair[1] = self._powers(f.over(targets.distance[t], sources.low[last]))
-            self._target_powers.append(pair)
+        self._alternating = self._binomials * (1 - 2 * (np.arange(terms) % 2)).astype(object)
+        self._expand_near()
+        self._expand_ends()
+
+    def _inverse_root(self, values: Ints) -> Ints:
+        f = self._fixed
+        return np.asarray(f.over(f.one, f.sqrt(values)))
 
     def _powers(self, ratio: Ints) -> Ints:
         """Return the powers of ratios, shape ``ratio.shape + (terms,)``."""
@@ -129,32 +127,81 @@ class _Sums:
             powers.append(f.times(powers[-1], ratio))
         return np.stack(powers, axis=-1)
 
+    def _expand_near(self) -> None:
+        """Prepare the series between cells of different distance from the gap."""
+        f, targets, sources, count = self._fixed, self._targets, self._sources, self._sources.count
+        distance, low, high = sources.distance[:count], sources.low[:count], sources.high[:count]
+        self._inner_sources = self._powers(f.over(distance, high[:, None]))
+        self._outer_sources = self._powers(f.over(low[:, None], distance))
+        self._outer_masses = f.times(sources.masses[:count], self._inverse_root(distance))
+        self._rise = self._powers(f.over(high[:-1], high[1:]))
+        self._fall = self._powers(f.over(low[:-1], low[1:]))
+        self._roots = self._inverse_root(targets.distance[: targets.count])
+        self._inner_targets, self._outer_targets = {}, {}
+        for t, (first, last) in enumerate(self._range):
+            at = targets.distance[t]
+            if first:
+                self._inner_targets[t] = self._powers(f.over(high[first - 1], at))
+            if last < count:
+                self._outer_targets[t] = self._powers(f.over(at, low[last]))
+
+    def _expand_ends(self) -> None:
+        """Prepare the series about the far ends."""
+        f, targets, sources = self._fixed, self._targets, self._sources
+        end = sources.end + targets.distance
+        self._end_sources = self._powers(f.over(sources.rest[sources.count :], sources.end))
+        self._end_targets = self._powers(f.over(sources.end, end))
+        self._end_roots = self._inverse_root(end)
+        near = sources.distance[: sources.count] + targets.end
+        self._seen = self._powers(f.over(targets.end, near))
+        self._seen_masses = f.times(sources.masses[: sources.count], self._inverse_root(near))
+        self._seeing = self._powers(f.over(targets.rest[targets.count :], targets.end))
+
     def __call__(self, values: Ints) -> Ints:
-        f, cells = self._fixed, len(values)
-        masses, far = f.times(values, self._sources.masses), f.times(values, self._far_masses)
-        below = [f.dot(masses[0], self._source_powers[0][0])]
-        for s in range(1, cells):
-            own = f.dot(masses[s], self._source_powers[0][s])
-            below.append(own + f.times(self._rise[s - 1], below[-1]))
-        above = [f.dot(far[-1], self._source_powers[1][-1])]
-        for s in reversed(range(cells - 1)):
-            own = f.dot(far[s], self._source_powers[1][s])
-            above.append(own + f.times(self._fall[s], above[-1]))
+        """Return the sums."""
+        f, sources, near = self._fixed, self._sources, self._targets.count
+        masses = f.times(values, sources.masses)
+        ends = f.dot(masses[sources.count :].ravel(), self._flat(self._end_sources))
+        result = f.times(self._end_roots, f.dot(self._end_targets, f.times(self._binomials, ends)))
+        own = values[: sources.count]
+        seen = f.dot(f.times(own, self._seen_masses).ravel(), self._flat(self._seen))
+        result[near:] += f.dot(self._seeing, f.times(self._binomials, seen))
+        result[:near] += self._graded(own)
+        return np.asarray(result)
+
+    @staticmethod
+    def _flat(powers: Ints) -> Ints:
+        return powers.reshape(-1, powers.shape[-1])
+
+    def _graded(self, values: Ints) -> Ints:
+        """Return the sums over cells that are taken one by one, at cells that are."""
+        f, count = self._fixed, len(values)
+        masses, outer = f.times(values, self._sources.masses[:count]), values * 0
+        outer = f.times(values, self._outer_masses)
+        below, above = [], []  # sums over cells up to each, and from each on
+        for s in range(count):
+            below.append(f.dot(masses[s], self._inner_sources[s]))
+            if s:
+                below[s] = below[s] + f.times(self._rise[s - 1], below[s - 1])
+        for s in reversed(range(count)):
+            above.append(f.dot(outer[s], self._outer_sources[s]))
+            if s < count - 1:
+                above[-1] = above[-1] + f.times(self._fall[s], above[-2])
         above.reverse()
-        result = 0 * self._targets.distance
-        for t, (first, last) in enumerate(zip(self._begin, self._end, strict=True)):
-            nearer, farther = self._target_powers[t]
-            if nearer is not None:
-                terms = f.times(self._binomials, below[first - 1])
-                result[t] += f.over(f.dot(nearer, terms), self._root[t])
-            if farther is not None:
-                result[t] += f.dot(farther, f.times(self._binomials, above[last]))
+        result = 0 * self._roots
+        for t, (first, last) in enumerate(self._range):
+            if t in self._inner_targets:
+                terms = f.times(self._alternating, below[first - 1])
+                result[t] += f.times(self._roots[t], f.dot(self._inner_targets[t], terms))
+            if t in self._outer_targets:
+                terms = f.times(self._alternating, above[last])
+                result[t] += f.dot(self._outer_targets[t], terms)
             for s in range(first, last):
                 if s == t == 0 and self._tail is not None:
                     result[t] += f.dot(self._tail, values[s])
                 else:
                     result[t] += f.dot(self._near[t, s], masses[s])
-        return np.asarray(result)
+        return result
 
     def matrix(self) -> Array:
         """Return the matrix in double precision."""

@@ -215,15 +215,20 @@ class _Trial:
         }
         self.load = {k: problem.drive.load_inside(y[k]) for k in problem.sticking}
         self.last = problem.sticking[-1]
-        self.between = {
+
+    @cached_property
+    def between(self) -> dict[tuple[int, int], Between]:
+        """The integrals from zone to zone."""
+        meshes = self.problem.meshes
+        return {
             (a, b): Between(
-                problem.meshes[a],
-                problem.meshes[b],
+                meshes[a],
+                meshes[b],
                 (self.widths[a], self.widths[b]),
                 self.squares[b] - self.squares[a + 1],
             )
             for a in range(self.last + 1)
-            for b in range(a + 1, len(problem.states))
+            for b in range(a + 1, len(meshes))
         }
 
     def residual(self, flat: Ints) -> Ints:
