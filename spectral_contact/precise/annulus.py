@@ -1,7 +1,7 @@
 r"""Half-integrals on one annulus in fixed point.
 
-With the distances ``a`` and ``b = w - a`` from its inner and outer end in ``s**2``, panels are equal
-in ``X = ln(a/b)``, and so graded to both ends. There
+With the distances ``a`` and ``b = w - a`` from its inner and outer end in ``s**2``, panels are
+equal in ``X = ln(a/b)``, and so graded to both ends. There
 
     1/2 int_X psi dz / sqrt(z - t^2) = sqrt(w / b_t) / 2 int_Y F psi dX / sqrt(1 - exp(Y - X)),
 
@@ -49,6 +49,8 @@ class Blocks:
         Gauss's, for an interval of length 2.
     expand : ndarray of int, shape (points, points)
         From values at the nodes to Legendre coefficients.
+    limit : ndarray of int, shape (points,)
+        From those of the inner tail to the value at the inner end.
     panel, first, last, inner, outer : ndarray of int, shape (points, points)
         Integrals at the nodes of a panel over itself; of the inner tail over the first panel; of
         the last panel over the outer tail; of the tails over themselves.
@@ -63,6 +65,7 @@ class Blocks:
         g, self.weights = f.gauss(points)
         self.offset, self.root = f.times(h, f.one + g) // 2, (f.one + g) // 2
         self.expand = f.expansion(points)
+        self.limit = (1 - 2 * (np.arange(points) % 2)).astype(object) @ self.expand
         self._rule = points + ceil(0.75 * digits) + 8
         to_end = h - self.offset
         depth = -2 * f.map(f.mp.log, self.root)
@@ -168,7 +171,7 @@ class AnnulusMesh:
             (-1, self.above, self._outer_end),
         ):
             weight[k] = f.times(part[k], f.sqrt(part[k]), end)
-        return weight
+        return np.asarray(weight)
 
     @cached_property
     def _source(self) -> Ints:
@@ -206,6 +209,11 @@ class AnnulusMesh:
     def inner_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int_{z < s^2} phi dz / sqrt(s^2 - z)`` at the nodes, of values there."""
         return self.reflected.half_integral(values[::-1, ::-1])[::-1, ::-1]
+
+    def limits(self, values: Ints) -> tuple[Any, Any]:
+        """Return the values at the inner and the outer end, from those at the nodes."""
+        f, limit = self.fixed, self.blocks.limit
+        return f.dot(limit, values[0]), f.dot(limit[::-1], values[-1])
 
     def matrix(self) -> Array:
         """Return the matrix of `half_integral` in double precision, (nodes, nodes)."""
@@ -277,9 +285,3 @@ class AnnulusSeries:
                 local = 2 * f.sqrt(f.over(odds[rows], end)) - f.one
             values[rows] = f.dot(f.legendre(local, self.table.shape[1] - 1), self.table[c])
         return values
-
-    @property
-    def limits(self) -> tuple[Any, Any]:
-        """Values at the inner and the outer end."""
-        signs = np.array([(-1) ** k for k in range(self.table.shape[1])], dtype=object)
-        return self.table[0] @ signs, self.table[-1] @ signs

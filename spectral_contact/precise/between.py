@@ -1,7 +1,8 @@
 """Sums over ``1/sqrt(z - t^2)`` from one annulus to another in fixed point.
 
-Both are cut into cells that are graded in the distance from the gap between them. A cell that is
-much nearer to the gap than another, or much farther, interacts with it by a power series.
+Both are cut into cells that are graded in the distance from the gap between them. With a cell that
+is much nearer to the gap, or much farther, a cell interacts by a power series; with all that are
+near the far end, by one about that end.
 """
 
 from __future__ import annotations
@@ -42,11 +43,8 @@ class Between:
         # each in cells from the gap outward; t^2 and z to either side of it
         self._first = _Cells(inner.reflected, widths[0], 0)
         self._second = _Cells(outer, widths[1], gap)
-        tails = [None, None]
-        if gap == 0:
-            tails = [_tail(self._first, self._second), _tail(self._second, self._first)]
-        self._down = _Sums(f, self._first, self._second, tails[0], None)
-        self._up = _Sums(f, self._second, self._first, tails[1], self._down)
+        self._down = _Sums(f, self._first, self._second, None)
+        self._up = _Sums(f, self._second, self._first, self._down)
 
     def half_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int psi dz / sqrt(z - t^2)`` over the outer annulus, of values there."""
@@ -73,7 +71,7 @@ class _Cells:
 
     def __init__(self, mesh: AnnulusMesh, width: Any, gap: Any) -> None:
         f = mesh.fixed
-        self.mesh, self.width, self.end = mesh, width, gap + width
+        self.mesh, self.width, self.gap, self.end = mesh, width, gap, gap + width
         self.distance = gap + f.times(width, mesh.above)
         self.rest = f.times(width, mesh.below)
         self.masses = f.times(width, mesh.weights) // 2
@@ -85,11 +83,10 @@ class _Cells:
 class _Sums:
     """``sum of masses * values / sqrt(distance + distance)`` over sources at targets."""
 
-    def __init__(
-        self, f: Fixed, targets: _Cells, sources: _Cells, tail: Ints | None, back: _Sums | None
-    ) -> None:
+    def __init__(self, f: Fixed, targets: _Cells, sources: _Cells, back: _Sums | None) -> None:
         self._fixed, self._targets, self._sources = f, targets, sources
-        self._tail = tail
+        neighbours = targets.gap == sources.gap == 0
+        self._tail = _tail(targets, sources) if neighbours else None
         low, high = sources.low[: sources.count], sources.high[: sources.count]
         self._range = [
             (int(np.sum(high <= nearer)), int(np.sum(low < farther)))
@@ -176,7 +173,7 @@ class _Sums:
     def _graded(self, values: Ints) -> Ints:
         """Return the sums over cells that are taken one by one, at cells that are."""
         f, count = self._fixed, len(values)
-        masses, outer = f.times(values, self._sources.masses[:count]), values * 0
+        masses = f.times(values, self._sources.masses[:count])
         outer = f.times(values, self._outer_masses)
         below, above = [], []  # sums over cells up to each, and from each on
         for s in range(count):
@@ -201,7 +198,7 @@ class _Sums:
                     result[t] += f.dot(self._tail, values[s])
                 else:
                     result[t] += f.dot(self._near[t, s], masses[s])
-        return result
+        return np.asarray(result)
 
     def matrix(self) -> Array:
         """Return the matrix in double precision."""

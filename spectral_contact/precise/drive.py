@@ -138,7 +138,6 @@ class RoughDrive(Drive):
         """``(1/y) int_0^y p dy``, the mean of the pressure outside a radius."""
         f, series = self.fixed, self.series
         h, (count, terms) = f.of(series.width), series.table.shape
-        end = f.exp(-count * h)
         # in the tail p is a polynomial, and so is its mean
         points = len(series.tail)
         g, w = f.gauss(points)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from math import ceil, log, log10, pi, sqrt
 from typing import Any
 
@@ -19,12 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
+from spectral_contact.contact.drive import EDGE
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.fields import Radius
 from spectral_contact.precise.annulus import AnnulusMesh, AnnulusSeries, Blocks
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.drive import Drive
 from spectral_contact.precise.fixed import Ints
+from spectral_contact.spectral.annulus import gap
 
 __all__ = ["Layout", "Zones", "solve_zones"]
 
@@ -32,6 +35,10 @@ Array = NDArray[np.float64]
 
 _LN10 = log(10.0)
 _MOST_SWEEPS = 20
+#: Accuracy of the tractions for which the boundaries' part of the Jacobian is taken.
+_CLOSE = 1e-8
+#: Its differences are taken ``2**-_STEP`` apart.
+_STEP = 50
 
 
 @dataclass(frozen=True)
@@ -52,11 +59,14 @@ class Layout:
     @property
     def widths(self) -> list[float]:
         """Widths of the zones in ``s**2``."""
-        ends = [Radius(0.0, 1.0), *self.radii, Radius(1.0, 0.0)]
-        return [
-            (b.square - a.square) if b.value < 0.5 else a.rest - b.rest
-            for a, b in zip(ends, ends[1:], strict=False)
-        ]
+        ends = [Radius(0.0, 1.0), *self.radii, EDGE]
+        return [gap(a, b) for a, b in pairwise(ends)]
+
+    def scales(self, alpha: float, beta: float, digits: int, width: float) -> float:
+        """Return the decades from 1 down to what fixed point has to resolve."""
+        deepest = width * max(map(max, self.panels(alpha, beta, digits, width))) / _LN10
+        # the equation is divided by beta and s^2, which is down to 1e-8 of the rim's at the nodes
+        return digits + deepest + 8.0 + abs(log10(beta)) - 2.0 * log10(self.radii[0].square)
 
     def panels(self, alpha: float, beta: float, digits: int, width: float) -> list[tuple[int, int]]:
         """Return the number of panels in the inner and the outer half of every zone.
@@ -66,14 +76,13 @@ class Layout:
         """
         widths, settle = self.widths, (digits + 2.0) * _LN10
         ends = []
-        for b, near in zip(self.radii, zip(widths, widths[1:], strict=False), strict=True):
+        for b, near in zip(self.radii, pairwise(widths), strict=True):
             ends.append(log(min(*near, beta * b.value, b.rest + alpha)) - settle / 2.0)
         ends.append(log(min(widths[-1], beta, alpha or 1.0)) - settle)
-        depths = [
-            [log(w) - end for end in pair] for w, pair in zip(widths, zip([0.0, *ends], ends))
-        ]
-        counts = [(max(ceil(a / width), 1), max(ceil(b / width), 1)) for a, b in depths]
-        return [(1, counts[0][1]), *counts[1:]]
+        # nothing happens at the centre
+        pairs = pairwise([log(widths[0]), *ends])
+        depths = [[log(w) - end for end in pair] for w, pair in zip(widths, pairs, strict=True)]
+        return [(max(ceil(a / width), 1), max(ceil(b / width), 1)) for a, b in depths]
 
 
 @dataclass(frozen=True)
@@ -96,14 +105,20 @@ class Zones:
     unknowns: int
 
 
-def points_of(digits: int, width: float) -> int:
+def _points(digits: int, width: float) -> int:
     """Return how many nodes of a panel resolve singularities ``i pi`` from it."""
     reach = 2.0 * pi / width
     return ceil((digits + 4.0) / log10(reach + sqrt(1.0 + reach * reach))) + 4
 
 
 def solve_zones(
-    drive: Drive, alpha: float, beta: float, friction: Any, layout: Layout, digits: int, width: float
+    drive: Drive,
+    alpha: float,
+    beta: float,
+    friction: Any,
+    layout: Layout,
+    digits: int,
+    width: float,
 ) -> Zones:
     """Solve partial slip on the zones of a layout.
 
@@ -127,7 +142,7 @@ def solve_zones(
         If refinement stalls before the digits are reached.
     """
     f = drive.fixed
-    blocks = Blocks(f, width, points_of(digits, width), digits)
+    blocks = Blocks(f, width, _points(digits, width), digits)
     meshes = [AnnulusMesh(blocks, *n) for n in layout.panels(alpha, beta, digits, width)]
     problem = _Problem(drive, f.of(beta), friction, layout.states, meshes)
     logits = [f.mp.mpf(r.logit) for r in layout.radii]
@@ -153,8 +168,8 @@ class _Problem:
 
     def split(self, flat: Any) -> dict[int, Any]:
         """Return the values in every zone that sticks."""
-        pieces = zip(self.sticking, self.bounds, self.bounds[1:], strict=False)
-        return {k: flat[a:b].reshape(self.meshes[k].above.shape) for k, a, b in pieces}
+        pieces = zip(self.sticking, pairwise(self.bounds), strict=True)
+        return {k: flat[a:b].reshape(self.meshes[k].above.shape) for k, (a, b) in pieces}
 
     def solve(self, logits: list[Any], goal: Any) -> Zones:
         """Find tractions and boundaries."""
@@ -162,22 +177,16 @@ class _Problem:
         trial = _Trial(self, logits)
         newton = _Newton(trial)
         flat = np.zeros(self.bounds[-1], dtype=object)
-        step, last = newton.free(trial.residual(flat)), 1.0
         for _ in range(_MOST_SWEEPS):
+            step = newton.free(trial.residual(flat))
             flat = flat + f.of(step)
-            size = self._share(step, flat)
-            if size > 1e-8:
-                if size > 0.5 * last:
-                    break
-                last = size
-                step = newton.free(trial.residual(flat))
-                continue
-            break
+            if self._share(step, flat) <= _CLOSE:
+                break
         newton.border(trial, flat)
         for _ in range(_MOST_SWEEPS):
-            step, shift = newton.step(trial.residual(flat), trial.mismatch(flat))
+            step, shift = newton.step(trial, flat)
             flat = flat + f.of(step)
-            logits = [a + f.mp.mpf(b) for a, b in zip(logits, shift, strict=True)]
+            logits = [x + f.mp.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
             trial = _Trial(self, logits)
             if max(self._share(step, flat), np.abs(shift).max()) <= goal:
                 return trial.outcome(flat)
@@ -201,13 +210,10 @@ class _Trial:
         self._f = f
         self.squares = [0 * f.one, *(f.of(1 / (1 + mp.exp(-x))) for x in logits), f.one]
         self.rests = [f.one, *(f.of(1 / (1 + mp.exp(x))) for x in logits), 0 * f.one]
-        self.widths = [
-            b - a for a, b in zip(self.squares, self.squares[1:], strict=False)
-        ]
+        self.widths = [b - a for a, b in pairwise(self.squares)]
         zones = list(zip(problem.meshes, self.widths, strict=True))
         self.z = [s + f.times(w, m.above) for (m, w), s in zip(zones, self.squares, strict=False)]
         y = [r + f.times(w, m.below) for (m, w), r in zip(zones, self.rests[1:], strict=True)]
-        self.y = y
         self.slip = {
             k: state * f.over(f.times(problem.friction, problem.drive.pressure(y[k])), f.sqrt(z))
             for k, (state, z) in enumerate(zip(problem.states, self.z, strict=True))
@@ -252,48 +258,57 @@ class _Trial:
 
     def mismatch(self, flat: Ints) -> Ints:
         """Return by how much the traction is discontinuous at the boundaries, over f p."""
-        f, problem = self._f, self.problem
-        values = problem.split(flat)
-        found = []
-        for j, (before, after) in enumerate(zip(problem.states, problem.states[1:], strict=False)):
-            k = j + (before != 0)
-            limit = problem.meshes[k].series(values[k]).limits[before == 0]
-            limit = f.times(limit, f.sqrt(self.squares[j + 1]))
-            rest = np.array([self.rests[j + 1]], dtype=object)
-            slipping = f.times(problem.friction, problem.drive.pressure(rest)[0])
-            found.append(f.over(limit, slipping) - (before + after) * f.one)
+        f, values = self._f, self.problem.split(flat)
+        limits = {k: self.problem.meshes[k].limits(v) for k, v in values.items()}
+        # of two neighbours one slips, and its state is the sense
+        senses = [a + b for a, b in pairwise(self.problem.states)]
+        found = [
+            f.times(factor, limits[k][end]) - sense * f.one
+            for (k, end, factor), sense in zip(self._ends, senses, strict=True)
+        ]
         return np.array(found, dtype=object)
+
+    @cached_property
+    def _ends(self) -> list[tuple[int, int, Any]]:
+        """Of every boundary: the zone that sticks, which of its ends, and ``s / (f p)``."""
+        f, problem = self._f, self.problem
+        p = problem.drive.pressure(np.array(self.rests[1:-1], dtype=object))
+        factors = f.over(f.sqrt(np.array(self.squares[1:-1])), f.times(problem.friction, p))
+        return [
+            (j + 1, 0, factor) if problem.states[j] else (j, 1, factor)
+            for j, factor in enumerate(factors)
+        ]
+
+    def conditions(self) -> Array:
+        """Return the matrix of the mismatch in double precision."""
+        f, problem = self._f, self.problem
+        rows = np.zeros((len(self._ends), problem.bounds[-1]))
+        for row, (k, end, factor) in zip(rows, self._ends, strict=True):
+            limit = problem.meshes[k].blocks.limit
+            values = problem.split(row)[k]
+            values[-end] = f.floats(f.times(factor, limit[::-1] if end else limit))
+        return rows
 
     def matrix(self) -> Array:
         """Return the matrix of the residual in double precision."""
         f, problem = self._f, self.problem
-        size = [m.above.size for m in problem.meshes]
-        half: dict[tuple[int, int], Array] = {}
         matrix = np.zeros((problem.bounds[-1],) * 2)
-        parts = [slice(a, b) for a, b in zip(problem.bounds, problem.bounds[1:], strict=False)]
+        parts = pairwise(problem.bounds)
+        places = {k: slice(a, b) for k, (a, b) in zip(problem.sticking, parts, strict=True)}
         for k in range(self.last + 1):
-            columns = [c for c in problem.sticking if c >= k]
-            half = {
-                c: self.between[k, c].matrix()
-                if c > k
-                else np.sqrt(float(f.numbers(self.widths[k]))) * problem.meshes[k].matrix()
-                for c in columns
-            }
+            mesh, own = problem.meshes[k], sqrt(float(f.numbers(self.widths[k])))
             root = np.sqrt(f.floats(self.z[k])).reshape(-1, 1) / pi
-            for r, row in zip(problem.sticking, parts, strict=True):
-                if r < k:
-                    continue
-                inner = (
-                    self.between[k, r].inner_matrix()
-                    if r > k
-                    else np.sqrt(float(f.numbers(self.widths[k])))
-                    * problem.meshes[k].inner_matrix()
-                )
-                for c, column in zip(problem.sticking, parts, strict=True):
-                    if c >= k:
-                        matrix[row, column] += inner @ (root * half[c])
-        z = np.concatenate([self.z[k].ravel() for k in problem.sticking])
-        matrix[np.diag_indices(len(matrix))] += float(f.numbers(problem.beta)) * f.floats(z)
+            outward = [c for c in problem.sticking if c >= k]
+            half = {
+                c: root * (self.between[k, c].matrix() if c > k else own * mesh.matrix())
+                for c in outward
+            }
+            for r in outward:
+                inner = self.between[k, r].inner_matrix() if r > k else own * mesh.inner_matrix()
+                for c in outward:
+                    matrix[places[r], places[c]] += inner @ half[c]
+        z = np.concatenate([f.floats(self.z[k]).ravel() for k in problem.sticking])
+        matrix[np.diag_indices(len(matrix))] += float(f.numbers(problem.beta)) * z
         return matrix
 
     def outcome(self, flat: Ints) -> Zones:
@@ -330,31 +345,23 @@ class _Newton:
         return np.asarray(lu_solve(self._factor, scaled, check_finite=False))
 
     def border(self, trial: _Trial, flat: Ints) -> None:
-        """Add the columns of the boundaries, by differences, and the rows of their conditions."""
-        f, problem = self._f, trial.problem
-        residual, mismatch = trial.residual(flat), trial.mismatch(flat)
+        """Add the rows of the conditions and, by differences, the columns of the boundaries."""
+        f = self._f
+        before = trial.residual(flat), trial.mismatch(flat)
         columns, corner = [], []
-        step = f.mp.mpf(2) ** -50
         for j in range(len(trial.logits)):
             logits = list(trial.logits)
-            logits[j] += step
-            moved = _Trial(problem, logits)
-            columns.append(f.floats(moved.residual(flat) - residual) / float(step))
-            corner.append(f.floats(moved.mismatch(flat) - mismatch) / float(step))
+            logits[j] += f.mp.ldexp(1, -_STEP)
+            moved = _Trial(trial.problem, logits)
+            columns.append(f.floats((moved.residual(flat) - before[0]) << _STEP))
+            corner.append(f.floats((moved.mismatch(flat) - before[1]) << _STEP))
         self._columns = self._solved(np.array(columns).T)
-        unit = f.numbers  # noqa
-        self._trial, self._flat, self._base = trial, flat, mismatch
-        rows = np.array([self._conditions(c) for c in self._columns.T]).T
-        self._schur = np.array(corner).T - rows
+        self._rows = trial.conditions()
+        self._schur = np.array(corner).T - self._rows @ self._columns
 
-    def _conditions(self, step: Array) -> Array:
-        """Return what a step of the tractions does to the conditions."""
-        moved = self._trial.mismatch(self._flat + self._f.of(step))
-        return self._f.floats(moved - self._base)
-
-    def step(self, residual: Ints, mismatch: Ints) -> tuple[Array, Array]:
+    def step(self, trial: _Trial, flat: Ints) -> tuple[Array, Array]:
         """Return the steps of the tractions and of the boundaries."""
-        free = self._solved(self._f.floats(residual))
-        right = self._f.floats(mismatch) - self._conditions(free)
-        shift = -np.linalg.solve(self._schur, right)
-        return -free - self._columns @ shift, shift
+        free = self.free(trial.residual(flat))
+        right = self._f.floats(trial.mismatch(flat)) + self._rows @ free
+        shift = -np.asarray(np.linalg.solve(self._schur, right), dtype=float)
+        return free - self._columns @ shift, shift
