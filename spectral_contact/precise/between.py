@@ -33,7 +33,7 @@ class Between:
     widths : tuple of int
         Theirs, in ``s**2``.
     gap : int
-        Between them; 0 if they are neighbours.
+        Between them: 0 if they are neighbours, or wider than their tails.
     """
 
     def __init__(
