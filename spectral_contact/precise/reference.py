@@ -30,7 +30,7 @@ _SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
 def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> ReferenceSolution:
     """Solve a scene to any number of digits.
 
-    Normal contact (3.5), full stick (4.2) and partial slip (5.8) outside one stick disk.
+    Normal contact (3.5), full stick (4.2) and partial slip (5.8) on any zones.
 
     Parameters
     ----------
@@ -49,16 +49,14 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     ------
     SceneError
         For an argument out of its range.
-    NotComputedError
-        If slip does not fill everything outside one stick disk.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 
     Notes
     -----
     Two solutions on different meshes are compared, the second with two digits less: twice their
-    difference is the error estimate. `solve` says which zones there are, and guesses the radius;
-    no other digit of it enters.
+    difference is the error estimate. `solve` says which zones there are, and guesses their
+    boundaries; no other digit of it enters.
 
     Examples
     --------

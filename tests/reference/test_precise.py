@@ -13,10 +13,7 @@ from mpmath.ctx_mp import MPContext
 
 from spectral_contact import Scene, SceneError, solve
 from spectral_contact.closed_forms import partial_slip_traction
-from spectral_contact.fields import Radius
 from spectral_contact.precise import reference
-from spectral_contact.precise.run import Run
-from spectral_contact.precise.zones import Layout, solve_zones
 
 DIGITS = 16
 NU = 0.3
@@ -173,26 +170,6 @@ def test_tractions_are_continuous_at_the_boundaries(name):
             from_edge = zone.outer_from_edge * (1 + sense * mp.mpf(10) ** -(DIGITS + 6))
             ratio = precise.traction(from_edge=from_edge) / precise.pressure(from_edge=from_edge)
             assert abs(ratio / friction - 1) <= 10.0**-DIGITS
-
-
-def test_the_two_ways_to_one_stick_disk_agree():
-    """One graded to the rim and refined by Cholesky, one collocated in the odds: no shared step."""
-    scene, digits = SCENES["rough"], DIGITS + 2
-    [boundary] = solve(scene, 1e-9).zones[:-1]
-    layout = Layout((0, 1), (Radius(boundary.outer, boundary.outer_from_edge),))
-    run = Run(scene, digits, 2.0, layout)
-    f = run.fixed
-    parameters = scene.normal_compliance, scene.tangential_compliance
-    friction = f.of(f.mp.mpf(scene.friction) / run.kappa)
-    zones = solve_zones(run.drive, *parameters, friction, layout, digits, 2.0)
-    assert abs(zones.logits[0] - run.disk.logit) <= 10.0**-digits
-    assert abs(f.mp.mpf(zones.total_shear) / f.mp.mpf(run.disk.total_shear) - 1) <= 10.0**-digits
-    c = run.radius[0]
-    square, shares = f.of(c * c), [0.01, 0.3, 0.9, 0.999, 1 - 1e-9]
-    above = np.array([f.times(square, f.of(share)) for share in shares])
-    mine = f.numbers(zones.tractions[0].at(above, square - above)) * c  # q / s, and q / (s / c)
-    its = f.numbers(run.disk.traction.at(f.one - f.over(above, square)))
-    assert max(abs(mine / its - 1)) <= 10.0**-digits
 
 
 def _moment(pressure, eta):
