@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spectral_contact import checks
-from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields import Radius
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.solution import ReferenceSolution
@@ -49,6 +49,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     ------
     SceneError
         For an argument out of its range.
+    NotComputedError
+        If the stick disk is so small that `solve` has slip everywhere.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 
@@ -123,6 +125,9 @@ def _layout(scene: Scene) -> Layout | None:
     middles = [(z.inner_from_edge + z.outer_from_edge) / 2.0 for z in zones]
     signs = np.sign(solution.traction(from_edge=middles)).astype(int).tolist()
     states = [0 if zone.kind == "stick" else sign for zone, sign in zip(zones, signs, strict=True)]
+    if states[0] != 0 or (len(states) > 2 and scene.tangential_compliance == 0.0):
+        kinds = ", ".join(zone.kind for zone in zones)
+        raise NotComputedError("the reference", f"its zones are {kinds}")
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return Layout(tuple(states), radii)
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mpmath.ctx_mp import MPContext
 
-from spectral_contact import Scene, SceneError, solve
+from spectral_contact import NotComputedError, Scene, SceneError, solve
 from spectral_contact.closed_forms import partial_slip_traction
 from spectral_contact.precise import reference
 
@@ -229,6 +229,11 @@ def test_bad_digits_are_refused(bad):
 def test_bad_scenes_are_refused():
     with pytest.raises(SceneError, match="a Scene"):
         reference({"poisson_ratio": 0.3})
+
+
+def test_a_vanishing_stick_disk_is_refused():
+    with pytest.raises(NotComputedError, match="its zones are slip"):
+        reference(Scene(NU, friction=Scene(NU).kappa / 80), 15)
 
 
 def test_progress_is_shown_when_wanted(capsys):
