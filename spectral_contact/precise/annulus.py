@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,36 @@ from spectral_contact.precise.fixed import Fixed, Ints, root_rule
 __all__ = ["AnnulusMesh", "AnnulusSeries", "Blocks"]
 
 Array = NDArray[np.float64]
+
+
+class Near(NamedTuple):
+    """Integrals at the nodes of a cell over itself and over the next one.
+
+    Attributes
+    ----------
+    inner, panel, outer : ndarray
+        Of the inner tail, a panel and the outer tail over themselves.
+    first, next, last : ndarray
+        Of the inner tail over the first panel, of a panel over the next one, and of the last panel
+        over the outer tail.
+    """
+
+    inner: Any
+    first: Any
+    panel: Any
+    next: Any
+    last: Any
+    outer: Any
+
+    def at(self, cell: int, panels: int) -> list[Any]:
+        """Return the blocks of a cell and the next one."""
+        if cell == 0:
+            return [self.inner, self.first]
+        if cell < panels:
+            return [self.panel, self.next]
+        if cell == panels:
+            return [self.panel, self.last]
+        return [self.outer]
 
 
 class Blocks:
@@ -51,11 +81,8 @@ class Blocks:
         From values at the nodes to Legendre coefficients.
     limit : ndarray of int, shape (points,)
         From those of the inner tail to the value at the inner end.
-    panel, first, last, inner, outer : ndarray of int, shape (points, points)
-        Integrals at the nodes of a panel over itself; of the inner tail over the first panel; of
-        the last panel over the outer tail; of the tails over themselves.
-    next : ndarray of int, shape (points, points)
-        Of a panel over the next one.
+    near : Near
+        Of ndarray of int, shape (points, points) each.
     """
 
     def __init__(self, fixed: Fixed, width: float, points: int, digits: int) -> None:
@@ -69,15 +96,19 @@ class Blocks:
         self._rule = points + ceil(0.75 * digits) + 8
         to_end = h - self.offset
         depth = -2 * f.map(f.mp.log, self.root)
-        self.panel = self._convolved(0 * to_end, to_end, self.offset)
-        self.next = self._convolved(to_end, to_end + h, -to_end)
-        self.first = self._convolved(depth, depth + h, -depth)
         one, shallow = 0 * g + f.one, f.exp(to_end // 2)
-        quarter = f.map(f.mp.asin, f.over(f.one, shallow))
+        full = f.map(f.mp.acosh, f.over(one, self.root))
+        quarter = f.map(f.mp.asin, f.over(one, shallow))
         right = f.times(one, f.of(f.mp.pi)) // 2
-        self.inner = self._rooted(self.root, f.map(f.mp.acosh, f.over(one, self.root)), f.mp.cosh)
-        self.outer = self._rooted(self.root, right, f.mp.sin, self.root)
-        self.last = self._rooted(shallow, quarter, f.mp.sin, shallow)
+        # the nodes of an outer tail are in the order of X, too
+        self.near = Near(
+            inner=self._rooted(self.root, full, f.mp.cosh),
+            first=self._convolved(depth, depth + h, -depth),
+            panel=self._convolved(0 * to_end, to_end, self.offset),
+            next=self._convolved(to_end, to_end + h, -to_end),
+            last=self._rooted(shallow, quarter, f.mp.sin, shallow)[:, ::-1],
+            outer=self._rooted(self.root, right, f.mp.sin, self.root)[::-1, ::-1],
+        )
         # two cells on and farther the kernel is a power series
         terms = ceil((digits + 6) * log(10.0) / width) + 1
         exponents = np.arange(terms, dtype=object)[:, None]
@@ -90,6 +121,11 @@ class Blocks:
         factors = np.array(binomials)[:, None]
         self.targets = f.times(factors, f.exp(-exponents * (2 * h - self.offset)))
         self.tail_targets = f.times(factors, f.exp(-exponents * (h + depth)))
+
+    @cached_property
+    def near_doubles(self) -> Near:
+        """The same in double precision."""
+        return Near(*map(self.fixed.floats, self.near))
 
     def _convolved(self, lower: Ints, upper: Ints, shift: Ints) -> Ints:
         """Return integrals over ``lower < X - Y < upper``, where a panel starts at ``-shift``."""
@@ -128,6 +164,8 @@ class AnnulusMesh:
 
     Attributes
     ----------
+    inner_end, outer_end : int
+        Odds ``a/b`` and ``b/a`` at which the tails begin.
     above, below : ndarray of int, shape (cells, points)
         Distances ``a`` and ``b`` of the nodes from the ends.
     weights : ndarray of int, shape (cells, points)
@@ -139,13 +177,13 @@ class AnnulusMesh:
         self.blocks, self.before, self.after = blocks, before, after
         h = f.of(blocks.width)
         self.panels = before + after
-        self.tail_end, self._outer_end = f.exp(-h * before), f.exp(-h * after)
+        self.inner_end, self.outer_end = f.exp(-h * before), f.exp(-h * after)
         root = blocks.root
         x = h * np.arange(-before, after, dtype=object)[:, None] + blocks.offset
         odds = np.empty((self.panels + 2, blocks.points), dtype=object)
-        odds[0] = f.times(self.tail_end, root, root)
+        odds[0] = f.times(self.inner_end, root, root)
         odds[1:-1] = f.exp(-abs(x))
-        odds[-1] = f.times(self._outer_end, root, root)[::-1]
+        odds[-1] = f.times(self.outer_end, root, root)[::-1]
         small, large = f.over(odds, f.one + odds), f.over(f.one, f.one + odds)
         inside = np.arange(len(odds))[:, None] <= before
         self.above, self.below = np.where(inside, small, large), np.where(inside, large, small)
@@ -167,8 +205,8 @@ class AnnulusMesh:
         f = self.fixed
         weight = f.times(f.sqrt(self.above), self.below)
         for k, part, end in (
-            (0, self.below, f.sqrt(self.tail_end)),
-            (-1, self.above, self._outer_end),
+            (0, self.below, f.sqrt(self.inner_end)),
+            (-1, self.above, self.outer_end),
         ):
             weight[k] = f.times(part[k], f.sqrt(part[k]), end)
         return np.asarray(weight)
@@ -179,17 +217,6 @@ class AnnulusMesh:
         f = self.fixed
         return np.asarray(f.times(f.sqrt(self.above), self.below, self._dx))
 
-    def _near(self, cell: int) -> list[Ints]:
-        """Return the blocks of a cell and the next one."""
-        b = self.blocks
-        if cell == 0:
-            return [b.inner, b.first]
-        if cell < self.panels:
-            return [b.panel, b.next]
-        if cell == self.panels:
-            return [b.panel, b.last[:, ::-1]]
-        return [b.outer[::-1, ::-1]]
-
     def half_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)`` at the nodes, of values there."""
         f, b, cells = self.fixed, self.blocks, len(values)
@@ -197,7 +224,7 @@ class AnnulusMesh:
         result, far = np.empty_like(values), 0 * b.decay
         for c in reversed(range(cells)):
             total = 0 * b.offset
-            for block, source in zip(self._near(c), near[c : c + 2], strict=True):
+            for block, source in zip(b.near.at(c, self.panels), near[c : c + 2], strict=True):
                 total = total + block @ source
             if c + 2 < cells:
                 sources = b.sources if c + 3 < cells else b.tail_sources[:, ::-1]
@@ -226,12 +253,10 @@ class AnnulusMesh:
         matrix[rows, columns] = 0.5 / np.sqrt(-np.expm1(x[rows] - x[columns]))
         matrix *= f.floats(self._source).ravel()
         weight = f.floats(self._weight).ravel()
-        blocks = {id(b): f.floats(b) for b in vars(self.blocks).values() if np.ndim(b) == 2}
         for c in range(self.panels + 2):
-            for k, block in enumerate(self._near(c)):
+            for k, block in enumerate(self.blocks.near_doubles.at(c, self.panels)):
                 own, part = slice(c * m, (c + 1) * m), slice((c + k) * m, (c + k + 1) * m)
-                double = blocks[id(block)] if id(block) in blocks else f.floats(block)
-                matrix[own, part] = double * weight[part]
+                matrix[own, part] = block * weight[part]
         return np.asarray(matrix / np.sqrt(f.floats(self.below)).reshape(-1, 1))
 
     def inner_matrix(self) -> Array:
@@ -268,8 +293,8 @@ class AnnulusSeries:
         odds = f.over(np.minimum(above, below), np.maximum(above, below))
         x = np.empty(len(odds), dtype=object)
         for rows, end, beyond in (
-            (inside, mesh.tail_end, -mesh.before * h - 1),
-            (~inside, mesh._outer_end, mesh.after * h),
+            (inside, mesh.inner_end, -mesh.before * h - 1),
+            (~inside, mesh.outer_end, mesh.after * h),
         ):
             near = rows & (odds >= end).astype(bool)
             x[rows] = beyond
@@ -281,7 +306,7 @@ class AnnulusSeries:
             if 0 < c < last:
                 local = 2 * f.over(x[rows] - (int(c) - 1 - mesh.before) * h, h) - f.one
             else:
-                end = mesh.tail_end if c == 0 else mesh._outer_end
+                end = mesh.inner_end if c == 0 else mesh.outer_end
                 local = 2 * f.sqrt(f.over(odds[rows], end)) - f.one
             values[rows] = f.dot(f.legendre(local, self.table.shape[1] - 1), self.table[c])
         return values

@@ -219,7 +219,7 @@ def _tail(targets: _Cells, sources: _Cells) -> Ints:
     """
     f, mesh = sources.mesh.fixed, sources.mesh
     blocks, width = mesh.blocks, sources.width
-    end = mesh.tail_end
+    end = mesh.inner_end
     root = f.sqrt(targets.distance[0])[:, None]
     limit = f.sqrt(f.over(f.times(width, end), f.one + end))
     g, w = f.gauss(2 * blocks.points + blocks.digits)
