@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.precise.fixed import Fixed, Ints, root_rule
 
-__all__ = ["AnnulusMesh", "AnnulusSeries", "Blocks"]
+__all__ = ["AnnulusMesh", "AnnulusSeries", "Blocks", "Near"]
 
 Array = NDArray[np.float64]
 
