@@ -25,6 +25,8 @@ SCENES = {
     "normal and full stick, α* = β* = 1e-6": Scene(0.1, 1e-6, 1e-6, math.inf),
     "partial slip, α* = β* = 0.5, f = 0.1": Scene(0.1, 0.5, 0.5, 0.1),
     "partial slip, α* = β* = 1e-6, f = 0.1": Scene(0.1, 1e-6, 1e-6, 0.1),
+    "slip inside, α* = 0.05, β* = 1, f = 0.0329": Scene(0.3, 0.05, 1.0, 0.0329),
+    "slip inside, α* = 0, β* = 1e-6, f = 0.1": Scene(0.3, 0.0, 1e-6, 0.1),
 }
 DIGITS = (20, 30)
 #: More, for the first scene alone.

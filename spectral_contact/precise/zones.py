@@ -183,13 +183,17 @@ class _Problem:
             if self._share(step, flat) <= _CLOSE:
                 break
         newton.border(trial, flat)
+        last = None
         for _ in range(_MOST_SWEEPS):
             step, shift = newton.step(trial, flat)
             flat = flat + f.of(step)
             logits = [x + f.mp.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
             trial = _Trial(self, logits)
-            if max(self._share(step, flat), np.abs(shift).max()) <= goal:
+            size = max(self._share(step, flat), float(np.abs(shift).max()))
+            # the next step would be as much smaller as this one is
+            if size <= goal or (last is not None and size * size <= goal * last):
                 return trial.outcome(flat)
+            last = size
         raise ConvergenceError("the zones do not settle", "ask for fewer digits")
 
     def _share(self, step: Array, flat: Ints) -> float:
