@@ -30,7 +30,7 @@ def record(study):
         ("honesty", "scenes", 800),
         ("naive", "count", 60),
         ("projections", "count", 300),
-        ("sharpness", "scenes", 73),
+        ("sharpness", "scenes", 81),
     ],
 )
 def test_results_are_fresh_and_of_full_size(study, counted, least):
