@@ -163,7 +163,7 @@ def record_of(rows: list[dict], seed: int) -> dict:
         "scenes": len(rows),
         "seed": seed,
         "sources": sorted({row["sources"] for row in rows}),
-        "by_reference": sum(row.get("by_reference", False) for row in rows),
+        "by_reference": sum(row.get("exact", False) for row in rows),
         "unconverged": sum(row.get("unconverged", False) for row in rows),
         "differing_zones": sum(row.get("differing", False) for row in rows),
         "summary": summary,

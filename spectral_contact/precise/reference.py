@@ -50,7 +50,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     SceneError
         For an argument out of its range.
     NotComputedError
-        If the stick disk is so small that `solve` has slip everywhere.
+        If `solve` does not resolve the zones, or has slip everywhere as the stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 
@@ -128,6 +128,9 @@ def _layout(scene: Scene) -> Layout | None:
     if states[0] != 0 or (len(states) > 2 and scene.tangential_compliance == 0.0):
         kinds = ", ".join(zone.kind for zone in zones)
         raise NotComputedError("the reference", f"its zones are {kinds}")
+    error = solution.error.zones
+    if error is not None and not error < 1.0:  # all digits would go into the wrong zones
+        raise NotComputedError("the reference", "double precision does not resolve its zones")
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return Layout(tuple(states), radii)
 

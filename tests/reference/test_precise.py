@@ -236,6 +236,13 @@ def test_a_vanishing_stick_disk_is_refused():
         reference(Scene(NU, friction=Scene(NU).kappa / 80), 15)
 
 
+def test_zones_that_doubles_do_not_resolve_are_refused():
+    # slip in 4e-19 of the radius at most: any digits would be those of other zones
+    scene = Scene(0.04336918462060191, 1.717386608424937, 598.4614790885076, 0.000188084697310428)
+    with pytest.raises(NotComputedError, match="does not resolve its zones"):
+        reference(scene, 15)
+
+
 def test_progress_is_shown_when_wanted(capsys):
     reference(Scene(NU), 15)
     assert capsys.readouterr().err == ""
