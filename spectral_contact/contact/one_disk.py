@@ -304,9 +304,9 @@ class _OneDiskProblem:
                 part = radius.square * float(moments @ one.coefficients)
                 outside = float(drive.load_outside(np.array(radius.rest)))
                 swept.append(abs(part) + 2.0 * pi * self.friction * abs(outside))
-            # in the tail of the pressure a change is as large as the error that it stands for
+            # in the tail of the pressure the error has been seen to be twice the change
             deep = normal.panels is not None and radius.rest < normal.panels.end
-            shift += max(2.0 * propagated, 1.0 if deep else 0.0) * max(swayed)
+            shift += max(2.0 * propagated, 3.0 if deep else 0.0) * max(swayed)
             lost += propagated * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
