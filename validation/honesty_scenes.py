@@ -224,8 +224,11 @@ def violates(error: float, estimate: float, own: float) -> bool:
     return not error <= estimate + own + 20 * EPS
 
 
-def outcome(seed: int, number: int) -> dict:
-    """Solve a scene and return what there is to keep of it."""
+def outcome(seed: int, number: int, exact: bool) -> dict:
+    """Solve a scene and return what there is to keep of it.
+
+    With `exact` the truth has many digits, unless doubles do not resolve its zones.
+    """
     row: dict = {"number": number}
     try:
         with warnings.catch_warnings():
@@ -234,9 +237,8 @@ def outcome(seed: int, number: int) -> dict:
             row |= {"scene": repr(scene), "rtol": rtol}
             solution = solve(scene, rtol, strict=False)
             truth: Solution | Rounded | None = None
-            row["by_reference"] = by_reference(seed, number)
-            if row["by_reference"]:
-                # refused where doubles do not resolve the zones
+            row["by_reference"] = exact
+            if exact:
                 with suppress(NotComputedError):
                     truth = Rounded(reference(scene, DIGITS))
             row["exact"] = truth is not None

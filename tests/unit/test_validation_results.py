@@ -27,7 +27,7 @@ def record(study):
         ("bad_inputs", "cases", 10_000),
         ("bounds", "count", 30),
         ("hard_cases", "count", 14),
-        ("honesty", "scenes", 800),
+        ("honesty", "scenes", 4400),
         ("naive", "count", 60),
         ("projections", "count", 300),
         ("sharpness", "scenes", 81),
