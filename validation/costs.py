@@ -5,6 +5,8 @@ matplotlib costs.png, costs_growth.png and costs_prices.png, into validation/res
 done is kept in the store, and the same command goes on where a run was stopped; what other sources
 of the library gave is not taken. The truths, to 20 digits, are kept in costs_truths.json beside the
 results, and made once, in some ten minutes. The price of many digits is that of bench_reference.py.
+With --quick times are rough, of one repeat in this process, and truths that are not there yet are
+solves to 1e-12 on other panels.
 """
 
 from __future__ import annotations
@@ -26,13 +28,22 @@ from typing import Any
 import numpy as np
 from bench_solve import dense_solve
 from costs_prices import MANY_DIGITS, RTOL, Price, prices, step_seconds
-from costs_report import draw_errors, draw_growth, draw_prices, growth_argument, tables
+from costs_report import (
+    all_unknowns,
+    draw_errors,
+    draw_growth,
+    draw_prices,
+    growth_argument,
+    tables,
+)
 from honesty import sources
+from honesty_scenes import true_solution
 
-from spectral_contact import Scene, __version__, gold, solve
+from spectral_contact import Scene, Solution, __version__, gold, solve
 from spectral_contact.progress import ProgressLine
 from spectral_contact.studies import (
     OwnSolver,
+    Point,
     Stopwatch,
     Truth,
     convergence,
@@ -56,7 +67,7 @@ COMPLIANCES = (0.5, 1e-2, 1e-4, 1e-8, 1e-12, 0.0)
 TOLERANCES = tuple(float(f"1e-{digits}") for digits in range(2, 13))
 #: Four for each digit: at these all gold scenes are looked at for unknowns that fall.
 MANY_TOLERANCES = tuple(float(f"{10.0 ** (-k / 4):.3g}") for k in range(8, 49))
-QUICK = Stopwatch(repeats=1, seconds=0.0, longest=0.0, processes=1)
+QUICK = Stopwatch(repeats=1, seconds=0.0)
 
 Task = tuple[str, Callable[[], Any]]
 
@@ -112,11 +123,13 @@ def truth_from_row(row: dict[str, Any]) -> Truth:
     return Truth(**(row | known | {"fields": fields}))
 
 
-def truths() -> dict[Scene, Truth]:
-    """Return the truths of all cases; those that are missing are made and kept."""
+def truths(quick: bool) -> dict[Scene, Truth]:
+    """Return the truths of all cases; those that are missing are made, and kept unless quick."""
     rows = json.loads(TRUTHS.read_text(encoding="utf-8")) if TRUTHS.exists() else []
     found = {truth.scene: truth for truth in map(truth_from_row, rows)}
     missing = [scene for scene in CASES.values() if scene not in found]
+    if quick:
+        return found | {scene: truth_of(scene, true_solution(scene)) for scene in missing}
     tasks = [(f"truth at α* = {s.normal_compliance:g}", lambda s=s: truth_of(s)) for s in missing]
     for truth in run(tasks):
         found[truth.scene] = truth
@@ -128,10 +141,24 @@ def truths() -> dict[Scene, Truth]:
 # --- measurements ---------------------------------------------------------------------------------
 
 
+def timed(task: Callable[[Scene, float], Any], stopwatch: Stopwatch) -> Callable[..., Any]:
+    """Return a task as it is to be timed: a quick one is one that no fresh process can import."""
+    return (lambda scene, rtol: task(scene, rtol)) if stopwatch == QUICK else task
+
+
 def points_of(scene: Scene, truth: Truth, store: Path, stopwatch: Stopwatch) -> list[dict]:
     """Return the points of one scene at all tolerances."""
-    study = convergence(OwnSolver(), scene, TOLERANCES, truth, stopwatch=stopwatch, store=store)
-    return [point_row(point) for point in study.points]
+    solver = timed(OwnSolver(), stopwatch)
+    options = {"name": OwnSolver().name, "stopwatch": stopwatch, "store": store}
+    study = convergence(solver, scene, TOLERANCES, truth, **options)
+    return [point_row(point) | {"systems": systems(scene, point)} for point in study.points]
+
+
+def systems(scene: Scene, point: Point) -> dict[str, int]:
+    """Return the unknowns of every step of a solve."""
+    work = OwnSolver()(scene, point.resolution).work
+    assert work.unknowns == point.unknowns
+    return {step.name: step.unknowns for step in work.steps if step.unknowns}
 
 
 def exceeded(points: list[dict], known: dict[Scene, Truth]) -> list[dict]:
@@ -169,14 +196,10 @@ def falls(scene: Scene) -> dict[str, Any]:
 
 def priced(price: Price, stopwatch: Stopwatch) -> dict[str, Any]:
     """Return what an item of the price list costs."""
-    times = times_of(price.task, price.scene, RTOL, stopwatch)
-    assert times.cold is not None
-    return {
-        "item": price.item,
-        "unknowns": getattr(getattr(price.task(price.scene, RTOL), "work", None), "unknowns", None),
-        "warm": asdict(times.warm),
-        "cold": asdict(times.cold),
-    }
+    outcome = price.task(price.scene, RTOL)
+    times = times_of(timed(price.task, stopwatch), price.scene, RTOL, stopwatch)
+    unknowns = outcome.work.unknowns if isinstance(outcome, Solution) else None
+    return {"item": price.item, "unknowns": unknowns, "times": asdict(times)}
 
 
 def digits_priced() -> list[dict[str, Any]]:
@@ -195,11 +218,15 @@ def digits_priced() -> list[dict[str, Any]]:
 def fits(points: list[dict], problem: str) -> dict[str, Any]:
     """Return the growth of unknowns and of warm times, on rough surfaces."""
     rough = [p for p in points if p["problem"] == problem and p["compliance"] > 0.0]
-    x = np.array([growth_argument(p["resolution"], p["compliance"]) for p in rough])
-    unknowns = np.array([p["unknowns"] for p in rough], dtype=float)
+    x, tapered = (
+        np.array([growth_argument(p["resolution"], p["compliance"], power) for p in rough])
+        for power in (1.0, 0.5)
+    )
+    unknowns = np.array([all_unknowns(p) for p in rough], dtype=float)
     seconds = np.array([p["times"]["warm"]["median"] for p in rough])
     return {
         "unknowns": asdict(fit_line(x, unknowns)),
+        "unknowns_tapered": asdict(fit_line(tapered, unknowns)),
         "unknowns_power": asdict(fit_line(np.log(x), np.log(unknowns))),
         "time_power": asdict(fit_line(np.log(unknowns), np.log(seconds))),
     }
@@ -208,7 +235,7 @@ def fits(points: list[dict], problem: str) -> dict[str, Any]:
 def record(store: Path, stopwatch: Stopwatch) -> dict[str, Any]:
     """Measure what the store does not hold yet, and return the record of the study."""
     store.mkdir(parents=True, exist_ok=True)
-    known = truths()
+    known = truths(stopwatch == QUICK)
     grid: list[Task] = [
         (
             f"{problem} at {compliance:g}",

@@ -21,12 +21,19 @@ SHOWN = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 FROM, TO = 1e-2, 1e-12
 DEFAULT = 1e-10
 
+PRODUCT = r"$L = \ln(1/\mathrm{rtol})\;\ln(1/(\alpha^*\,\mathrm{rtol}))$"
+
 Record = dict[str, Any]
 
 
-def growth_argument(rtol: float, compliance: float) -> float:
-    """Return ``log(1/rtol) log(1/(alpha rtol))``."""
-    return math.log(rtol) * math.log(compliance * rtol)
+def growth_argument(rtol: float, compliance: float, power: float = 1.0) -> float:
+    """Return ``log(1/rtol) log(1/(alpha rtol**power))``."""
+    return math.log(rtol) * (math.log(compliance) + power * math.log(rtol))
+
+
+def all_unknowns(point: Record) -> int:
+    """Return the unknowns of all systems together."""
+    return sum(point["systems"].values())
 
 
 def worst(point: Record, kind: str) -> float:
@@ -51,7 +58,15 @@ def _warm(point: Record) -> float:
 
 
 def _cold(point: Record) -> float:
-    return 1e3 * float(point["times"]["cold"]["median"])
+    """Return the cold time in ms, nan if there is none."""
+    cold = point["times"]["cold"]
+    return math.nan if cold is None else 1e3 * float(cold["median"])
+
+
+def _number(value: float, digits: int = 2) -> str:
+    if not math.isfinite(value):
+        return "–"
+    return f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -82,15 +97,18 @@ def _about(record: Record) -> str:
     watch, machine = record["stopwatch"], record["machine"]
     problems, compliances = _cases(record)
     over = record["exceeded"]
-    most = max(watch["repeats"], 1)
+    fresh = all(point["times"]["cold"] is not None for point in record["points"])
+    rough = "**Times are rough**: one repeat on a busy machine, none in fresh processes."
+    taken = (
+        f"Warm: the median of {watch['repeats']} repeats or more of the same solve; cold: the "
+        f"median of first solves in {watch['processes']} fresh processes, imports not counted."
+    )
     lines = [
-        f"{len(problems)} problems at {len(compliances)} compliances and "
-        f"{record['count'] // len(problems) // len(compliances)} tolerances, "
-        f"{record['count']} solves. Warm: the median of {most} repeats or more; cold: the median "
-        f"of first solves in {watch['processes']} fresh processes, imports not counted; one BLAS "
-        f"thread. {machine['processor']}, Python {machine['python']}, numpy {machine['numpy']}; "
-        "there `numpy.linalg.solve` of 1000 dense equations, U, takes "
-        f"{1e3 * record['dense_solve_seconds']:.0f} ms.",
+        f"{len(problems)} problems at {len(compliances)} compliances, {record['count']} solves. "
+        f"{taken if fresh else rough} One BLAS thread. {machine['processor']}, Python "
+        f"{machine['python']}, numpy {machine['numpy']}; U, one `numpy.linalg.solve` of 1000 "
+        f"dense equations there, takes {1e3 * record['dense_solve_seconds']:.0f} ms. Truth: "
+        f"{'; '.join(record['truths'])}.",
         "",
         f"True errors above their estimates: {len(over) or 'none'}.",
     ]
@@ -110,11 +128,11 @@ def _digits(record: Record) -> str:
     for problem in problems:
         for compliance in compliances:
             points = {p["resolution"]: p for p in series(record, problem, compliance)}
-            cells = [f"{points[r]['unknowns']}, {_warm(points[r]):.2g} ms" for r in SHOWN]
+            cells = [f"{all_unknowns(points[r])}, {_number(_warm(points[r]))} ms" for r in SHOWN]
             count = math.log10(FROM / TO)
-            more = (points[TO]["unknowns"] - points[FROM]["unknowns"]) / count
+            more = (all_unknowns(points[TO]) - all_unknowns(points[FROM])) / count
             longer = (_warm(points[TO]) - _warm(points[FROM])) / count
-            added = f"{more:.0f}, {max(longer, 0.0):.2g} ms" if more else "nothing"
+            added = f"{more:.0f}, {_number(longer)} ms" if more else "nothing"
             rows.append([problem, f"{compliance:g}", *cells, added])
     return _table(heading, rows)
 
@@ -130,7 +148,7 @@ def _roughness(record: Record) -> str:
         row = [f"{compliance:g}"]
         for problem in problems:
             [point] = [p for p in series(record, problem, compliance) if p["resolution"] == DEFAULT]
-            row += [str(point["unknowns"]), f"{_warm(point):.2g}", f"{_cold(point):.3g}"]
+            row += [str(all_unknowns(point)), _number(_warm(point)), _number(_cold(point))]
         rows.append(row)
     return _table(heading, rows)
 
@@ -142,14 +160,15 @@ def _growth(record: Record) -> str:
         low, high = line["interval"]
         return f"{line['slope']:.3g} [{low:.3g}, {high:.3g}]"
 
-    heading = ["problem", "points", "N = a + b L", "within", "N ~ L^k: k", "time ~ N^m: m"]
+    def law(line: Record) -> str:
+        return f"{line['intercept']:.0f} + {span(line)}, ± {line['residual']:.0f}"
+
+    heading = ["problem", "points", "N = a + b L", "N = a + b L′", "N ~ L^k: k", "time ~ N^m: m"]
     rows = []
     for problem, fit in record["fits"].items():
-        line = fit["unknowns"]
-        law = f"a = {line['intercept']:.0f}, b = {span(line)}"
-        rest = f"{line['residual']:.0f} unknowns"
+        laws = [law(fit[name]) for name in ("unknowns", "unknowns_tapered")]
         powers = [span(fit[name]) for name in ("unknowns_power", "time_power")]
-        rows.append([problem, str(line["count"]), law, rest, *powers])
+        rows.append([problem, str(fit["unknowns"]["count"]), *laws, *powers])
     return _table(heading, rows)
 
 
@@ -184,23 +203,22 @@ def _scene(scene: Record) -> str:
 
 
 def _prices(record: Record) -> str:
-    heading = ["what", "unknowns", "warm [ms]", "warm [U]", "cold [ms]"]
+    heading = ["what", "unknowns", "warm", "warm [U]", "cold"]
     unit = record["dense_solve_seconds"]
     rows = []
     for price in record["prices"]:
         warm, cold = _price_seconds(price)
-        cells = ["–", "–"] if warm is None else [f"{1e3 * warm:.2g}", f"{warm / unit:.2g}"]
-        last = f"{1e3 * cold:.3g}" if cold < 1.0 else f"{cold:.2g} s"
-        unknowns = price["unknowns"]
-        rows.append([price["item"], "–" if unknowns is None else str(unknowns), *cells, last])
+        unknowns = "–" if price["unknowns"] is None else str(price["unknowns"])
+        cells = [_seconds(warm), _number(warm / unit), _seconds(cold)]
+        rows.append([price["item"], unknowns, *cells])
     return _table(heading, rows)
 
 
-def _price_seconds(price: Record) -> tuple[float | None, float]:
-    """Return warm and cold seconds; many digits have one time."""
+def _price_seconds(price: Record) -> tuple[float, float]:
+    """Return warm and cold seconds, nan if there are none; many digits have one time."""
     if "seconds" in price:
-        return None, float(price["seconds"])
-    return float(price["warm"]["median"]), float(price["cold"]["median"])
+        return math.nan, float(price["seconds"])
+    return _warm(price) / 1e3, _cold(price) / 1e3
 
 
 def _steps(record: Record) -> str:
@@ -223,8 +241,8 @@ def _steps(record: Record) -> str:
 
 def _points(record: Record) -> str:
     """Return every point."""
-    heading = ["problem", "α* = β*", "rtol", "error", "estimate", "unknowns", "spaces"]
-    heading += ["warm [ms]", "cold [ms]"]
+    heading = ["problem", "α* = β*", "rtol", "error", "estimate", "unknowns", "largest system"]
+    heading += ["spaces tried", "warm [ms]", "cold [ms]"]
     rows = [
         [
             p["problem"],
@@ -232,10 +250,11 @@ def _points(record: Record) -> str:
             f"{p['resolution']:g}",
             f"{worst(p, 'errors'):.0e}",
             f"{worst(p, 'estimates'):.0e}",
+            str(all_unknowns(p)),
             str(p["unknowns"]),
             str(p["refinements"]),
-            f"{_warm(p):.3g}",
-            f"{_cold(p):.3g}",
+            _number(_warm(p), 3),
+            _number(_cold(p), 3),
         ]
         for p in record["points"]
     ]
@@ -297,7 +316,7 @@ def draw_growth(record: Record, path: Path) -> None:
             for marker, compliance in zip(MARKERS, rough, strict=False):
                 points = series(record, problem, compliance)
                 x = [growth_argument(p["resolution"], compliance) for p in points]
-                unknowns = [p["unknowns"] for p in points]
+                unknowns = list(map(all_unknowns, points))
                 mark = {"marker": marker, "ls": "", "ms": 4.0, "color": "black"}
                 label = rf"$\alpha^* =$ {_power(compliance)}"
                 axes.plot(x, unknowns, **mark, label=label)
@@ -305,12 +324,18 @@ def draw_growth(record: Record, path: Path) -> None:
                 below.plot(unknowns, list(map(_cold, points)), **mark | {"mfc": "white"}, mew=0.6)
             _draw_line(axes, record["fits"][problem]["unknowns"], lambda x: x, 0.0, _reach(axes))
             fit = record["fits"][problem]["time_power"]
-            span = [p["unknowns"] for p in record["points"] if p["problem"] == problem]
-            low = min(n for n in span if n > 0)
-            _draw_line(below, fit, np.log, float(low), float(max(span)), scale=1e3)
-            axes.set(title=problem, xlabel=r"$\ln(1/rtol)\;\ln(1/(\alpha^*\,rtol))$")
+            span = [all_unknowns(p) for c in rough for p in series(record, problem, c)]
+            low, high = float(min(span)), float(max(span))
+            _draw_line(below, fit, np.log, low, high, scale=1e3)
+            axes.set(
+                title=problem,
+                xlabel=r"$L = \ln(1/\mathrm{rtol})\;\ln(1/(\alpha^*\,\mathrm{rtol}))$",
+            )
             below.set(xscale="log", yscale="log", xlabel="unknowns $N$")
-        top[0].set_ylabel("unknowns $N$ of the largest system")
+            below.set_xticks([30, 100, 300, 1000], ["30", "100", "300", "1000"])
+            below.set_xlim(0.8 * low, 1.25 * high)
+            below.minorticks_off()
+        top[0].set_ylabel("unknowns $N$, all systems together")
         bottom[0].set_ylabel("time [ms]: full warm, open cold")
         handles, names = top[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=len(rough))
@@ -350,13 +375,12 @@ def draw_prices(record: Record, path: Path) -> None:
         figure = Figure(figsize=(7.6, 0.9 + 0.36 * len(prices)), layout="constrained")
         axes = figure.subplots()
         for row, price in enumerate(prices):
-            warm, cold = _price_seconds(price)
-            axes.barh(row, 1e3 * cold, height=0.7, color="0.82", edgecolor="0.4", lw=0.5)
-            if warm is not None:
-                axes.barh(row, 1e3 * warm, height=0.4, color="0.25")
-            shown = cold if warm is None else warm
-            end = 1e3 * max(cold, warm or 0.0)
-            axes.text(1.25 * end, row, _seconds(shown), va="center", fontsize=8.0)
+            warm, cold = (1e3 * seconds for seconds in _price_seconds(price))
+            axes.barh(row, cold, height=0.7, color="0.82", edgecolor="0.4", lw=0.5)
+            axes.barh(row, warm, height=0.4, color="0.25")
+            shown = cold if math.isnan(warm) else warm
+            end = float(np.nanmax([warm, cold]))
+            axes.text(1.25 * end, row, _seconds(shown / 1e3), va="center", fontsize=8.0)
         axes.set_yticks(range(len(prices)), [price["item"] for price in prices])
         axes.invert_yaxis()
         axes.set(xscale="log", xlabel="time [ms]: dark and number warm, light cold")
@@ -367,4 +391,6 @@ def draw_prices(record: Record, path: Path) -> None:
 
 
 def _seconds(seconds: float) -> str:
+    if math.isnan(seconds):
+        return "–"
     return f"{1e3 * seconds:.2g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
