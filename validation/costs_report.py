@@ -98,7 +98,7 @@ def _about(record: Record) -> str:
     problems, compliances = _cases(record)
     over = record["exceeded"]
     fresh = all(point["times"]["cold"] is not None for point in record["points"])
-    rough = "**Times are rough**: one repeat on a busy machine, none in fresh processes."
+    rough = "**Times are rough**: one repeat on a busy machine, and no cold ones."
     taken = (
         f"Warm: the median of {watch['repeats']} repeats or more of the same solve; cold: the "
         f"median of first solves in {watch['processes']} fresh processes, imports not counted."
@@ -229,13 +229,13 @@ def _steps(record: Record) -> str:
     rows = []
     for name in names:
         cells = [
-            f"{1e3 * taken[s, name]:.2g} ms, {100 * taken[s, name] / totals[s]:.0f} %"
+            f"{_seconds(taken[s, name])}, {100 * taken[s, name] / totals[s]:.0f} %"
             if (s, name) in taken
             else "–"
             for s in solves
         ]
         rows.append([name, *cells])
-    rows.append(["all", *(f"{1e3 * totals[s]:.2g} ms" for s in solves)])
+    rows.append(["all", *(_seconds(totals[s]) for s in solves)])
     return _table(["step", *solves], rows)
 
 
@@ -383,9 +383,11 @@ def draw_prices(record: Record, path: Path) -> None:
             axes.text(1.25 * end, row, _seconds(shown / 1e3), va="center", fontsize=8.0)
         axes.set_yticks(range(len(prices)), [price["item"] for price in prices])
         axes.invert_yaxis()
-        axes.set(xscale="log", xlabel="time [ms]: dark and number warm, light cold")
-        low, high = axes.get_xlim()
-        axes.set_xlim(min(low, 0.05), 5.0 * high)
+        axes.set(xscale="log", xlabel="time: dark and number warm, light cold")
+        axes.set_xlim(0.05, 5.0 * axes.get_xlim()[1])
+        ticks = 10.0 ** np.arange(-1.0, 6.0)
+        axes.set_xticks(ticks, [_seconds(tick / 1e3) for tick in ticks])
+        axes.minorticks_off()
         axes.grid(visible=False, axis="y")
     save(figure, str(path))
 
@@ -393,4 +395,4 @@ def draw_prices(record: Record, path: Path) -> None:
 def _seconds(seconds: float) -> str:
     if math.isnan(seconds):
         return "–"
-    return f"{1e3 * seconds:.2g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
+    return f"{_number(1e3 * seconds)} ms" if seconds < 1.0 else f"{_number(seconds)} s"
