@@ -199,7 +199,9 @@ def priced(price: Price, stopwatch: Stopwatch) -> dict[str, Any]:
     """Return what an item of the price list costs."""
     outcome = price.task(price.scene, RTOL)
     times = times_of(timed(price.task, stopwatch), price.scene, RTOL, stopwatch)
-    unknowns = outcome.work.unknowns if isinstance(outcome, Solution) else None
+    unknowns = None
+    if isinstance(outcome, Solution):
+        unknowns = sum(step.unknowns for step in outcome.work.steps)
     return {"item": price.item, "unknowns": unknowns, "times": asdict(times)}
 
 
