@@ -115,6 +115,7 @@ class _Trial:
     radius: Radius
     mismatch: float
     coefficients: Array
+    response: Array | None
     factored: Factored
     target: Array
     unit: float
@@ -224,7 +225,7 @@ class _OneDiskProblem:
         at_rim = np.array(radius.rest)
         balance, target = rim_target(drive, radius, [(self.friction, source)], keep=self.beta > 0.0)
         values, unresolved = interpolate(panels, target)
-        rim, unit, slipping = -balance, 0.0, self.friction * source.at_rim
+        rim, unit, slipping, response = -balance, 0.0, self.friction * source.at_rim, None
         if self.beta == 0.0:
             coefficients = factored.solve(values, correct=correct)
         else:
@@ -236,7 +237,8 @@ class _OneDiskProblem:
             rim = (at_end - series_of(panels, coefficients).limit) / unit
             coefficients = coefficients + rim * response
             values = values + rim
-        return _Trial(radius, -rim, coefficients, factored, values, unit, unresolved, slipping)
+        solved = coefficients, response, factored, values
+        return _Trial(radius, -rim, *solved, unit, unresolved, slipping)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
         trials: list[tuple[float, _Trial]] = []
@@ -271,7 +273,11 @@ class _OneDiskProblem:
         rates = decay_rates(resolution, coefficients)
         last = trial.factored.change(coefficients)
         change = last.coefficients
-        indicators = expected_error(share_of_change(panels, change, series), rates)
+        continuous = change
+        if trial.response is not None:  # the rim value follows; that there is taken by the radius
+            limit = series_of(panels, change).limit
+            continuous = change - limit / trial.unit * trial.response
+        indicators = expected_error(share_of_change(panels, continuous, series), rates)
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
         # with little friction the target is a small difference
         at_rim = float(self.drive.target(np.array(radius.rest)))
