@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.full_stick import FullStick
-from spectral_contact.contact.one_disk import NoStickDiskError, OneDisk, solve_one_disk
+from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import (
     Slipping,
@@ -28,6 +28,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_displacement,
     slip_misfit,
 )
+from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius, ZonalField, ZonePiece
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, Zone
 from spectral_contact.spectral.annulus import Annulus
