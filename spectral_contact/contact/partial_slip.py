@@ -310,7 +310,7 @@ def _one_disk_outcome(
         disk.shear_error,
         disk.radius_error,
         max(disk.radius_error, disk.edge_error),
-        slip_error,
+        max(slip_error, _unknown(disk.edge_error)),
         violation,
         consistent,
         False,
@@ -337,6 +337,11 @@ def _obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool
     The violation is reported in any case; near the onset of a zone it cannot be less.
     """
     return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, 1e-10)
+
+
+def _unknown(boundary_error: float) -> float:
+    """Return infinity where no digit of a boundary is known: then none of the slip is, either."""
+    return inf if boundary_error == inf else 0.0
 
 
 def _displacement_error(
@@ -402,6 +407,7 @@ def _zones_outcome(
         drive, outermost, solved.stray + unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)
+    zones_error = max(max(pair) for pair in solved.boundary_errors)
     return PartialSlip(
         tuple(zones),
         ZonalField(tuple(traction)),
@@ -410,8 +416,8 @@ def _zones_outcome(
         error,
         solved.shear_error,
         solved.boundary_errors[0][0],
-        max(max(pair) for pair in solved.boundary_errors),
-        slip_error,
+        zones_error,
+        max(slip_error, _unknown(zones_error)),
         max(excess, wrong / largest, 0.0),
         _obeys(excess, error, wrong / largest, slip_error),
         True,
