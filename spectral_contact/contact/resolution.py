@@ -14,7 +14,11 @@ from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_projection_matrix,
+)
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
 __all__ = [
@@ -267,11 +271,12 @@ def share_of_change(panels: LogPanels, change: Array, field: Callable[[Array], A
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     """Return ``int basis * density(d) dd`` over (0, 1)."""
-    x, w = panels.half_line_nodes()
+    x, _ = panels.half_line_nodes()
     d = np.exp(-x)
-    g, _ = gauss_rule(x.shape[1])
-    values = (w * d * density(d)) @ legendre_values(g, panels.degree)
-    g, w = gauss_rule(TAIL_TERMS + 1)
+    values = (panels.width / 2.0 * d * density(d)) @ legendre_projection_matrix(
+        x.shape[1], panels.degree
+    )
+    g, _ = gauss_rule(TAIL_TERMS + 1)
     d = panels.end * (1.0 + g) / 2.0
-    tail = (w * panels.end / 2.0 * density(d)) @ legendre_values(g, TAIL_TERMS - 1)
+    tail = (panels.end / 2.0 * density(d)) @ legendre_projection_matrix(len(g), TAIL_TERMS - 1)
     return np.concatenate([values.ravel(), tail])
