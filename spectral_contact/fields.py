@@ -138,6 +138,21 @@ class LogSeries:
         """Value at ``d = 0``; infinite where the tail is singular."""
         return np.inf if self.power < 0.0 else legendre_sum(-1.0, self.tail.tolist())
 
+    def at_ends(self) -> Array:
+        """Return the values at `ends`."""
+        terms = self.coefficients.shape[1]
+        values = np.empty(len(self.coefficients) + 1)
+        values[:-1] = self.coefficients @ (1.0 - 2.0 * (np.arange(terms) % 2))
+        values[-1] = self.coefficients[-1].sum()
+        if self.power != 0.0:
+            values *= self.ends**self.power
+        return values
+
+    @property
+    def ends(self) -> Array:
+        """Where the panels end: ``d = exp(-j width)``, (panels + 1,)."""
+        return np.asarray(np.exp(-self.width * np.arange(len(self.coefficients) + 1)))
+
     def minus(self, other: LogSeries) -> LogSeries:
         """Return the difference of two series on the same panels."""
         return replace(
@@ -202,6 +217,12 @@ class PressureField:
         if self.series is not None:
             value = value + self.series(y)
         return value
+
+    def at_ends(self) -> Array:
+        """Return the values at the `ends` of the series."""
+        assert self.series is not None
+        values = self.series.at_ends()
+        return values if self.weight is None else values + self.weight(self.series.ends)
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate at radii `s` whose distances to the edge are `from_edge`."""

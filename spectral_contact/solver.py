@@ -201,7 +201,8 @@ class _Run:
             states[name] is not StepState.SKIPPED for name in (FULL_STICK, PARTIAL_SLIP, SLIP_FIELD)
         )
         tolerance = max(self.rtol * _TIGHTER, min(self.rtol, _TIGHTEST)) if drives else self.rtol
-        goal = "pressure" if drives or "pressure" in self.plan.quantities else "approach"
+        goal = "pressure" if "pressure" in self.plan.quantities else "approach"
+        goal = "drive" if drives else goal
         contact: NormalContact = self._record(
             NORMAL,
             solve_normal(self.scene.normal_compliance, tolerance, self.max_unknowns, goal=goal),

@@ -145,7 +145,7 @@ class _StickProblem:
             at_edge = max(map(abs, limits)) / abs(series.limit)
         if normal.panels is not None and normal.change is not None:
             lost = normal.change.coefficients
-            pressure = share_of_change(normal.panels, lost, self.drive.pressure.at)
+            pressure = share_of_change(normal.panels, lost, self.drive.pressure)
             parts.append((normal.panels, propagated * pressure))
             edge_pressure = float(self.drive.pressure.at(np.array(0.0)))
             at_edge += abs(series_of(normal.panels, lost).limit / edge_pressure)

@@ -88,12 +88,12 @@ class NormalContact:
 
 
 class _NormalProblem:
-    """Spaces for the normal problem; `goal` is "pressure" or "approach"."""
+    """Spaces for the normal problem; see `solve_normal` for the goals."""
 
     def __init__(self, compliance: float, tolerance: float, goal: str) -> None:
         self.compliance = compliance
         self.tolerance = tolerance
-        self.pointwise = goal == "pressure"
+        self.pointwise, self.drives = goal != "approach", goal == "drive"
         small = compliance < SMALL_COMPLIANCE and self.pointwise
         self.weight = EdgeWeight(4.0 / pi, WEIGHT_SHIFT * compliance) if small else None
 
@@ -130,14 +130,15 @@ class _NormalProblem:
         moved: NormalContact | None = None
         lesser: NormalContact | None = None
         if self.pointwise:
-            shares = share_of_change(panels, change.coefficients * approach, pressure.at)
+            shares = share_of_change(panels, change.coefficients * approach, pressure)
             indicators = expected_error(shares, rates)
             pressure_error = float(indicators.max()) + 20.0 * ROUNDING
             error = pressure_error
             worst = float(rates[np.argmax(indicators)])
-            moved = self._moved(panels, change.coefficients * approach)
-            last = factored.change(solution, degrees=1)
-            lesser = self._moved(panels, last.coefficients * approach)
+            if self.drives:
+                moved = self._moved(panels, change.coefficients * approach)
+                last = factored.change(solution, degrees=1)
+                lesser = self._moved(panels, last.coefficients * approach)
         else:
             indicators, rates = energies, rates**2
             pressure_error, error = np.inf, approach_error
@@ -162,7 +163,7 @@ class _NormalProblem:
 
 
 def solve_normal(
-    compliance: float, tolerance: float, max_unknowns: int, *, goal: str = "pressure"
+    compliance: float, tolerance: float, max_unknowns: int, *, goal: str = "drive"
 ) -> NormalContact | Refinement[NormalContact]:
     """Solve the normal problem.
 
@@ -174,8 +175,9 @@ def solve_normal(
         Bound on the relative error of the goal.
     max_unknowns : int
         Most unknowns of a space.
-    goal : {"pressure", "approach"}
-        The pointwise pressure, or the approach alone, which needs far fewer unknowns.
+    goal : {"drive", "pressure", "approach"}
+        The pointwise pressure with its changes, for what it drives; without them; or the approach
+        alone, which needs far fewer unknowns.
 
     Returns
     -------

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.fields import LogSeries, PressureField, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
@@ -64,6 +64,7 @@ PANEL_WIDTH = 2.0
 _ROOT_DEPTH = 7.0
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
+_TINY = float(np.finfo(float).tiny)
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
 
@@ -254,18 +255,19 @@ def panel_of(panels: LogPanels, y: float) -> int:
     return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
 
 
-def share_of_change(panels: LogPanels, change: Array, field: Callable[[Array], Array]) -> Array:
+def share_of_change(panels: LogPanels, change: Array, field: LogSeries | PressureField) -> Array:
     """Return the change on every panel relative to the least `field` there, tail included last.
 
     The sum of the moduli of Legendre coefficients bounds the change on the whole panel.
     """
-    d = np.exp(-panels.width * np.arange(panels.panels + 1))
-    total = np.abs(panel_table(panels, change)).sum(axis=1) * d[1:] ** panels.power
-    size = np.abs(field(d))
-    least = np.minimum(size[1:], size[:-1])
-    share = total / np.maximum(least, np.finfo(float).tiny)
-    tail = np.abs(change[-panels.tail_terms :]).sum() * panels.end**panels.power
-    share[-1] = max(share[-1], tail / max(size[-1], 1e-300))
+    total = np.abs(panel_table(panels, change)).sum(axis=1)
+    tail = float(np.abs(change[-panels.tail_terms :]).sum())
+    if panels.power != 0.0:
+        d = np.exp(-panels.width * np.arange(1, panels.panels + 1))
+        total, tail = total * d**panels.power, tail * panels.end**panels.power
+    size = np.maximum(np.abs(field.at_ends()), _TINY)
+    share = total / np.minimum(size[1:], size[:-1])
+    share[-1] = max(share[-1], tail / size[-1])
     return np.asarray(share)
 
 
