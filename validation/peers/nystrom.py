@@ -29,7 +29,7 @@ from spectral_contact import Scene
 #: Each panel is so much narrower than its neighbour away from the centre or the edge.
 RATIO: Final = 0.25
 #: Panels to the edge for each point of a panel, and to the centre.
-TO_EDGE, TO_CENTRE = 1.25, 0.6
+TO_EDGE, TO_CENTRE = 1.25, 0.3
 
 
 def _normal_logarithm(source: Places, target: Places) -> Array:
