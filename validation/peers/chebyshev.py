@@ -55,7 +55,7 @@ class Polynomial(Disk):
                 angles, rest = own + reach * v, (np.pi - own) - reach * v
                 if reach != 0.0:
                     values = kernel(_places(angles, rest), self.nodes[node])
-                    values[np.isinf(values)] = 0.0  # nearest points round to the node: weight 1e-16
+                    values[np.isinf(values)] = 0.0  # points that round to the node weigh nothing
                     values *= w * abs(reach) * np.sin(rest) / 2.0
                     row += values @ chebyshev.chebvander(np.cos(angles), degree)
             rows.append(row)

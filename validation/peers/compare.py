@@ -45,7 +45,7 @@ PEERS = {
     "tamaas": (fft.solver, (16, 32, 64, 128, 256, 512)),
     "scikit-fem": (fem.solver, (4, 8, 16, 32, 48)),
 }
-#: Seconds that a small run takes for one solve, at the most, decide how many resolutions it takes.
+#: So many resolutions of each peer are in a small run.
 SMALL = 4
 
 
@@ -174,7 +174,7 @@ def main() -> None:
         study = measured(name, options.small, options.results)
         path = options.results / f"peers_{name}"
         study.save(path.with_suffix(".json"))
-        study.plot(path.with_suffix(".png"))
+        study.plot(path.with_suffix(".png"), cold=False)
         path.with_suffix(".md").write_text(tables(study, packages[name]), encoding="utf-8")
         path.with_suffix(".partial").unlink()
 

@@ -1,6 +1,7 @@
 """The three contact problems, for any method that has matrices of both kernels on the unit disk.
 
-The kernels are homogeneous of degree 0, so the stick condition on a disk of radius c is that of the
+All of them are posed at nodes: (3.5), (4.2) and (5.8) of the paper, kappa from the scene. The
+kernels are homogeneous of degree 0, so the stick condition on a disk of radius c is that of the
 unit disk with beta/c. One matrix of each kernel serves all radii that the search for c tries.
 """
 
@@ -48,6 +49,8 @@ class Disk(ABC):
 
 class Contact:
     """What a method makes of a scene; a solution as studies take it.
+
+    It takes for granted that slip is outside of one stick disk, which this library finds out.
 
     Attributes
     ----------

@@ -58,7 +58,7 @@ def normal(source: Places, target: Places) -> Array:
 
 
 def tangential(source: Places, target: Places) -> Array:
-    """Return K2(eta, s) = (eta/lo) [K(rho) - E(rho)], by a series where the two are nearly equal."""
+    """Return K2(eta, s) = (eta/lo) [K(rho) - E(rho)], by a series where the two are close."""
     lo, hi, m1 = _pair(source, target)
     rho = lo / hi
     m = rho * rho
@@ -104,7 +104,8 @@ def integrals(kernel: Kernel, ends: Places, targets: Places) -> Array:
         found[0, rows] = np.einsum("iqj,q->ij", values, w * (1.0 - v))
         found[1, rows] = np.einsum("iqj,q->ij", values, w * v)
     _graded(kernel, ends, targets, found)
-    return np.asarray(found * (width / np.pi))
+    found *= width / np.pi
+    return found
 
 
 def _graded(kernel: Kernel, ends: Places, targets: Places, found: Array) -> None:

@@ -106,7 +106,10 @@ class Body:
         right = loads[free] - inner @ given
         options = {"SymmetricMode": True}
         factor = splu(
-            inner[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options
+            inner[:, free].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options=options,
         )
         given[free] = factor.solve(right)
         return given
@@ -159,7 +162,9 @@ class Elements:
         x = (ends[i] - y) / (ends[i] - ends[i + 1])
         inner, middle, outer = (values[2 * i + k] for k in range(3))
         return (
-            inner * (1.0 - x) * (1.0 - 2.0 * x) + 4.0 * middle * x * (1.0 - x) - outer * x * (1 - 2 * x)
+            inner * (1.0 - x) * (1.0 - 2.0 * x)
+            + 4.0 * middle * x * (1.0 - x)
+            - outer * x * (1 - 2 * x)
         )
 
 

@@ -15,7 +15,6 @@ Solver: ``nystrom:solver``; the resolution is the number of points of a panel.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property, lru_cache
 from typing import Final
 
@@ -119,7 +118,9 @@ class Panels(Disk):
 
     def _located(self, y: Array) -> tuple[Array, Array]:
         """Return the panel of each point, and where in [-1, 1] of it."""
-        panel = np.clip(np.searchsorted(-self.ends.y, -y, side="right") - 1, 0, len(self._width) - 1)
+        panel = np.clip(
+            np.searchsorted(-self.ends.y, -y, side="right") - 1, 0, len(self._width) - 1
+        )
         return panel, 2.0 * (self.ends.y[panel] - y) / self._width[panel] - 1.0
 
 
