@@ -14,8 +14,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from hard_cases import HardCase, overrefined
 
 from spectral_contact import Scene, Solution, solve
+from spectral_contact.fields import Radius
 from spectral_contact.precise import reference
 from spectral_contact.precise.solution import ReferenceSolution
+from spectral_contact.precise.zones import Layout
 
 DIGITS = 20
 #: Distances from the edge at which fields are compared.
@@ -86,8 +88,8 @@ def _without_edge_zone(scene: Scene) -> ReferenceSolution:
     """Solve with one stick disk and nothing but slip outside."""
     disk = solve(replace(scene, tangential_compliance=0.0), 1e-9).zones[0]
     module = sys.modules["spectral_contact.precise.reference"]
-    found = disk.outer, disk.outer_from_edge
-    with mock.patch.object(module, "_stick_disk", return_value=found):
+    found = Layout((0, 1), (Radius(disk.outer, disk.outer_from_edge),))
+    with mock.patch.object(module, "_layout", return_value=found):
         return reference(scene, DIGITS)
 
 

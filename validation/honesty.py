@@ -1,11 +1,12 @@
 """Compare estimated with true errors over random scenes.
 
-Run as ``python validation/honesty.py [--scenes N] [--seed S] [--workers N] [--store FILE]``; writes
-validation/results/honesty.json, .md and .png (needs matplotlib). Every scene that is done is a line
-of the store; the same command goes on where a run was stopped.
+Run as ``python validation/honesty.py [--scenes N] [--references N] [--workers N] [--store FILE]``;
+writes validation/results/honesty.json, .md and .png (needs matplotlib). Every scene that is done is
+a line of the store; the same command goes on where a run was stopped.
 
-Truth is a solve at rtol = 1e-12 on panels of another width, whose own estimate is allowed for; the
-traction is compared up to the estimated shift of the zone boundaries. A violation is a true error
+Truth is a solve at rtol = 1e-12 on panels of another width, whose own estimate is allowed for; for
+some scenes, of all strata, it is `reference` to 20 digits. The traction is compared up to the
+estimated shift of the zone boundaries. A violation is a true error
 above the estimate, an exception or a warning. Scenes cover alpha, beta in {0} and 1e-14 ... 1e14,
 all nu, and friction from 1e-3 of the critical to 1e-6 below it; tolerances are 1e-2 ... 1e-9.
 """
@@ -30,7 +31,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from honesty_scenes import EPS, outcome, violates
+from honesty_scenes import EPS, by_reference, outcome, violates
 
 import spectral_contact
 from spectral_contact import __version__
@@ -62,22 +63,22 @@ def stored(store: Path, seed: int) -> dict[int, dict]:
     return rows
 
 
-def run_chunk(seed: int, numbers: list[int]) -> list[dict]:
-    """Return the outcomes of some scenes."""
-    return [outcome(seed, number) for number in numbers]
+def run_chunk(seed: int, numbers: list[int], exact: set[int]) -> list[dict]:
+    """Return the outcomes of some scenes; the truth of those in `exact` has many digits."""
+    return [outcome(seed, number, number in exact) for number in numbers]
 
 
-def outcomes(seed: int, numbers: list[int], workers: int) -> Iterator[list[dict]]:
+def outcomes(seed: int, numbers: list[int], exact: set[int], workers: int) -> Iterator[list[dict]]:
     """Yield the outcomes of all scenes, chunk by chunk as they are done."""
     chunks = [numbers[i : i + CHUNK] for i in range(0, len(numbers), CHUNK)]
     if workers == 1:
-        yield from (run_chunk(seed, chunk) for chunk in chunks)
+        yield from (run_chunk(seed, chunk, exact) for chunk in chunks)
         return
     # ended from outside, the processes end, too
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped; the same command goes on"))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        futures = [pool.submit(run_chunk, seed, chunk) for chunk in chunks]
+        futures = [pool.submit(run_chunk, seed, chunk, exact) for chunk in chunks]
         try:
             yield from (future.result() for future in as_completed(futures))
         finally:
@@ -105,17 +106,22 @@ def violations_of(row: dict) -> list[dict]:
     ]
 
 
-def study(count: int, seed: int, workers: int, store: Path, stale: bool) -> list[dict]:
+def study(
+    count: int, seed: int, references: int, workers: int, store: Path, stale: bool
+) -> list[dict]:
     """Run what the store does not hold yet, and return the rows of all scenes."""
     current = sources()
     rows = stored(store, seed)
     rows = {n: r for n, r in rows.items() if n < count and (stale or r["sources"] == current)}
+    exact = {n for n in range(count) if by_reference(seed, n)}
+    exact = set(sorted(exact)[:references])
+    rows = {n: r for n, r in rows.items() if r.get("by_reference", False) == (n in exact)}
     missing = [number for number in range(count) if number not in rows]
     violations = sum(len(violations_of(row)) for row in rows.values())
     begin, done = perf_counter(), 0
     store.parent.mkdir(parents=True, exist_ok=True)
     with store.open("a", encoding="utf-8") as file:
-        for chunk in outcomes(seed, missing, workers):
+        for chunk in outcomes(seed, missing, exact, workers):
             spent = perf_counter() - begin
             for row in chunk:
                 row |= {"seed": seed, "sources": current}
@@ -160,6 +166,7 @@ def record_of(rows: list[dict], seed: int) -> dict:
         "scenes": len(rows),
         "seed": seed,
         "sources": sorted({row["sources"] for row in rows}),
+        "by_reference": sum(row.get("exact", False) for row in rows),
         "unconverged": sum(row.get("unconverged", False) for row in rows),
         "differing_zones": sum(row.get("differing", False) for row in rows),
         "summary": summary,
@@ -170,7 +177,8 @@ def record_of(rows: list[dict], seed: int) -> dict:
 def table(record: dict) -> str:
     """Return the record as a Markdown table."""
     lines = [
-        f"{record['scenes']} scenes, seed {record['seed']}; {record['unconverged']} did not "
+        f"{record['scenes']} scenes, seed {record['seed']}, {record['by_reference']} of them "
+        f"against solutions to 20 digits; {record['unconverged']} did not "
         f"converge and said so; in {record['differing_zones']}, at the onset of a zone, the two "
         "solves differ in zones. The ratio is that of the estimate to the true error or ten "
         "roundings, whichever is larger; where no digit is known the estimate is infinite.",
@@ -229,12 +237,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Compare estimated with true errors.")
     parser.add_argument("--scenes", type=int, default=10_000, help="number of scenes")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--references", type=int, default=200, help="truths of 20 digits")
     parser.add_argument("--workers", type=int, default=1, help="processes")
     parser.add_argument("--store", type=Path, default=STORE, help="file that keeps every scene")
     parser.add_argument("--stale", action="store_true", help="keep scenes of other sources, too")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
     options = parser.parse_args()
-    rows = study(options.scenes, options.seed, options.workers, options.store, options.stale)
+    counts = options.scenes, options.seed, options.references, options.workers
+    rows = study(*counts, options.store, options.stale)
     record = record_of(rows, options.seed)
     options.results.mkdir(exist_ok=True)
     text = json.dumps(record, indent=1)

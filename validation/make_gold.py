@@ -157,6 +157,21 @@ REGIMES: dict[str, tuple[str, list[Scene]]] = {
             Scene(0.3, 0.2, 0.5, 0.084),
         ],
     ),
+    "slip_inside": (
+        "slip in an interior annulus, alpha < beta: the edge sticks",
+        [
+            Scene(0.246, 0.2, 0.5, 0.1),  # the paper's example
+            *sliding(
+                (0.3, 0.05, 1.0, 0.23),
+                (0.3, 0.05, 1.0, 0.2059),  # just before the edge slips
+                (0.2, 1e-3, 1.0, 0.15),
+                (-0.5, 1e-6, 0.01, 1.0),
+                (-0.9, 0.0, 1e-3, 1.0),
+                (0.1, 0.0, 0.5, 0.4),
+                (0.45, 0.0, 10.0, 0.01),
+            ),
+        ],
+    ),
     "no_shear": (
         "friction 0, and an incompressible half-space: no traction",
         [Scene(0.3, 0.5, 0.5, 0.0), Scene(0.5, 1e-3, 0.5, 0.1)],
@@ -173,10 +188,9 @@ def named(scene: Scene) -> str:
 
 
 def depths(solution: Any) -> list[float]:
-    """Return distances to the edge: decades, eighths, the edge, and around a zone boundary."""
+    """Return distances to the edge: decades, eighths, the edge, and around zone boundaries."""
     found = {0.0, *(k / 8 for k in range(1, 9)), *(float(f"1e-{k}") for k in range(1, 13))}
-    if len(solution.zones) == 2:
-        zone = solution.zones[0]
+    for zone in solution.zones[:-1]:
         odds = zone.outer_from_edge / zone.outer
         found |= {float(odds * k / (1 + odds * k)) for k in (0.5, 0.9, 1.1, 2)}
     return sorted(found, reverse=True)

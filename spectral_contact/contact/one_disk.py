@@ -53,6 +53,8 @@ Array = NDArray[np.float64]
 
 #: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
 _LEAST_LOGIT, _LARGEST_LOGIT = -300.0, 100.0
+#: What is linear in the radius may be off by this much.
+_SETTLED = 1e-15
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +115,7 @@ class _Trial:
     radius: Radius
     mismatch: float
     coefficients: Array
+    response: Array | None
     factored: Factored
     target: Array
     unit: float
@@ -222,7 +225,7 @@ class _OneDiskProblem:
         at_rim = np.array(radius.rest)
         balance, target = rim_target(drive, radius, [(self.friction, source)], keep=self.beta > 0.0)
         values, unresolved = interpolate(panels, target)
-        rim, unit, slipping = -balance, 0.0, self.friction * source.at_rim
+        rim, unit, slipping, response = -balance, 0.0, self.friction * source.at_rim, None
         if self.beta == 0.0:
             coefficients = factored.solve(values, correct=correct)
         else:
@@ -234,7 +237,8 @@ class _OneDiskProblem:
             rim = (at_end - series_of(panels, coefficients).limit) / unit
             coefficients = coefficients + rim * response
             values = values + rim
-        return _Trial(radius, -rim, coefficients, factored, values, unit, unresolved, slipping)
+        solved = coefficients, response, factored, values
+        return _Trial(radius, -rim, *solved, unit, unresolved, slipping)
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
         trials: list[tuple[float, _Trial]] = []
@@ -246,8 +250,8 @@ class _OneDiskProblem:
         self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
         (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
         step, lag = self.logit - last, self.logit - before
-        if before != last and abs(step * lag) <= 1e-3 * self.tolerance:
-            # what is linear in the last two trials is right to the square of so small a step
+        if before != last and abs(step * lag) <= _SETTLED:
+            # what is linear in the last two trials is right to the product of the steps
             ratio = step / (last - before)
             final = replace(
                 second,
@@ -269,7 +273,11 @@ class _OneDiskProblem:
         rates = decay_rates(resolution, coefficients)
         last = trial.factored.change(coefficients)
         change = last.coefficients
-        indicators = expected_error(share_of_change(panels, change, series), rates)
+        continuous = change
+        if trial.response is not None:  # the rim value follows; that there is taken by the radius
+            limit = series_of(panels, change).limit
+            continuous = change - limit / trial.unit * trial.response
+        indicators = expected_error(share_of_change(panels, continuous, series), rates)
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
         # with little friction the target is a small difference
         at_rim = float(self.drive.target(np.array(radius.rest)))
@@ -302,9 +310,9 @@ class _OneDiskProblem:
                 part = radius.square * float(moments @ one.coefficients)
                 outside = float(drive.load_outside(np.array(radius.rest)))
                 swept.append(abs(part) + 2.0 * pi * self.friction * abs(outside))
-            # in the tail of the pressure a change is as large as the error that it stands for
+            # in the tail of the pressure the error has been seen to be twice the change
             deep = normal.panels is not None and radius.rest < normal.panels.end
-            shift += max(2.0 * propagated, 1.0 if deep else 0.0) * max(swayed)
+            shift += max(2.0 * propagated, 3.0 if deep else 0.0) * max(swayed)
             lost += propagated * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
@@ -390,17 +398,17 @@ def _polished_root(
     x, value = guess, function(guess)
     if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
         raise NoStickDiskError(at_centre=x < 0.0)
-    settle = 1e-12  # the slope that is given is good to three digits
+    lag = 1e-3  # what is given of the slope is good to three digits
     for _ in range(20):
         step = max(min(-value / slope, 2.0), -2.0)
-        if abs(step) <= settle * max(1.0, abs(x)):
+        # a secant step errs by the product of itself and the one before
+        if abs(step) * lag <= _SETTLED * max(1.0, abs(x)):
             return x + step, slope
         fresh = function(x + step)
         if fresh == value:
             return x + step, slope
         slope = (fresh - value) / step
-        # the next secant step will be the square of this one: below rounding
-        x, value, settle = x + step, fresh, 1e-9
+        x, value, lag = x + step, fresh, abs(step)
         if not _LEAST_LOGIT < x < _LARGEST_LOGIT:
             raise NoStickDiskError(at_centre=x < 0.0)
     return x, slope  # as near as its conditioning lets it; the error estimate shows it

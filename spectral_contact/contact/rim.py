@@ -96,11 +96,18 @@ def _graded(reach: float, finest: float, points: int) -> tuple[Array, Array]:
     return nodes.ravel(), (nodes * (w * width[:, None] / 2.0)).ravel()
 
 
-def disk_resolution(radius: Radius, alpha: float, beta: float, tolerance: float) -> Resolution:
-    """Return the first space for a stick disk: its layers are those of alpha, beta and the rim."""
+def disk_resolution(
+    radius: Radius, alpha: float, beta: float, tolerance: float, *, slipping: float = 1.0
+) -> Resolution:
+    """Return the first space for a stick disk: its layers are those of alpha, beta and the rim.
+
+    `slipping` is the width in ``s**2`` of a slip annulus that ends in stick: what E does next to a
+    narrow one is as large as its displacement.
+    """
     rim = max(alpha, radius.rest) / radius.square
     # without compliance the traction beyond the slip annulus is singular down to its width
-    scales = [1.0, rim, (beta / radius.value) or radius.rest / radius.square]
+    layer = (beta / radius.value) or radius.rest / radius.square
+    scales = [1.0, rim, layer, slipping / radius.square]
     return starting_resolution(
         -log(min(scales)), tolerance, root_tail=beta == 0.0, bends=(1.0 - log(min(rim, 1.0)),)
     )

@@ -37,7 +37,7 @@ from spectral_contact.contact.slip_displacement import (
 from spectral_contact.contact.zone_search import Layout
 from spectral_contact.contact.zone_system import Part, ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
-from spectral_contact.spectral.annulus import Points
+from spectral_contact.spectral.annulus import Points, gap
 
 __all__ = ["ZonesSolution", "solve_zones"]
 
@@ -106,7 +106,9 @@ class _ZonesProblem:
     def _resolution(self, tolerance: float) -> Resolution:
         """Return the first space: the disk's panels, then those of the stick annuli."""
         radii = self._radii(self.logits)
-        disk = disk_resolution(radii[0], self.system.alpha, self.system.beta, tolerance)
+        alpha, beta = self.system.alpha, self.system.beta
+        slipping = gap(*radii[:2])
+        disk = disk_resolution(radii[0], alpha, beta, tolerance, slipping=slipping)
         degrees = list(disk.degrees)
         zones = [
             self.system.annulus(radii[k - 1], self.system.outer(radii, k), 0, tolerance)
@@ -246,7 +248,7 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            shear_lost / shear + 1e-2 * self.quadrature + 16.0 * ROUNDING,
+            shear_lost / shear + 0.1 * self.quadrature + 16.0 * ROUNDING,
             # what is lost may be small by accident, but hardly against the square of the error
             self._boundary_errors(
                 trial, worst * np.abs(coarse.mismatch - trial.mismatch) + 20.0 * error**2

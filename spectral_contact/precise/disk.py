@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.precise.fixed import Fixed, Ints, root_rule
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.panels import LogPanels
@@ -232,18 +232,8 @@ class Disk:
         return self.panels.degree + ceil(0.75 * self.mesh.digits) + 8
 
     def root_rule(self, lower: Ints, upper: Ints) -> tuple[Ints, Ints, Ints]:
-        """Return u, ``exp(-u)``, and weights of ``int . du / (2 sqrt(1 - exp(-u)))``.
-
-        The rule is Gauss's in the root of u, from each of `lower` to `upper`.
-        """
-        f = self.fixed
-        g, w = f.gauss(self.rule_points)
-        a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
-        u = a + f.times(b - a, f.one + g) // 2
-        u = f.times(u, u)
-        fall = f.exp(-u)
-        smooth = f.sqrt(f.over(u, f.one - fall))
-        return u, fall, f.times(smooth, w, b - a) // 2
+        """Return the `root_rule` for functions on a panel."""
+        return root_rule(self.fixed, self.rule_points, lower, upper)
 
     def _deeper(self, to_end: Ints) -> list[Ints]:
         """Return the half-integrals at points of one panel: of that panel, and of the next."""

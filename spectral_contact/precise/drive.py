@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,10 @@ class Drive:
 
     def outside(self, top: Any) -> tuple[Ints, Ints]:
         """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
+        raise NotImplementedError
+
+    def load_inside(self, y: Ints) -> Ints:
+        """Return ``int_0^s p s ds`` at ``y = 1 - s**2``."""
         raise NotImplementedError
 
     def release(self) -> None:
@@ -65,6 +70,11 @@ class SmoothDrive(Drive):
         root = f.sqrt(top)
         v = f.times(root, f.one + g) // 2
         return f.times(v, v), f.over(f.times(root, w) // 2, self._tau)
+
+    def load_inside(self, y: Ints) -> Ints:
+        """Return ``int_0^s p s ds`` at ``y = 1 - s**2``."""
+        f = self.fixed
+        return np.asarray(f.over(f.one - f.sqrt(y), self._tau))
 
 
 class RoughDrive(Drive):
@@ -117,6 +127,41 @@ class RoughDrive(Drive):
         local = 2 * f.over(y[-1], f.exp(-len(table) * h)) - f.one
         weights.append(f.times(w, end, f.dot(f.legendre(local, TAIL_TERMS - 1), tail)) // 4)
         return np.concatenate(y), np.concatenate(weights)
+
+    def load_inside(self, y: Ints) -> Ints:
+        """Return ``int_0^s p s ds`` at ``y = 1 - s**2``."""
+        f = self.fixed
+        return np.asarray(f.over(f.one, 2 * f.of(f.mp.pi)) - f.times(y, self._mean.at(y)) // 2)
+
+    @cached_property
+    def _mean(self) -> Series:
+        """``(1/y) int_0^y p dy``, the mean of the pressure outside a radius."""
+        f, series = self.fixed, self.series
+        h, (count, terms) = f.of(series.width), series.table.shape
+        # in the tail p is a polynomial, and so is its mean
+        points = len(series.tail)
+        g, w = f.gauss(points)
+        v = (f.one + g) // 2
+        basis = f.legendre(2 * f.times(v[:, None], v) - f.one, points - 1)
+        tail = np.array([f.dot(w // 2, b) for b in basis])
+        whole = f.dot(w // 2, f.legendre(g, points - 1))
+        mean = f.dot(whole, series.tail)
+        tail = f.dot(f.expansion(points), f.dot(tail, series.tail))
+        # on a panel, from each of the samples to its deep end
+        samples = terms + 12
+        g, w = f.gauss(samples)
+        start = f.times(h, f.one + f.gauss(samples)[0]) // 2
+        lower = np.concatenate([[0 * h], start])[:, None]
+        x = lower + f.times(h - lower, f.one + g) // 2
+        weights = f.times(w, h - lower, f.exp(lower - x)) // 2
+        basis = f.legendre(2 * f.over(x, h) - f.one, terms - 1)
+        matrix = np.array([f.dot(v, b) for v, b in zip(weights, basis, strict=True)])
+        fall = f.exp(lower[:, 0] - h)
+        table = np.empty((count, samples), dtype=object)
+        for j in reversed(range(count)):
+            values = f.dot(matrix, series.table[j]) + f.times(fall, mean)
+            mean, table[j] = values[0], values[1:]
+        return Series(f, series.width, f.dot(table, f.expansion(samples).T), tail)
 
     def release(self) -> None:
         """Let go of the operators; p and R stay."""

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import gauss_rule
 
-__all__ = ["Fixed", "Ints"]
+__all__ = ["Fixed", "Ints", "root_rule"]
 
 Ints = NDArray[np.object_]
 
@@ -127,3 +127,17 @@ class Fixed:
         values = self.legendre(x, points - 1)
         factors = np.array([2 * k + 1 for k in range(points)], dtype=object)
         return np.asarray((self.times(values, w[:, None]) * factors).T // 2)
+
+
+def root_rule(f: Fixed, points: int, lower: Ints, upper: Ints) -> tuple[Ints, Ints, Ints]:
+    """Return u, ``exp(-u)``, and weights of ``int . du / (2 sqrt(1 - exp(-u)))``.
+
+    The rule is Gauss's in the root of u, from each of `lower` to `upper`.
+    """
+    g, w = f.gauss(points)
+    a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
+    u = a + f.times(b - a, f.one + g) // 2
+    u = f.times(u, u)
+    fall = f.exp(-u)
+    smooth = f.sqrt(f.over(u, f.one - fall))
+    return u, fall, f.times(smooth, w, b - a) // 2

@@ -9,8 +9,10 @@ import numpy as np
 
 from spectral_contact import checks
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
+from spectral_contact.fields import Radius
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.solution import ReferenceSolution
+from spectral_contact.precise.zones import Layout
 from spectral_contact.progress import ProgressLine
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
@@ -21,12 +23,14 @@ __all__ = ["reference"]
 #: Digits beyond those asked for and panel width, of the solution and of the one that checks it.
 _SOLUTION, _CHECK = (4, 2.0), (2, 1.5)
 _MOST_DIGITS = 60
+#: Where in a stick zone the tractions are compared.
+_SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
 
 
 def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> ReferenceSolution:
     """Solve a scene to any number of digits.
 
-    Normal contact (3.5), full stick (4.2) and partial slip (5.8) outside one stick disk.
+    Normal contact (3.5), full stick (4.2) and partial slip (5.8) on any zones.
 
     Parameters
     ----------
@@ -46,15 +50,15 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     SceneError
         For an argument out of its range.
     NotComputedError
-        If slip does not fill everything outside one stick disk.
+        If `solve` does not resolve the zones, or has slip everywhere as the stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 
     Notes
     -----
     Two solutions on different meshes are compared, the second with two digits less: twice their
-    difference is the error estimate. `solve` says which zones there are, and guesses the radius;
-    no other digit of it enters.
+    difference is the error estimate. `solve` says which zones there are, and guesses their
+    boundaries; no other digit of it enters.
 
     Examples
     --------
@@ -71,10 +75,10 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     begin = perf_counter()
     tell = ProgressLine(progress)
     tell("zones, in double precision", 0.0)
-    stick = _stick_disk(scene)
+    layout = _layout(scene)
     found = []
     for k, (more, width) in enumerate((_SOLUTION, _CHECK)):
-        run = Run(scene, digits + more, width, stick)
+        run = Run(scene, digits + more, width, layout)
         for step, share in (("pressure", 0.02), ("traction", 0.2)):
             tell(f"{step}, mesh {k + 1} of 2", (k + share) / 2.0)
             _ = run.approach if step == "pressure" else run.total_shear
@@ -112,33 +116,37 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     return solution
 
 
-def _stick_disk(scene: Scene) -> tuple[float, float] | None:
-    """Return the radius of the stick disk and its distance from the edge; None if q = 0."""
+def _layout(scene: Scene) -> Layout | None:
+    """Return the zones, roughly; None if q = 0."""
     if not scene.friction or scene.kappa == 0.0:
         return None
-    zones = solve(scene, 1e-9, ("zones",), strict=False).zones
-    kinds = tuple(zone.kind for zone in zones)
-    if kinds not in (("stick",), ("stick", "slip")):
-        raise NotComputedError(
-            "the reference", f"its zones are {', '.join(kinds)}, not one stick disk"
-        )
-    return zones[0].outer, zones[0].outer_from_edge
+    solution = solve(scene, 1e-9, ("zones", "traction"), strict=False)
+    zones = solution.zones
+    middles = [(z.inner_from_edge + z.outer_from_edge) / 2.0 for z in zones]
+    signs = np.sign(solution.traction(from_edge=middles)).astype(int).tolist()
+    states = [0 if zone.kind == "stick" else sign for zone, sign in zip(zones, signs, strict=True)]
+    if states[0] != 0 or (len(states) > 2 and scene.tangential_compliance == 0.0):
+        kinds = ", ".join(zone.kind for zone in zones)
+        raise NotComputedError("the reference", f"its zones are {kinds}")
+    error = solution.error.zones
+    if error is not None and not error < 1.0:  # all digits would go into the wrong zones
+        raise NotComputedError("the reference", "double precision does not resolve its zones")
+    radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
+    return Layout(tuple(states), radii)
 
 
 def _zones(run: Run) -> tuple[Zone, ...]:
     """Return the zones as mpmath's numbers."""
     scene, mp = run.scene, run.fixed.mp
-    whole = mp.zero, mp.one, mp.one, mp.zero
     if scene.friction is None:
         return ()
+    ends = [(mp.zero, mp.one), *run.radii, (mp.one, mp.zero)]
+    states = run.layout.states if run.layout is not None else (0,)
     if scene.friction == 0.0 and scene.kappa != 0.0:
-        return (Zone("slip", *whole),)
-    c, from_edge = run.radius
-    if from_edge == 0:
-        return (Zone("stick", *whole),)
-    return (
-        Zone("stick", mp.zero, c, mp.one, from_edge),
-        Zone("slip", c, mp.one, from_edge, mp.zero),
+        states = (1,)
+    return tuple(
+        Zone("slip" if state else "stick", a[0], b[0], a[1], b[1])
+        for state, a, b in zip(states, ends, ends[1:], strict=False)
     )
 
 
@@ -155,17 +163,20 @@ def _compare(run: Run, check: Run) -> ErrorEstimates:
 
     depths = np.concatenate([np.linspace(0.02, 0.98, 25), np.exp(-np.linspace(1.0, run.depth, 60))])
     depths = np.array([mp.mpf(v) for v in depths])
-    # inside the stick disk, too, however small
-    inside = run.radius[0] * np.array([mp.mpf(v) for v in (0.25, 0.75)])
-    s, depths = np.concatenate([1 - depths, inside]), np.concatenate([depths, 1 - inside])
+    # inside the stick zones, too, however narrow
+    shares = np.array([mp.mpf(v) for v in _SHARES])
+    stuck = [z for z in _zones(run) if z.kind == "stick"]
+    inside = [1 - depths, *(z.inner + (z.outer - z.inner) * shares for z in stuck)]
+    s, depths = np.concatenate(inside), np.concatenate([depths, *(1 - v for v in inside[1:])])
     fields = [
         error(getattr(run, name)(s, depths), getattr(check, name)(s, depths))
         for name in ("pressures", "tractions")
     ]
-    shear = traction = zones = ratio = None
+    shear = traction = zones = radius = ratio = None
     if run.scene.friction is not None:
         shear, traction = error(run.total_shear, check.total_shear), fields[1]
-        zones = max(error(a, b) for a, b in zip(run.radius, check.radius, strict=True))
+        radius = error(run.radius, check.radius)
+        zones = max([radius, *map(error, run.radii, check.radii)])
         if run.edge_ratio() is not None:
             ratio = error(run.edge_ratio(), check.edge_ratio())
     return ErrorEstimates(
@@ -173,7 +184,7 @@ def _compare(run: Run, check: Run) -> ErrorEstimates:
         pressure=fields[0],
         traction=traction,
         zones=zones,
-        stick_radius=zones,
+        stick_radius=radius,
         total_shear=shear,
         edge_ratio=ratio,
     )

@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from spectral_contact.contact.drive import EDGE
+from spectral_contact.fields import Radius
 from spectral_contact.precise.disk import Disk, Mesh
 from spectral_contact.precise.drive import Drive, RoughDrive, SmoothDrive
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.one_disk import OneDisk, solve_one_disk
+from spectral_contact.precise.zones import Layout, Zones, solve_zones
 from spectral_contact.scene import Scene
 
 __all__ = ["Run"]
@@ -31,24 +34,20 @@ class Run:
         Relative accuracy aimed at.
     width : float
         Panel width in ``-ln d``.
-    stick : tuple of float, optional
-        Radius of the stick disk and its distance from the edge, roughly; ``(1, 0)`` in full stick.
-        None leaves the tangential problem out.
+    layout : Layout, optional
+        The zones, roughly. None leaves the tangential problem out.
     """
 
-    def __init__(
-        self, scene: Scene, digits: int, width: float, stick: tuple[float, float] | None
-    ) -> None:
+    def __init__(self, scene: Scene, digits: int, width: float, layout: Layout | None) -> None:
         self.scene, self.digits, self._width = scene, digits, width
-        self._stick = stick
+        self.layout = layout
         alpha, beta = scene.normal_compliance, scene.tangential_compliance
         self._layer = _layer(alpha)
-        self._rate, self._power = (0.5 if alpha == 0.0 else 1.0), 0.0
+        self._rate, self._power = (0.5 if alpha == 0.0 and self._one_disk else 1.0), 0.0
         self._stick_layer = self._layer
         scales = digits + abs(log(alpha or 1.0)) / _LN10
-        if stick is not None:
-            c, from_edge = stick
-            rest = from_edge * (1.0 + c)
+        if layout is not None and self._one_disk:
+            c, rest = self._rim.value, self._rim.rest
             if rest == 0.0:
                 self._stick_layer = max(self._layer, _layer(beta))
                 self._power = -0.5 if beta == 0.0 else 0.0
@@ -62,9 +61,22 @@ class Run:
         depth = max(self._layer, self._stick_layer) + (digits * _LN10 + 6.0) / self._rate
         bound = _layer(min(alpha or 1.0, beta or 0.0)) if beta else depth
         scales += (depth + min(depth, max(bound, self._stick_layer))) / _LN10
+        if layout is not None and not self._one_disk:
+            scales = max(scales, layout.scales(alpha, beta, digits, width))
         self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
         self._disks: list[Disk] = []
         self._smooth = alpha == beta == 0.0 and self._power != 0.0
+
+    @property
+    def _one_disk(self) -> bool:
+        """Whether `one_disk` will do, if anything tangential has to be done."""
+        return self.layout is None or self.layout.states in ((0,), (0, 1))
+
+    @property
+    def _rim(self) -> Radius:
+        """Of the one stick disk."""
+        assert self.layout is not None
+        return self.layout.radii[0] if self.layout.radii else EDGE
 
     def _disk(self, layer: float, rate: float, power: float) -> Disk:
         """Return operators on a mesh fine enough."""
@@ -93,7 +105,7 @@ class Run:
         if alpha == 0.0:
             return SmoothDrive(f, self.digits)
         layer = self._layer
-        if self._stick is not None and self._rate == 1.0 and self._power == 0.0:
+        if self.layout is not None and self._rate == 1.0 and self._power == 0.0:
             shared = max(layer, self._stick_layer)
             if shared - layer <= _SPARE * self._width:
                 layer = shared
@@ -112,7 +124,10 @@ class Run:
     @property
     def unknowns(self) -> int:
         """Of the largest space; 0 if closed forms were enough."""
-        return max((sum(d.mesh.degrees) + len(d.mesh.degrees) for d in self._disks), default=0)
+        sizes = [sum(d.mesh.degrees) + len(d.mesh.degrees) for d in self._disks]
+        if not self._one_disk:
+            sizes.append(self.annuli.unknowns)
+        return max(sizes, default=0)
 
     def pressures(self, s: Any, from_edge: Any) -> Any:
         """Return p at mpmath's radii whose distances to the edge are given, too."""
@@ -129,69 +144,97 @@ class Run:
         nu = self.fixed.mp.mpf(self.scene.poisson_ratio)
         return (1 - 2 * nu) / (4 * (1 - nu))
 
+    @property
+    def _friction(self) -> Any:
+        """``f / kappa`` in fixed point."""
+        return self.fixed.of(self.fixed.mp.mpf(self.scene.friction) / self.kappa)
+
     @cached_property
     def disk(self) -> OneDisk:
-        """The stick zone, for ``kappa = 1``."""
-        f = self.fixed
-        assert self._stick is not None
-        c, from_edge = self._stick
+        """The stick disk if there is but one, for ``kappa = 1``."""
+        f, rim = self.fixed, self._rim
         beta = f.of(self.scene.tangential_compliance)
         disk = self._disk(self._stick_layer, self._rate, self._power)
-        if from_edge == 0.0:
+        if rim.from_edge == 0.0:
             unit = disk.solve(beta, self.drive.target(disk.d), tangential=True)
             return OneDisk(f.mp.inf, disk.series(unit), disk.shear(unit))
         mp = f.mp
-        logit = 2 * mp.log(mp.mpf(c)) - mp.log(mp.mpf(from_edge) * (1 + mp.mpf(c)))
-        friction = f.of(mp.mpf(self.scene.friction) / self.kappa)
-        return solve_one_disk(self.drive, disk, beta, friction, logit)
+        logit = 2 * mp.log(mp.mpf(rim.value)) - mp.log(mp.mpf(rim.from_edge) * (1 + rim.value))
+        return solve_one_disk(self.drive, disk, beta, self._friction, logit)
+
+    @cached_property
+    def annuli(self) -> Zones:
+        """The zones if there are others, for ``kappa = 1``."""
+        assert self.layout is not None
+        alpha, beta = self.scene.normal_compliance, self.scene.tangential_compliance
+        return solve_zones(
+            self.drive, alpha, beta, self._friction, self.layout, self.digits, self._width
+        )
 
     @property
     def total_shear(self) -> Any:
         """``Q*``."""
-        if self._stick is None:
+        if self.layout is None:
             return self.fixed.mp.zero
         if self._smooth:
             return 2 * self.kappa * self.fixed.mp.ln2
-        return self.fixed.numbers(self.disk.total_shear) * self.kappa
+        solved = self.disk if self._one_disk else self.annuli
+        return self.fixed.numbers(solved.total_shear) * self.kappa
 
     @cached_property
+    def radii(self) -> tuple[tuple[Any, Any], ...]:
+        """The boundaries between zones and their distances from the edge."""
+        mp = self.fixed.mp
+        if self.layout is None or not self.layout.radii:
+            return ()
+        logits = (self.disk.logit,) if self._one_disk else self.annuli.logits
+        values = [1 / mp.sqrt(1 + mp.exp(-x)) for x in logits]
+        return tuple(
+            (b, 1 / ((1 + mp.exp(x)) * (1 + b))) for b, x in zip(values, logits, strict=True)
+        )
+
+    @property
     def radius(self) -> tuple[Any, Any]:
         """``c*`` and ``1 - c*``."""
+        if self.radii:
+            return self.radii[0]
         mp = self.fixed.mp
-        if self._stick is None:
-            all_slip = self.scene.friction == 0.0 and self.kappa != 0
-            return (mp.zero, mp.one) if all_slip else (mp.one, mp.zero)
-        if self._stick[1] == 0.0:
-            return mp.one, mp.zero
-        logit = self.disk.logit
-        c = 1 / mp.sqrt(1 + mp.exp(-logit))
-        return c, 1 / ((1 + mp.exp(logit)) * (1 + c))
+        all_slip = self.layout is None and self.scene.friction == 0.0 and self.kappa != 0
+        return (mp.zero, mp.one) if all_slip else (mp.one, mp.zero)
 
     def tractions(self, s: Any, from_edge: Any) -> Any:
         """Return q at mpmath's radii whose distances to the edge are given, too."""
         mp = self.fixed.mp
-        if self._stick is None:
+        if self.layout is None:
             return np.full(len(s), mp.zero)
-        y, (c, edge) = from_edge * (1 + s), self.radius
-        values = np.empty(len(s), dtype=object)
         # a small disk shows in s alone
-        stuck = np.where(s < 0.5, s <= c, from_edge >= edge).astype(bool)
-        if stuck.any():
-            values[stuck] = self._in_stick(y[stuck], s[stuck])
-        if not stuck.all():
-            p = self.pressures(s[~stuck], from_edge[~stuck])
-            values[~stuck] = mp.mpf(self.scene.friction) * p
+        own = sum(np.where(s < 0.5, s > b, from_edge < e).astype(int) for b, e in self.radii)
+        own, values = own * np.ones(len(s), dtype=int), np.empty(len(s), dtype=object)
+        for k in np.unique(own):
+            rows, state = own == k, self.layout.states[k]
+            if state:
+                p = self.pressures(s[rows], from_edge[rows])
+                values[rows] = state * mp.mpf(self.scene.friction) * p
+            else:
+                values[rows] = self._in_stick(int(k), s[rows], from_edge[rows])
         return values
 
-    def _in_stick(self, y: Any, s: Any) -> Any:
-        mp = self.fixed.mp
+    def _in_stick(self, zone: int, s: Any, from_edge: Any) -> Any:
+        mp, y = self.fixed.mp, from_edge * (1 + s)
         if self._smooth:
             ratios = [-mp.log(v) / r if r and v else mp.zero for v, r in zip(y, s, strict=True)]
             return self.kappa / mp.pi**2 * self._singular(np.array(ratios), y)
-        c, from_edge = self.radius
-        d = np.where(s < 0.5, (c - s) * (c + s), y - from_edge * (1 + c)) / c**2
-        values = self.fixed.numbers(self.disk.traction.at(self.fixed.of(d))) * s / c * self.kappa
-        return self._singular(values, y) if self._power else values
+        ends = [(mp.zero, mp.one), *self.radii, (mp.one, mp.zero)][zone : zone + 2]
+        below = [np.where(s < 0.5, b - s, from_edge - e) * (b + s) for b, e in ends]
+        if self._one_disk:
+            c = self.radius[0]
+            values = self.disk.traction.at(self.fixed.of(below[1] / c**2))
+            values = self.fixed.numbers(values) * s / c * self.kappa
+            return self._singular(values, y) if self._power else values
+        series = self.annuli.tractions[zone]
+        assert series is not None
+        values = series.at(self.fixed.of(-below[0]), self.fixed.of(below[1]))
+        return self.fixed.numbers(values) * s * self.kappa
 
     def _singular(self, values: Any, y: Any) -> Any:
         """Divide by the root of the distance to the edge."""
@@ -202,7 +245,7 @@ class Run:
     def edge_ratio(self) -> Any:
         """Return q/p at the edge in full stick; None in partial slip, or without friction."""
         f, scene = self.fixed, self.scene
-        if self._stick is None or self.radius[1] != 0:
+        if self.layout is None or self.radii:
             return None
         if scene.tangential_compliance == 0.0:
             return f.mp.inf

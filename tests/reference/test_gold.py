@@ -66,6 +66,7 @@ def test_all_regimes_are_there():
     assert kinds[("stick", "slip"), True] == every - {(True, False)}  # there slip is inside
     slipping = [s for s in SOLUTIONS if len(s.zones) == 2]
     assert min(s.zones[1].inner_from_edge for s in slipping) < 1e-9  # slip about to start
+    assert kinds[("stick", "slip", "stick"), True] == {(False, False), (True, False)}
     assert kinds[("slip",), True]
     assert kinds[(), False]
 
@@ -102,8 +103,8 @@ def test_no_error_exceeds_its_estimate_nor_that_the_tolerance(table, rtol):
         double = solve(true.scene, rtol)  # raises if it does not converge
         for name, error in errors(double, true).items():
             estimate = getattr(double.error, name)
-            # at a given radius the traction, one of s/c in stick, moves with the stick radius
-            moved = 2.0 * double.error.stick_radius if name == "traction" else 0.0
+            # at a given radius the traction, one of s/c in stick, moves with the boundaries
+            moved = 2.0 * double.error.zones if name == "traction" else 0.0
             if not error <= estimate + moved or (name in BOUNDED and not estimate <= rtol):
                 wrong.append((true.name, name, error, estimate))
     assert wrong == []

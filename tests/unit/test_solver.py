@@ -301,6 +301,30 @@ def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
 # -- conventions ---------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("rtol", [4e-3, 2e-3, 1.5e-3])
+def test_what_continuity_cancels_is_not_taken_for_an_error(rtol):
+    """At a fixed rim value the coarser space adds a singular response that the radius takes up."""
+    scene = Scene(0.3, 1e-12, 1e-12, 1.0 / 7.0)
+    solution, truth = solve(scene, rtol), solve(scene, 1e-12)
+    s = np.linspace(0.1, 1.0, 10) * truth.stick_radius
+    assert solution.converged
+    error = np.abs(solution.traction(s) / truth.traction(s) - 1.0).max()
+    assert error <= solution.error.traction + truth.error.traction
+
+
+def test_a_narrow_slip_annulus_is_resolved_from_the_stick_disk_inside():
+    """At a loose tolerance the disk's last panel was as wide as the annulus, and slip lost."""
+    scene = Scene(0.3221252159590975, 0.0, 0.4317067797844791, 0.06417951928004506)
+    solution, truth = solve(scene, 1e-2), solve(scene, 1e-10)
+    _, slip, _ = truth.zones
+    width = slip.outer - slip.inner
+    assert width < 0.004
+    s = slip.inner + width * np.concatenate([np.geomspace(1e-9, 0.5, 40), [0.7, 0.9, 0.99]])
+    wanted = truth.slip(s)
+    error = np.abs(solution.slip(s) - wanted).max() / np.abs(wanted).max()
+    assert error <= solution.error.slip + truth.error.slip
+
+
 def test_no_friction():
     solution = solve(Scene(0.1, 0.5), 1e-6)
     assert (solution.zones, solution.stick_radius, solution.total_shear) == ((), None, 0.0)

@@ -1,0 +1,312 @@
+r"""Half-integrals on one annulus in fixed point.
+
+With the distances ``a`` and ``b = w - a`` from its inner and outer end in ``s**2``, panels are
+equal in ``X = ln(a/b)``, and so graded to both ends. There
+
+    1/2 int_X psi dz / sqrt(z - t^2) = sqrt(w / b_t) / 2 int_Y F psi dX / sqrt(1 - exp(Y - X)),
+
+``F = sqrt(a) b`` for ``w = 1``: a convolution with one kernel for both ends, and for the integral
+from the other side. At either end a tail is polynomial in the root of ``a/b`` or of ``b/a``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, log
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.precise.fixed import Fixed, Ints, root_rule
+
+__all__ = ["AnnulusMesh", "AnnulusSeries", "Blocks", "Near"]
+
+Array = NDArray[np.float64]
+
+
+class Near(NamedTuple):
+    """Integrals at the nodes of a cell over itself and over the next one.
+
+    Attributes
+    ----------
+    inner, panel, outer : ndarray
+        Of the inner tail, a panel and the outer tail over themselves.
+    first, next, last : ndarray
+        Of the inner tail over the first panel, of a panel over the next one, and of the last panel
+        over the outer tail.
+    """
+
+    inner: Any
+    first: Any
+    panel: Any
+    next: Any
+    last: Any
+    outer: Any
+
+    def at(self, cell: int, panels: int) -> list[Any]:
+        """Return the blocks of a cell and the next one."""
+        if cell == 0:
+            return [self.inner, self.first]
+        if cell < panels:
+            return [self.panel, self.next]
+        if cell == panels:
+            return [self.panel, self.last]
+        return [self.outer]
+
+
+class Blocks:
+    """What panels of one width have in common: integrals over a cell itself and its neighbour.
+
+    A cell is a panel or a tail, with as many Gauss points each.
+
+    Parameters
+    ----------
+    fixed : Fixed
+    width : float
+        Of the panels in X.
+    points : int
+        Nodes of a cell.
+    digits : int
+        Relative accuracy aimed at.
+
+    Attributes
+    ----------
+    offset, root : ndarray of int, shape (points,)
+        Nodes: distance from the start of a panel; root of the odds in a tail, 1 where it begins.
+    weights : ndarray of int, shape (points,)
+        Gauss's, for an interval of length 2.
+    expand : ndarray of int, shape (points, points)
+        From values at the nodes to Legendre coefficients.
+    limit : ndarray of int, shape (points,)
+        From those of the inner tail to the value at the inner end.
+    near : Near
+        Of ndarray of int, shape (points, points) each.
+    """
+
+    def __init__(self, fixed: Fixed, width: float, points: int, digits: int) -> None:
+        f = self.fixed = fixed
+        self.width, self.points, self.digits = width, points, digits
+        h = self._h = f.of(width)
+        g, self.weights = f.gauss(points)
+        self.offset, self.root = f.times(h, f.one + g) // 2, (f.one + g) // 2
+        self.expand = f.expansion(points)
+        self.limit = (1 - 2 * (np.arange(points) % 2)).astype(object) @ self.expand
+        self._rule = points + ceil(0.75 * digits) + 8
+        to_end = h - self.offset
+        depth = -2 * f.map(f.mp.log, self.root)
+        one, shallow = 0 * g + f.one, f.exp(to_end // 2)
+        full = f.map(f.mp.acosh, f.over(one, self.root))
+        quarter = f.map(f.mp.asin, f.over(one, shallow))
+        right = f.times(one, f.of(f.mp.pi)) // 2
+        # the nodes of an outer tail are in the order of X, too
+        self.near = Near(
+            inner=self._rooted(self.root, full, f.mp.cosh),
+            first=self._convolved(depth, depth + h, -depth),
+            panel=self._convolved(0 * to_end, to_end, self.offset),
+            next=self._convolved(to_end, to_end + h, -to_end),
+            last=self._rooted(shallow, quarter, f.mp.sin, shallow)[:, ::-1],
+            outer=self._rooted(self.root, right, f.mp.sin, self.root)[::-1, ::-1],
+        )
+        # two cells on and farther the kernel is a power series
+        terms = ceil((digits + 6) * log(10.0) / width) + 1
+        exponents = np.arange(terms, dtype=object)[:, None]
+        binomials = [f.one // 2]
+        for j in range(1, terms):
+            binomials.append(binomials[-1] * (2 * j - 1) // (2 * j))
+        self.decay = f.exp(-h * exponents[:, 0])
+        self.sources = f.exp(-exponents * self.offset)
+        self.tail_sources = f.exp(-exponents * depth)
+        factors = np.array(binomials)[:, None]
+        self.targets = f.times(factors, f.exp(-exponents * (2 * h - self.offset)))
+        self.tail_targets = f.times(factors, f.exp(-exponents * (h + depth)))
+
+    @cached_property
+    def near_doubles(self) -> Near:
+        """The same in double precision."""
+        return Near(*map(self.fixed.floats, self.near))
+
+    def _convolved(self, lower: Ints, upper: Ints, shift: Ints) -> Ints:
+        """Return integrals over ``lower < X - Y < upper``, where a panel starts at ``-shift``."""
+        f = self.fixed
+        u, _, weights = root_rule(f, self._rule, lower, upper)
+        local = 2 * f.over(u + shift[:, None], self._h) - f.one
+        return self.interpolated(weights, local)
+
+    def _rooted(self, root: Ints, top: Ints, of: Any, factor: Any = None) -> Ints:
+        """Return ``int_0^top psi(v) v factor dtheta`` with ``v = root of(theta)``, in a tail."""
+        f = self.fixed
+        g, w = f.gauss(2 * self._rule)
+        theta = f.times(top[:, None], f.one + g) // 2
+        v = f.times(root[:, None], f.map(of, theta))
+        weights = f.times(v, top[:, None], w) // 2
+        if factor is not None:
+            weights = f.times(weights, factor[:, None])
+        return self.interpolated(weights, 2 * v - f.one)
+
+    def interpolated(self, weights: Ints, local: Ints) -> Ints:
+        """Contract a rule for every node with the polynomials through the nodes of a cell."""
+        f = self.fixed
+        basis = f.legendre(local, self.points - 1)
+        rows = [f.dot(w, b) for w, b in zip(weights, basis, strict=True)]
+        return np.asarray(f.dot(np.array(rows), self.expand))
+
+
+class AnnulusMesh:
+    """Cells on an annulus of width 1 in ``s**2``, from the inner end to the outer.
+
+    Parameters
+    ----------
+    blocks : Blocks
+    before, after : int
+        Panels on either side of the middle, of which there are two at least.
+
+    Attributes
+    ----------
+    inner_end, outer_end : int
+        Odds ``a/b`` and ``b/a`` at which the tails begin.
+    above, below : ndarray of int, shape (cells, points)
+        Distances ``a`` and ``b`` of the nodes from the ends.
+    weights : ndarray of int, shape (cells, points)
+        Those of ``ds**2``.
+    """
+
+    def __init__(self, blocks: Blocks, before: int, after: int) -> None:
+        f = self.fixed = blocks.fixed
+        self.blocks, self.before, self.after = blocks, before, after
+        h = f.of(blocks.width)
+        self.panels = before + after
+        self.inner_end, self.outer_end = f.exp(-h * before), f.exp(-h * after)
+        root = blocks.root
+        x = h * np.arange(-before, after, dtype=object)[:, None] + blocks.offset
+        odds = np.empty((self.panels + 2, blocks.points), dtype=object)
+        odds[0] = f.times(self.inner_end, root, root)
+        odds[1:-1] = f.exp(-abs(x))
+        odds[-1] = f.times(self.outer_end, root, root)[::-1]
+        small, large = f.over(odds, f.one + odds), f.over(f.one, f.one + odds)
+        inside = np.arange(len(odds))[:, None] <= before
+        self.above, self.below = np.where(inside, small, large), np.where(inside, large, small)
+        dx = np.empty_like(self.above)
+        dx[1:-1] = f.times(blocks.weights, h) // 2
+        dx[0] = f.over(blocks.weights, root)
+        dx[-1] = dx[0][::-1]
+        self._dx = dx
+        self.weights = f.times(self.above, self.below, dx)
+
+    @cached_property
+    def reflected(self) -> AnnulusMesh:
+        """The same with its ends exchanged."""
+        return AnnulusMesh(self.blocks, self.after, self.before)
+
+    @cached_property
+    def _weight(self) -> Ints:
+        """What psi is multiplied by before it is a polynomial to be integrated."""
+        f = self.fixed
+        weight = f.times(f.sqrt(self.above), self.below)
+        for k, part, end in (
+            (0, self.below, f.sqrt(self.inner_end)),
+            (-1, self.above, self.outer_end),
+        ):
+            weight[k] = f.times(part[k], f.sqrt(part[k]), end)
+        return np.asarray(weight)
+
+    @cached_property
+    def _source(self) -> Ints:
+        """Weights of ``F dX``."""
+        f = self.fixed
+        return np.asarray(f.times(f.sqrt(self.above), self.below, self._dx))
+
+    def half_integral(self, values: Ints) -> Ints:
+        """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)`` at the nodes, of values there."""
+        f, b, cells = self.fixed, self.blocks, len(values)
+        near, masses = f.times(values, self._weight), f.times(values, self._source)
+        result, far = np.empty_like(values), 0 * b.decay
+        for c in reversed(range(cells)):
+            total = 0 * b.offset
+            for block, source in zip(b.near.at(c, self.panels), near[c : c + 2], strict=True):
+                total = total + block @ source
+            if c + 2 < cells:
+                sources = b.sources if c + 3 < cells else b.tail_sources[:, ::-1]
+                far = f.times(b.decay, far) + f.dot(sources, masses[c + 2])
+                total = total + far @ (b.targets if c else b.tail_targets)
+            result[c] = total >> f.bits
+        return np.asarray(f.over(result, f.sqrt(self.below)))
+
+    def inner_integral(self, values: Ints) -> Ints:
+        """Return ``1/2 int_{z < s^2} phi dz / sqrt(s^2 - z)`` at the nodes, of values there."""
+        return self.reflected.half_integral(values[::-1, ::-1])[::-1, ::-1]
+
+    def limits(self, values: Ints) -> tuple[Any, Any]:
+        """Return the values at the inner and the outer end, from those at the nodes."""
+        f, limit = self.fixed, self.blocks.limit
+        return f.dot(limit, values[0]), f.dot(limit[::-1], values[-1])
+
+    def matrix(self) -> Array:
+        """Return the matrix of `half_integral` in double precision, (nodes, nodes)."""
+        f, m = self.fixed, self.blocks.points
+        x = -np.log(f.floats(self.below) / f.floats(self.above)).ravel()
+        cell = np.arange(len(x)) // m
+        far = cell[None, :] - cell[:, None] >= 2
+        matrix = np.zeros(far.shape)
+        rows, columns = np.nonzero(far)
+        matrix[rows, columns] = 0.5 / np.sqrt(-np.expm1(x[rows] - x[columns]))
+        matrix *= f.floats(self._source).ravel()
+        weight = f.floats(self._weight).ravel()
+        for c in range(self.panels + 2):
+            for k, block in enumerate(self.blocks.near_doubles.at(c, self.panels)):
+                own, part = slice(c * m, (c + 1) * m), slice((c + k) * m, (c + k + 1) * m)
+                matrix[own, part] = block * weight[part]
+        return np.asarray(matrix / np.sqrt(f.floats(self.below)).reshape(-1, 1))
+
+    def inner_matrix(self) -> Array:
+        """Return the matrix of `inner_integral` in double precision, (nodes, nodes)."""
+        return self.reflected.matrix()[::-1, ::-1]
+
+    def series(self, values: Ints) -> AnnulusSeries:
+        """Return the function through values at the nodes."""
+        f = self.fixed
+        ordered = values.copy()
+        ordered[-1] = values[-1, ::-1]
+        return AnnulusSeries(self, f.dot(ordered, self.blocks.expand.T))
+
+
+@dataclass(frozen=True)
+class AnnulusSeries:
+    """A Legendre series on the cells of an annulus.
+
+    Attributes
+    ----------
+    mesh : AnnulusMesh
+    table : ndarray of int, shape (cells, points)
+        In the tails, of the root of the odds.
+    """
+
+    mesh: AnnulusMesh
+    table: Ints
+
+    def at(self, above: Any, below: Any) -> Ints:
+        """Evaluate where the distances in ``s**2`` from the two ends are these, 1-d arrays."""
+        f, mesh = self.mesh.fixed, self.mesh
+        h, last = f.of(mesh.blocks.width), mesh.panels + 1
+        inside = (above < below).astype(bool)
+        odds = f.over(np.minimum(above, below), np.maximum(above, below))
+        x = np.empty(len(odds), dtype=object)
+        for rows, end, beyond in (
+            (inside, mesh.inner_end, -mesh.before * h - 1),
+            (~inside, mesh.outer_end, mesh.after * h),
+        ):
+            near = rows & (odds >= end).astype(bool)
+            x[rows] = beyond
+            x[near] = f.map(f.mp.log, odds[near]) * (1 if beyond < 0 else -1)
+        own = np.clip([int(v // h) + mesh.before + 1 for v in x], 0, last)
+        values = np.empty(len(x), dtype=object)
+        for c in np.unique(own):
+            rows = own == c
+            if 0 < c < last:
+                local = 2 * f.over(x[rows] - (int(c) - 1 - mesh.before) * h, h) - f.one
+            else:
+                end = mesh.inner_end if c == 0 else mesh.outer_end
+                local = 2 * f.sqrt(f.over(odds[rows], end)) - f.one
+            values[rows] = f.dot(f.legendre(local, self.table.shape[1] - 1), self.table[c])
+        return values
