@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 from contact import Contact, Disk
-from elements import Array, Kernel, Places, normal, tangential
+from elements import Array, Kernel, Places, gauss, normal, tangential
 from numpy.polynomial import chebyshev
 
 from spectral_contact import Scene
@@ -45,8 +45,7 @@ class Polynomial(Disk):
 
     def _matrix(self, kernel: Kernel) -> Array:
         degree = len(self._angles) - 1
-        v, w = np.polynomial.legendre.leggauss(2 * degree + POINTS)
-        v, w = (1.0 + v) / 2.0, w / 2.0
+        v, w = gauss(2 * degree + POINTS)
         w, v = w * POWER * v ** (POWER - 1), v**POWER
         rows = []
         for node, own in enumerate(self._angles):

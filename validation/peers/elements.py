@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -23,7 +24,7 @@ FAR: Final = 3
 #: So many elements on either side of a point are integrated by the graded rule.
 NEAR: Final = 2
 #: Gauss points of the graded rule on either side of a point, and the power that grades them.
-GRADED: Final = 8
+GRADED: Final = 6
 POWER: Final = 4
 #: Rows that are integrated at a time, so that their arrays stay in the cache of the processor.
 ROWS: Final = 16
@@ -51,6 +52,13 @@ class Places:
         return Places(self.s[index], self.y[index])
 
 
+@cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Return Gauss's rule on [0, 1]: to find it would take small problems longer than the rest."""
+    v, w = np.polynomial.legendre.leggauss(count)
+    return (1.0 + v) / 2.0, w / 2.0
+
+
 def normal(source: Places, target: Places) -> Array:
     """Return K1(eta, s) = (eta/hi) K(rho)."""
     _, hi, m1 = _pair(source, target)
@@ -67,6 +75,13 @@ def tangential(source: Places, target: Places) -> Array:
     difference = (special.ellipkm1(np.where(small, 0.5, m1)) - special.ellipe(safe)) / safe
     difference[small] = np.polynomial.polynomial.polyval(m[small], _SERIES)
     return np.asarray(source.s / hi * rho * difference)
+
+
+def uniform_pressure(radius: Places, target: Places) -> Array:
+    """Return the integral of K1 over a disk, by which a constant pressure on it displaces."""
+    lo, hi, m1 = _pair(radius, target)
+    beyond = np.where(target.s > radius.s, m1 * special.ellipkm1(m1), 0.0)
+    return np.asarray(hi * (special.ellipe((lo / hi) ** 2) - beyond))
 
 
 def _pair(source: Places, target: Places) -> tuple[Array, Array, Array]:
@@ -94,8 +109,7 @@ def integrals(kernel: Kernel, ends: Places, targets: Places) -> Array:
         Of the kernel times 1 - x and times x, with x from 0 to 1 on every element; over pi.
     """
     found = np.empty((2, len(targets.s), len(ends.s) - 1))
-    v, w = np.polynomial.legendre.leggauss(FAR)
-    v, w = (1.0 + v) / 2.0, w / 2.0
+    v, w = gauss(FAR)
     width = ends.y[:-1] - ends.y[1:]
     source = _inside(ends, np.arange(len(width)), v[:, None])
     for first in range(0, len(targets.s), ROWS):
@@ -115,8 +129,7 @@ def _graded(kernel: Kernel, ends: Places, targets: Places, found: Array) -> None
     j += i - NEAR
     i, j = i[(j >= 0) & (j < count)], j[(j >= 0) & (j < count)]
     own = np.clip((ends.y[j] - targets.y[i]) / (ends.y[j] - ends.y[j + 1]), 0.0, 1.0)
-    v, w = np.polynomial.legendre.leggauss(GRADED)
-    v, w = (1.0 + v) / 2.0, w / 2.0
+    v, w = gauss(GRADED)
     w, v = w * POWER * v ** (POWER - 1), v**POWER
     found[:, i, j] = 0.0
     for reach in (-own, 1.0 - own):

@@ -24,6 +24,12 @@ from scipy.sparse.linalg import splu
 
 from spectral_contact import MissingDependencyError, Scene, SceneError
 
+try:  # here, for its time is no part of a solve
+    import skfem
+    from skfem.helpers import ddot, sym_grad, trace
+except ImportError:
+    skfem = None
+
 #: Radius and depth of the mesh.
 FAR = 100.0
 #: Elements beyond the unit distance from the edge, for each element on the radius.
@@ -37,7 +43,8 @@ class Body:
     """
 
     def __init__(self, nu: float, count: int, power: float) -> None:
-        skfem = _skfem()
+        if skfem is None:
+            raise MissingDependencyError("scikit-fem", "peers")
         graded = np.linspace(0.0, 1.0, count + 1) ** power
         beyond = np.geomspace(1.0, FAR, round(BEYOND * count) + 1)[1:]
         depths = np.concatenate([graded, beyond])
@@ -58,13 +65,11 @@ class Body:
         surface = self.axial[(z[self.axial] == 0.0) & (x[self.axial] <= 0.0)]
         self.surface = surface[np.argsort(x[surface])]  # of axial displacements
         self.ends = graded[::-1]
-        self._nu, self._skfem = nu, skfem
+        self._nu = nu
 
     @cached_property
     def stiffness(self) -> Any:
         """The stiffness matrix."""
-        from skfem.helpers import ddot, sym_grad, trace
-
         shear = 2.0 * (1.0 - self._nu)
         bulk = 2.0 * shear * self._nu / (1.0 - 2.0 * self._nu)
 
@@ -75,7 +80,7 @@ class Body:
             volume = (trace(strain) + hoop) * (trace(other) + hoop_other)
             return (2.0 * shear * (ddot(strain, other) + hoop * hoop_other) + bulk * volume) * r
 
-        return self._skfem.BilinearForm(work).assemble(self.basis)
+        return skfem.BilinearForm(work).assemble(self.basis)
 
     @cached_property
     def far(self) -> Array:
@@ -92,9 +97,7 @@ class Body:
 
     def layer(self, component: int) -> Any:
         """Return the matrix of the products of displacements on the contact line."""
-        form = self._skfem.BilinearForm(
-            lambda u, v, w: u[component] * v[component] * (1.0 + w.x[0])
-        )
+        form = skfem.BilinearForm(lambda u, v, w: u[component] * v[component] * (1.0 + w.x[0]))
         return form.assemble(self.line)
 
     def solve(self, matrix: Any, loads: Array) -> Array:
@@ -166,14 +169,6 @@ class Elements:
             + 4.0 * middle * x * (1.0 - x)
             - outer * x * (1 - 2 * x)
         )
-
-
-def _skfem() -> Any:
-    try:
-        import skfem
-    except ImportError as error:
-        raise MissingDependencyError("scikit-fem", "peers") from error
-    return skfem
 
 
 solver = Elements

@@ -20,7 +20,7 @@ from typing import Final
 
 import numpy as np
 from contact import Contact, Disk
-from elements import Array, Kernel, Places, normal, tangential
+from elements import Array, Kernel, Places, gauss, normal, tangential
 from scipy import special
 
 from spectral_contact import Scene
@@ -59,15 +59,17 @@ class Panels(Disk):
         self.ends = Places(
             np.concatenate([low, 1.0 - edge, [1.0]]), np.concatenate([1.0 - low, edge, [0.0]])
         )
-        self._g, self._w = np.polynomial.legendre.leggauss(count)
-        x = ((1.0 + self._g) / 2.0)[:, None]
+        x, self._w = gauss(count)
+        x = x[:, None]
         inner, outer = self.ends[:-1], self.ends[1:]
         self._width = np.where(inner.s < 0.5, outer.s - inner.s, inner.y - outer.y)
         self.nodes = Places(
             (inner.s + self._width * x).T.ravel(), (outer.y + self._width * (1.0 - x)).T.ravel()
         )
-        self._weights = (self._width[:, None] * self._w / 2.0).ravel()
-        self._legendre = np.linalg.inv(np.polynomial.legendre.legvander(self._g, count - 1))
+        self._weights = (self._width[:, None] * self._w).ravel()
+        self._legendre = np.linalg.inv(
+            np.polynomial.legendre.legvander(2.0 * x[:, 0] - 1.0, count - 1)
+        )
 
     @cached_property
     def normal(self) -> Array:
@@ -81,37 +83,38 @@ class Panels(Disk):
 
     def _matrix(self, kernel: Kernel, logarithm: Kernel, less: float) -> Array:
         """Return a matrix; on the diagonal K + log|eta - s|/2 is (log 8s - less)/2."""
-        nodes, count = self.nodes, len(self._g)
+        nodes, count, width = self.nodes, len(self._w), self._width
         found = kernel(nodes, nodes[:, None])
         np.fill_diagonal(found, 0.0)
         found *= self._weights
-        for panel, width in enumerate(self._width):
-            own = slice(panel * count, (panel + 1) * count)
-            for other in range(max(panel - 1, 0), min(panel + 2, len(self._width))):
-                rows = slice(other * count, (other + 1) * count)
-                kind = other - panel, round(self._width[other] / width, 12)
-                exact, gauss = log_weights(count, *kind)
-                split = logarithm(nodes[own], nodes[rows, None])
-                found[rows, own] += split * (exact - gauss) * (width / 2.0)
-                if other == panel:  # Gauss's rule with the limit of M in place of K
-                    limit = (np.log(8.0 * nodes.s[own] / (width / 2.0)) - less) / 2.0
-                    found[rows, own][np.diag_indices(count)] += limit * self._weights[own]
+        # on a panel itself Gauss's rule has the limit of M in place of K
+        limit = (np.log(8.0 * nodes.s / np.repeat(width / 2.0, count)) - less) / 2.0
+        found[np.diag_indices_from(found)] = limit * self._weights
+        blocks = found.reshape(len(width), count, len(width), count)
+        points = Places(nodes.s.reshape(-1, count), nodes.y.reshape(-1, count))
+        for side in (-1, 0, 1):
+            panel = np.arange(max(0, -side), len(width) - max(0, side))
+            target = panel + side
+            ratios = np.round(width[target] / width[panel], 12)
+            change = np.array([log_weights(count, side, ratio) for ratio in ratios])
+            change *= logarithm(points[panel, None], points[target, :, None])
+            blocks[target, :, panel] += change * (width[panel, None, None] / 2.0)
         return found / np.pi
 
     def at(self, values: Array, y: Array) -> Array:
         """Evaluate the polynomials of the panels."""
         panel, x = self._located(y)
-        rows = np.polynomial.legendre.legvander(x, len(self._g) - 1)
-        series = values.reshape(-1, len(self._g)) @ self._legendre.T
+        rows = np.polynomial.legendre.legvander(x, len(self._w) - 1)
+        series = values.reshape(-1, len(self._w)) @ self._legendre.T
         return np.einsum("ik,ik->i", rows, series[panel])
 
     def moment(self, values: Array, y: Array) -> Array:
         """Integrate the polynomials of the panels."""
-        parts = (self.nodes.s * values).reshape(-1, len(self._g))
-        whole = np.concatenate([[0.0], np.cumsum(parts @ self._w * self._width / 2.0)])
+        parts = (self.nodes.s * values).reshape(-1, len(self._w))
+        whole = np.concatenate([[0.0], np.cumsum(parts @ self._w * self._width)])
         panel, x = self._located(y)
         series = np.polynomial.legendre.legint(self._legendre @ parts.T, lbnd=-1.0)
-        rows = np.polynomial.legendre.legvander(x, len(self._g))
+        rows = np.polynomial.legendre.legvander(x, len(self._w))
         return whole[panel] + np.einsum("ik,ki->i", rows, series[:, panel]) * (
             self._width[panel] / 2.0
         )
@@ -125,8 +128,8 @@ class Panels(Disk):
 
 
 @lru_cache(maxsize=64)
-def log_weights(count: int, side: int, ratio: float) -> tuple[Array, Array]:
-    """Return weights on [-1, 1] for the logarithm of the distance to Gauss points.
+def log_weights(count: int, side: int, ratio: float) -> Array:
+    """Return what Gauss's rule on [-1, 1] lacks for the logarithm of the distance to Gauss points.
 
     Parameters
     ----------
@@ -139,11 +142,12 @@ def log_weights(count: int, side: int, ratio: float) -> tuple[Array, Array]:
 
     Returns
     -------
-    tuple of ndarray, each of shape (count, count)
-        Rows are targets: exact for polynomials times the logarithm, and Gauss's rule times the
-        logarithm, zero where that is infinite.
+    ndarray, shape (count, count)
+        Rows are targets: weights exact for polynomials times the logarithm, less Gauss's times the
+        logarithm, which are zero where that is infinite.
     """
-    g, w = np.polynomial.legendre.leggauss(count)
+    x, w = gauss(count)
+    g, w = 2.0 * x - 1.0, 2.0 * w
     targets = g if side == 0 else side * (1.0 + ratio * (1.0 + side * g))
     lagrange = np.linalg.inv(np.polynomial.legendre.legvander(g, count - 1))
     nearest = np.clip(targets, -1.0, 1.0)[:, None]
@@ -152,16 +156,15 @@ def log_weights(count: int, side: int, ratio: float) -> tuple[Array, Array]:
     rows = np.polynomial.legendre.legvander(nearest + reach, count - 1)
     exact = np.einsum("iq,iqk->ik", logarithms, rows) @ lagrange
     gap = np.abs(targets[:, None] - g)
-    gauss = w * np.log(gap, out=np.zeros_like(gap), where=gap > 0.0)
-    return exact, gauss
+    return exact - w * np.log(gap, out=np.zeros_like(gap), where=gap > 0.0)
 
 
 def _graded(towards: Array, count: int) -> tuple[Array, Array]:
     """Return a rule on [-1, 1] for each point in it, graded geometrically, by steps from there."""
     ends = np.concatenate([[0.0], 0.2 ** np.arange(24, -1.0, -1.0)])
-    v, w = np.polynomial.legendre.leggauss(count // 2 + 8)
-    v = (ends[:-1, None] + np.diff(ends)[:, None] * (1.0 + v) / 2.0).ravel()
-    w = (np.diff(ends)[:, None] * w / 2.0).ravel()
+    v, w = gauss(count // 2 + 8)
+    v = (ends[:-1, None] + np.diff(ends)[:, None] * v).ravel()
+    w = (np.diff(ends)[:, None] * w).ravel()
     below, above = 1.0 + towards, 1.0 - towards
     return np.hstack([-below * v, above * v]), np.hstack([below * w, above * w])
 

@@ -17,7 +17,7 @@ from functools import cached_property, partial
 
 import numpy as np
 from contact import Contact, Disk
-from elements import Array, Kernel, Places, integrals, normal, tangential
+from elements import Array, Places, integrals, tangential, uniform_pressure
 
 from spectral_contact import Scene
 
@@ -32,15 +32,13 @@ class Rings(Disk):
     @cached_property
     def normal(self) -> Array:
         """The matrix of N."""
-        return self._matrix(normal)
+        disks = uniform_pressure(self.ends, self.nodes[:, None])
+        return np.diff(disks, axis=1) / np.pi
 
     @cached_property
     def tangential(self) -> Array:
         """The matrix of T."""
-        return self._matrix(tangential)
-
-    def _matrix(self, kernel: Kernel) -> Array:
-        return integrals(kernel, self.ends, self.nodes).sum(axis=0)
+        return integrals(tangential, self.ends, self.nodes).sum(axis=0)
 
     def at(self, values: Array, y: Array) -> Array:
         """Interpolate linearly, and beyond the first and the last middle extrapolate."""
