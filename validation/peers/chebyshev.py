@@ -49,15 +49,12 @@ class Polynomial(Disk):
         w, v = w * POWER * v ** (POWER - 1), v**POWER
         rows = []
         for node, own in enumerate(self._angles):
-            row = np.zeros(degree + 1)
-            for reach in (-own, np.pi - own):
-                angles, rest = own + reach * v, (np.pi - own) - reach * v
-                if reach != 0.0:
-                    values = kernel(_places(angles, rest), self.nodes[node])
-                    values[np.isinf(values)] = 0.0  # points that round to the node weigh nothing
-                    values *= w * abs(reach) * np.sin(rest) / 2.0
-                    row += values @ chebyshev.chebvander(np.cos(angles), degree)
-            rows.append(row)
+            reach = np.array([r for r in (-own, np.pi - own) if r])[:, None]
+            angles, rest = own + reach * v, (np.pi - own) - reach * v
+            values = kernel(_places(angles, rest), self.nodes[node])
+            values[np.isinf(values)] = 0.0  # points that round to the node weigh nothing
+            values *= w * np.abs(reach) * np.sin(rest) / 2.0
+            rows.append(values.ravel() @ chebyshev.chebvander(np.cos(angles.ravel()), degree))
         return np.array(rows) @ self._series / np.pi
 
     def at(self, values: Array, y: Array) -> Array:

@@ -34,19 +34,23 @@ from spectral_contact.studies import OwnSolver, Stopwatch, WorkPrecision, work_p
 RESULTS = Path(__file__).parents[1] / "results"
 PACKAGES = ("tamaas", "scikit-fem")
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-ELEMENTS = (12, 25, 50, 100, 200, 400, 800, 1600, 3200)
+#: Close to each other where solves are short, so that no peer waits for its next resolution.
+ELEMENTS = (
+    *(3, 4, 6, 8, 12, 17, 25, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800),
+    *(1600, 3200),
+)
 #: By name: the solver, and the resolutions from coarse to as fine as some seconds and memory allow.
 PEERS = {
     "constant, uniform": (rings.uniform, ELEMENTS),
     "linear, uniform": (linear.uniform, ELEMENTS),
     "linear, graded": (linear.graded, ELEMENTS),
-    "Nyström, log split": (nystrom.solver, (4, 6, 8, 10, 12, 14, 16, 20)),
-    "Chebyshev": (chebyshev.solver, (8, 16, 32, 64, 128, 256, 512)),
-    "tamaas": (fft.solver, (16, 32, 64, 128, 256, 512)),
-    "scikit-fem": (fem.solver, (4, 8, 16, 32, 48)),
+    "Nyström, log split": (nystrom.solver, (2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 20)),
+    "Chebyshev": (chebyshev.solver, (4, 6, 8, 11, 16, 23, 32, 45, 64, 90, 128, 256, 512)),
+    "tamaas": (fft.solver, (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512)),
+    "scikit-fem": (fem.solver, (2, 3, 4, 6, 8, 12, 16, 24, 32, 48)),
 }
-#: So many resolutions of each peer are in a small run.
-SMALL = 4
+#: So many of the finest resolutions of each peer are not in a small run.
+FINEST = 4
 
 
 @dataclass(frozen=True)
@@ -95,7 +99,7 @@ def measured(name: str, small: bool, results: Path) -> WorkPrecision:
     solvers = {OwnSolver().name: (OwnSolver(own), ACCURACIES)}
     for peer in problem.peers:
         solver, resolutions = PEERS[peer]
-        solvers[peer] = solver, resolutions[:SMALL] if small else resolutions
+        solvers[peer] = solver, resolutions[:-FINEST] if small else resolutions
     return work_precision(
         solvers,
         problem.scenes,

@@ -40,7 +40,10 @@ class Linear(Disk):
 
     def _matrix(self, kernel: Kernel) -> Array:
         inner, outer = integrals(kernel, self.nodes, self.nodes)
-        return np.pad(inner, ((0, 0), (0, 1))) + np.pad(outer, ((0, 0), (1, 0)))
+        found = np.zeros((len(inner), len(inner)))
+        found[:, :-1] = inner
+        found[:, 1:] += outer
+        return found
 
     def at(self, values: Array, y: Array) -> Array:
         """Interpolate linearly."""
