@@ -18,8 +18,8 @@ from scipy import special
 Array = NDArray[np.float64]
 Kernel = Callable[["Places", "Places"], Array]
 
-#: Gauss points on an element where the kernel is smooth. With more of them no error changes by
-#: a hundredth, nor with a wider neighbourhood.
+#: Gauss points on an element where the kernel is smooth. With more of them no error is smaller,
+#: nor with a wider neighbourhood.
 FAR: Final = 3
 #: So many elements on either side of a point are integrated by the graded rule.
 NEAR: Final = 2
