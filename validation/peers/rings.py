@@ -1,7 +1,7 @@
 """Collocation on rings of constant traction: what the paper's author will have done.
 
 The first thing one would write (K. L. Johnson, Contact Mechanics, 1985, section 5.9), equations met
-at the middles of the rings. What a ring displaces is the difference of two disks, in closed form.
+at the middles of the rings. A ring of pressure is the difference of two disks, in closed form.
 
 Traps: the value of the last ring is that of a point half a ring inside, and the approach, an
 integral, hides it. So fields are interpolated between the middles, and extrapolated to the edge:
