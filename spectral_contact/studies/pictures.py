@@ -28,9 +28,12 @@ _SYMBOLS = {
     "total_shear": "total shear $Q^*$",
     "stick_radius": "stick radius $c^*$",
 }
-# Colours of Okabe and Ito, and grey; markers tell the curves apart in grey.
-_COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#888888")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+# Colours of Okabe and Ito, grey and brown; markers tell the curves apart in grey.
+_COLOURS = (
+    *("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"),
+    *("#888888", "#8C510A"),
+)
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
 _LINES = ("-", "--", "-.")  # dotted are cold times
 #: Errors of zero are drawn here.
 _LEAST = 1e-17

@@ -83,6 +83,7 @@ def test_moments_are_integrals(name):
     ("solver", "scene", "resolutions", "orders"),
     [
         (rings.uniform, NORMAL, (25, 50, 100, 200), {"approach": 1.9, "edge_pressure": 1.0}),
+        (rings.graded, NORMAL, (25, 50, 100, 200), {"approach": 2.0, "edge_pressure": 2.0}),
         (rings.uniform, STICK, (25, 50, 100, 200), {"total_shear": 2.0}),
         (linear.uniform, NORMAL, (25, 50, 100, 200), {"approach": 1.8, "edge_pressure": 1.8}),
         (linear.graded, NORMAL, (25, 50, 100, 200), {"approach": 2.0, "edge_pressure": 2.0}),

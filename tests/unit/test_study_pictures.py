@@ -139,12 +139,12 @@ def test_cold_times_can_be_left_out():
     assert labels == ["unknowns $N$", "time warm [ms]"]
 
 
-def test_eight_solvers_look_different():
-    names = tuple(f"solver {i}" for i in range(8))
+def test_nine_solvers_look_different():
+    names = tuple(f"solver {i}" for i in range(9))
     points = tuple(point(name, SCENE, count) for name in names for count in COUNTS)
     figure = replace(comparison(), solvers=names, scenes=(SCENE,), points=points).plot(cold=False)
     curves = [bars.lines[0] for bars in figure.axes[0].containers]
-    assert len({(curve.get_marker(), curve.get_color()) for curve in curves}) == 8
+    assert len({(curve.get_marker(), curve.get_color()) for curve in curves}) == 9
 
 
 def test_curves_are_told_apart_in_grey():

@@ -40,6 +40,7 @@ ELEMENTS = (3, 4, 6, 8, 12, 17, 25, 35, 50, 70, 100, 140, 200, 280, 400, 560, 80
 #: Those that solve fewer problems are last, so that each looks the same in all figures.
 PEERS = {
     "constant, uniform": (rings.uniform, ELEMENTS),
+    "constant, graded": (rings.graded, ELEMENTS),
     "linear, uniform": (linear.uniform, ELEMENTS),
     "linear, graded": (linear.graded, ELEMENTS),
     "Nyström, log split": (nystrom.solver, (2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 20)),
