@@ -105,13 +105,13 @@ class LogSeries:
         panels = len(self.coefficients)
         end = float(np.exp(-panels * self.width))
         x = -np.log(np.maximum(d, end * 1e-2)) / self.width
-        own = np.clip(x.astype(int), 0, panels - 1)
-        local = np.clip(2.0 * (x - own) - 1.0, -1.0, 1.0)
-        result = legendre_sums(local, np.take(self.coefficients.T, own, axis=1))
+        own = np.minimum(np.maximum(x.astype(int), 0), panels - 1)
+        local = np.minimum(np.maximum(2.0 * (x - own) - 1.0, -1.0), 1.0)
+        result = legendre_sums(local, self.coefficients, own)
         deep = d < end
         if deep.any():
             ratio = np.sqrt(d[deep] / end) if self.root_tail else d[deep] / end
-            result[deep] = legendre_sums(2.0 * ratio - 1.0, self.tail[:, None])
+            result[deep] = legendre_sums(2.0 * ratio - 1.0, self.tail[None, :])
         if self.power != 0.0:
             with np.errstate(divide="ignore"):
                 result *= d**self.power

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,31 +49,45 @@ def legendre_rows_between(low: Array, high: Array, degree: int) -> Array:
     return values
 
 
-def legendre_sums(x: Array, coefficients: Array) -> Array:
+def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = None) -> Array:
     """Return values of Legendre series by Clenshaw's recurrence.
 
     Parameters
     ----------
     x : ndarray, shape (n,)
-    coefficients : ndarray, shape (terms, n) or (terms, 1)
-        Every point has a series of its own, or all have the same.
+    coefficients : ndarray, shape (series, terms)
+    own : ndarray of int, shape (n,), optional
+        Which series each point has; by default there is one for all.
 
     Returns
     -------
     ndarray, shape (n,)
     """
-    # in monic polynomials, x p_n = p_(n+1) + n^2/(4 n^2 - 1) p_(n-1), one factor a step is saved
-    n = np.arange(1.0, len(coefficients))
-    leading = np.cumprod(np.concatenate([[1.0], 2.0 - 1.0 / n]))
-    scaled = np.empty((len(coefficients), len(x)))
-    rows = list(np.multiply(coefficients, leading[:, None], out=scaled))
-    product = np.empty(x.shape)
-    for k in range(len(rows) - 2, -1, -1):
-        rows[k] += np.multiply(x, rows[k + 1], out=product)
-        if k > 0:
-            rows[k + 1] *= k * k / (4.0 * k * k - 1.0)
-            rows[k - 1] -= rows[k + 1]
-    return np.asarray(rows[0])
+    # as Chebyshev series: their recurrence has no factors that depend on the degree
+    table = _chebyshev_from_legendre(coefficients.shape[1] - 1) @ coefficients.T
+    rows = list(table if own is None else np.take(table, own, axis=1))
+    doubled, product, later, last = 2.0 * x, np.empty(x.shape), np.zeros(x.shape), rows.pop()
+    if own is None:
+        last = np.full(x.shape, last)
+    while len(rows) > 1:
+        current = np.subtract(np.multiply(doubled, last, out=product), later, out=later)
+        current += rows.pop()
+        later, last = last, current
+    if not rows:
+        return np.asarray(last)
+    return np.asarray(np.multiply(x, last, out=product) - later + rows[0])
+
+
+@lru_cache(maxsize=64)
+def _chebyshev_from_legendre(degree: int) -> Array:
+    """Return the matrix from Legendre to Chebyshev coefficients, (degree + 1, degree + 1)."""
+    # P_n = sum_j w_j w_(n-j) cos((n - 2 j) t), where sum_j w_j r^j = 1/sqrt(1 - r)
+    j = np.arange(1.0, degree + 1.0)
+    w = np.cumprod(np.concatenate([[1.0], 1.0 - 0.5 / j]))
+    matrix = np.zeros((degree + 1, degree + 1))
+    for n in range(degree + 1):
+        np.add.at(matrix[:, n], np.abs(n - 2 * np.arange(n + 1)), w[: n + 1] * w[n::-1])
+    return matrix
 
 
 def legendre_sum(x: float, coefficients: list[float]) -> float:

@@ -23,7 +23,7 @@ from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 
-__all__ = ["EDGE", "Drive"]
+__all__ = ["EDGE", "Drive", "rise_reach"]
 
 Array = NDArray[np.float64]
 
@@ -105,19 +105,13 @@ class Drive:
             value = value + self._outer(y)
         return np.asarray(value)
 
-    def rise(self, radius: Radius) -> tuple[float, Callable[[Array], Array]]:
+    def rise(self, radius: Radius) -> Callable[[Array], Array]:
         """Return R near the rim of a disk, less its value there, without the subtraction.
 
-        Returns
-        -------
-        reach : float
-            The distance ``d`` up to which the function holds.
-        function : callable
-            ``R(rest + square d) - R(rest)`` for ``d <= reach``: the Chebyshev interpolant of R,
-            from which the factor ``d`` is split off.
+        ``R(rest + square d) - R(rest)`` for ``d <= rise_reach(radius)``: the Chebyshev interpolant
+        of R, from which the factor ``d`` is split off.
         """
-        # R is singular at the edge, however weakly
-        reach = min(0.2 * radius.rest / radius.square, 1.0)
+        reach = rise_reach(radius)
         samples = self.target(radius.rest + radius.square * reach * (1.0 + _NODES) / 2.0)
         start = float(self.target(np.array(radius.rest)))
         # a flat stretch must come out flat: its rounding would be amplified by the division
@@ -129,7 +123,7 @@ class Drive:
             x = 2.0 * d / reach - 1.0
             return np.asarray((x + 1.0) * chebyshev.chebval(x, quotient))
 
-        return reach, function
+        return function
 
     def mean_inside(self, y: Array) -> Array:
         """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""
@@ -146,6 +140,12 @@ class Drive:
         if self._load is not None:
             value = value + 0.5 * y * self._load(y)
         return np.asarray(value)
+
+
+def rise_reach(radius: Radius) -> float:
+    """Return the distance ``d`` from the rim up to which `Drive.rise` holds."""
+    # R is singular at the edge, however weakly
+    return min(0.2 * radius.rest / radius.square, 1.0)
 
 
 def _mean_outside(panels: LogPanels, series: LogSeries) -> LogSeries:

@@ -186,8 +186,9 @@ class _OneDiskProblem:
     def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c)``, zero without tangential compliance."""
         radius = Radius.from_logit(logit)
-        source = SlipSource(self.drive.pressure, radius, EDGE, self.alpha, 1e-3)
-        return float(self.drive.target(np.array(radius.rest))) - self.friction * source.at_rim
+        source = SlipSource([self.drive.pressure], radius, EDGE, self.alpha, 1e-3, radius.rest)
+        at_rim = float(self.drive.target(np.array(radius.rest)))
+        return at_rim - self.friction * float(source.at_rim[0])
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
@@ -209,36 +210,42 @@ class _OneDiskProblem:
         """Solve the disk of the given radius; the mismatch of the rim value decides."""
         radius = Radius.from_logit(logit)
         factored = self._factored(resolution, radius)
-        return self._at(self.drive, resolution, radius, factored, tolerance)
+        return self._at([self.drive], resolution, radius, factored, tolerance)[0]
 
     def _at(
         self,
-        drive: Drive,
+        drives: list[Drive],
         resolution: Resolution,
         radius: Radius,
         factored: Factored,
         tolerance: float,
-    ) -> _Trial:
-        """Solve for a drive, which may be the change of one: all is linear in the pressure."""
+    ) -> list[_Trial]:
+        """Solve for drives, which may be changes of one: all is linear in the pressure."""
         panels, correct = resolution.panels, tolerance < 1e-3
-        source = SlipSource(drive.pressure, radius, EDGE, self.alpha, tolerance)
-        at_rim = np.array(radius.rest)
-        balance, target = rim_target(drive, radius, [(self.friction, source)], keep=self.beta > 0.0)
+        pressures = [drive.pressure for drive in drives]
+        nearest = radius.square * float(factored.space.operator.disk.nodes.d.min())
+        source = SlipSource(pressures, radius, EDGE, self.alpha, tolerance, nearest)
+        sources = [(self.friction, source)]
+        balance, target = rim_target(drives, radius, sources, keep=self.beta > 0.0)
         values, unresolved = interpolate(panels, target)
         rim, unit, slipping, response = -balance, 0.0, self.friction * source.at_rim, None
         if self.beta == 0.0:
-            coefficients = factored.solve(values, correct=correct)
+            solved = factored.solve(values, correct=correct)
         else:
-            targets = np.column_stack([values, np.ones_like(values)])
-            both = factored.solve(targets, correct=correct)
-            coefficients, response = both[:, 0], both[:, 1]
+            both = factored.solve(np.hstack([values, np.ones((len(values), 1))]), correct=correct)
+            solved, response = both[:, :-1], np.ascontiguousarray(both[:, -1])
             unit = series_of(panels, response).limit
-            at_end = self.friction * float(drive.pressure.at(at_rim))
-            rim = (at_end - series_of(panels, coefficients).limit) / unit
-            coefficients = coefficients + rim * response
+            at_end = [float(pressure.at(np.array(radius.rest))) for pressure in pressures]
+            limits = [series_of(panels, column).limit for column in solved.T]
+            rim = (self.friction * np.array(at_end) - limits) / unit
+            solved = solved + response[:, None] * rim
             values = values + rim
-        solved = coefficients, response, factored, values
-        return _Trial(radius, -rim, *solved, unit, unresolved, slipping)
+        # rows are contiguous: what follows works on each of them by itself
+        columns = zip(np.ascontiguousarray(solved.T), np.ascontiguousarray(values.T), strict=True)
+        return [
+            _Trial(radius, -m, c, response, factored, v, unit, unresolved, p)
+            for (c, v), m, p in zip(columns, rim.tolist(), slipping.tolist(), strict=True)
+        ]
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
         trials: list[tuple[float, _Trial]] = []
@@ -299,7 +306,7 @@ class _OneDiskProblem:
             shift = kept * max(limits) / abs(trial.unit)
         changes = self.drive.changes
         if changes:
-            trials = [self._at(one, resolution, radius, trial.factored, 1e-3) for one in changes]
+            trials = self._at(changes, resolution, radius, trial.factored, 1e-3)
             moved = trials[0]
             share = float(share_of_change(panels, moved.coefficients, series).max())
             error += propagated * share

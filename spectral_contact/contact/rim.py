@@ -6,18 +6,20 @@ cancel.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import ceil, log
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from math import ceil, exp, log
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.drive import Drive, rise_reach
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
-from spectral_contact.spectral.annulus import gap
+from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, gap
 from spectral_contact.spectral.jacobi import gauss_rule
 
 __all__ = ["SlipSource", "disk_resolution", "rim_target"]
@@ -26,74 +28,99 @@ Array = NDArray[np.float64]
 
 
 class SlipSource:
-    """Quadrature of a pressure over an annulus, graded to both ends.
+    """Quadrature of pressures over an annulus, for half-integrals at its inner end and inside.
 
     Parameters
     ----------
-    pressure : PressureField
-        ``p*``.
+    pressures : sequence of PressureField
+        ``p*``, or changes of it: k functions, which are the columns of all results.
     inner, outer : Radius
         Ends of the annulus.
     alpha : float
         ``alpha*``, the width of the layer at the edge.
     tolerance : float
         Relative accuracy of the integrals.
+    nearest : float
+        The least ``inner**2 - t**2`` > 0 for which they are asked.
     rim : Radius, optional
         Rim of the stick disk; by default the inner end.
     """
 
     def __init__(
         self,
-        pressure: PressureField,
+        pressures: Sequence[PressureField],
         inner: Radius,
         outer: Radius,
         alpha: float,
         tolerance: float,
+        nearest: float,
         rim: Radius | None = None,
     ) -> None:
         width = gap(inner, outer)
         half = width / 2.0
-        # square roots at the inner end; at the outer end a singular pressure is one, too
         points = 3 + ceil(-0.3 * log(tolerance))  # each of them wins a digit
-        finest = max(1e-3 * tolerance, 1e-17) ** 2 * half
-        offsets, weights = _graded(half, min(half, inner.square) / half * finest, points)
-        depth, outer_weights = _graded(
-            half, min(half, alpha) * max(1e-3 * tolerance, 1e-17) if alpha else finest, points
-        )
-        #: distance of the nodes from the rim in s**2
-        self.above = np.concatenate([offsets, width - depth])
+        least = max(1e-3 * tolerance, 1e-17)
+
+        def values(weights: Array, y: Array, z: Array) -> Array:  # with s ds = dz/2
+            densities = np.column_stack([one.at(y) for one in pressures])
+            return (weights / (2.0 * np.sqrt(z)))[:, None] * densities
+
+        nodes, weights, _ = _graded(min(nearest, inner.square, half) / half, points)
+        offset = half * nodes
+        from_inner = values(half * weights, inner.rest - offset, inner.square + offset)
+        # a pressure that is singular at the edge is a square root there
+        finest = min(1.0, alpha / half) * least if alpha else least**2
+        nodes, weights, gather = _graded(finest, points)
+        depth = half * nodes
+        # seen from inside, what varies over the outer half is a polynomial: a few points do
+        from_outer = gather @ values(half * weights, outer.rest + depth, outer.square - depth)
+        depth = half * (1.0 + FAR_NODES) / 2.0
+        #: distance of the points from the rim in s**2
+        self.above = np.concatenate([offset, width - depth])
         if rim is not None:
             self.above += gap(rim, inner)
-        y = np.concatenate([inner.rest - offsets, outer.rest + depth])
-        z = np.concatenate([inner.square + offsets, outer.square - depth])
-        #: weights of ``p ds``; with s ds = dz/2
         self._root = np.sqrt(self.above)
-        self.values = np.concatenate([weights, outer_weights]) * pressure.at(y) / (2.0 * np.sqrt(z))
+        #: weights of ``p ds``
+        self.values = np.concatenate([from_inner, from_outer])
 
     @property
-    def at_rim(self) -> float:
-        """``int p ds / sqrt(s^2 - inner^2)``."""
-        return float((1.0 / self._root) @ self.values)
+    def at_rim(self) -> Array:
+        """``int p ds / sqrt(s^2 - inner^2)``, shape (k,)."""
+        return np.asarray((1.0 / self._root) @ self.values)
 
     def half_integral(self, below: Array) -> Array:
-        """Return ``int p ds / sqrt(s^2 - t^2)`` where ``rim**2 - t**2 = below``."""
+        """Return ``int p ds / sqrt(s^2 - t^2)`` where ``rim**2 - t**2 = below``, (n, k)."""
         return root_sums(below, self.above, self.values)
 
     def fall(self, below: Array) -> Array:
         """Return by how much the half-integral at ``inner**2 - below`` is less than at the rim."""
-        sums = root_sums(below, self.above, self.values / self._root, self._root)
-        return np.asarray(below * sums)
+        sums = root_sums(below, self.above, self.values / self._root[:, None], self._root)
+        return np.asarray(below[:, None] * sums)
 
 
-def _graded(reach: float, finest: float, points: int) -> tuple[Array, Array]:
-    """Return nodes and weights on (0, reach), graded to 0 down to `finest`."""
-    # the far end of the annulus is a singularity ln 2 before the first panel: make that one short
-    panels = int(np.ceil((log(reach / finest) - 1.0) / 3.0))
+def _graded(finest: float, points: int) -> tuple[Array, Array, Array]:
+    """Return `_rule` graded to `finest`."""
+    # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
+    return _rule(max(ceil((-log(finest) - 1.0) / 3.0), 0), points)
+
+
+@lru_cache(maxsize=64)
+def _rule(panels: int, points: int) -> tuple[Array, Array, Array]:
+    """Return nodes and weights on (0, 1), graded to 0, and what gathers the weights.
+
+    Panels are equal in ``-ln``, and the last one is for functions of the square root. A polynomial
+    has the same sum with the gathered weights at the far nodes.
+    """
     start = np.concatenate([[0.0], 1.0 + 3.0 * np.arange(panels)])
     width = np.concatenate([[1.0], np.full(panels, 3.0)])
     g, w = gauss_rule(points)
-    nodes = reach * np.exp(-start[:, None] - width[:, None] * (1.0 + g) / 2.0)
-    return nodes.ravel(), (nodes * (w * width[:, None] / 2.0)).ravel()
+    nodes = np.exp(-start[:, None] - width[:, None] * (1.0 + g) / 2.0)
+    root, rest = (1.0 + g) / 2.0, exp(-1.0 - 3.0 * panels)
+    weights = nodes * (w * width[:, None] / 2.0)
+    nodes = np.concatenate([nodes.ravel(), rest * root**2])
+    weights = np.concatenate([weights.ravel(), rest * root * w])
+    vander = chebyshev.chebvander(2.0 * nodes - 1.0, len(FAR_NODES) - 1)
+    return nodes, weights, FAR_FIT.T @ vander.T
 
 
 def disk_resolution(
@@ -114,40 +141,44 @@ def disk_resolution(
 
 
 def rim_target(
-    drive: Drive, radius: Radius, sources: list[tuple[float, SlipSource]], *, keep: bool
-) -> tuple[float, Callable[[Array], Array]]:
+    drives: Sequence[Drive], radius: Radius, sources: list[tuple[float, SlipSource]], *, keep: bool
+) -> tuple[Array, Callable[[Array], Array]]:
     """Return the target of a stick disk at its rim, and on the disk.
 
     Parameters
     ----------
-    drive : Drive
+    drives : sequence of Drive
+        One, or several that are solved for together: k columns.
     radius : Radius
         The rim.
     sources : list of (float, SlipSource)
-        Slip zones outside, each with its sign times ``f / kappa``.
+        Slip zones outside under the pressures of the drives, each with its sign times
+        ``f / kappa``.
     keep : bool
         Whether the function includes the balance. It does not where the target must vanish at
         the rim, at zero compliance.
 
     Returns
     -------
-    balance : float
+    balance : ndarray, shape (k,)
         ``R(c) - (f/kappa) P(c)``.
     function : callable
-        The target as a function of ``d = 1 - s**2/c**2``. Near the rim it is built from differences
-        that do not cancel; beyond, from the parts, whose noise falls with their size.
+        The targets, (n, k), as functions of ``d = 1 - s**2/c**2``. Near the rim they are built
+        from differences that do not cancel; beyond, from the parts, whose noise falls with their
+        size.
     """
-    at_rim = float(drive.target(np.array(radius.rest)))
+    at_rim = np.array([float(drive.target(np.array(radius.rest))) for drive in drives])
     balance = at_rim - sum(factor * source.at_rim for factor, source in sources)
-    reach, rise = drive.rise(radius)
+    reach, rises = rise_reach(radius), [drive.rise(radius) for drive in drives]
     at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
 
     def function(d: Array) -> Array:
         near = d <= reach
-        value = np.empty_like(d)
+        value = np.empty((len(d), len(drives)))
         below = radius.square * d
-        value[near] = rise(d[near]) + at_start
-        value[~near] = drive.target(radius.rest + below[~near]) - at_end
+        value[near] = np.column_stack([rise(d[near]) for rise in rises]) + at_start
+        targets = [drive.target(radius.rest + below[~near]) for drive in drives]
+        value[~near] = np.column_stack(targets) - at_end
         for factor, source in sources:
             value[near] += factor * source.fall(below[near])
             value[~near] -= factor * source.half_integral(below[~near])

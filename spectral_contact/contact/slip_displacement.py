@@ -21,9 +21,16 @@ from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
 from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
-from spectral_contact.spectral.annulus import Annulus, Family, Points, gap, sampled_series
+from spectral_contact.spectral.annulus import (
+    FAR_FIT,
+    FAR_NODES,
+    Annulus,
+    Family,
+    Points,
+    gap,
+    sampled_series,
+)
 from spectral_contact.spectral.jacobi import (
-    chebyshev_interpolation,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_values,
@@ -42,9 +49,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-#: For a singularity as far off as the interval is wide the error is 5.8**-24, which is rounding.
-_NODES, _FIT = chebyshev_interpolation(24)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +176,7 @@ def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
     if family.sign < 0:
         offset = family.sampling().offset
         reach = -family.reach
-        fit = _FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + _NODES) / 2.0))
+        fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
         return np.asarray(chebyshev.chebval(2.0 * offset / reach - 1.0, fit))
     x, (points,) = panels.sampling(SAMPLES), panels.sampling().shape[1:]
     d = np.concatenate([np.exp(-x).ravel(), panels.tail_sampling()])

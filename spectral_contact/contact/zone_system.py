@@ -155,11 +155,11 @@ class ZoneSystem:
         factored = disk.tangential.space(space.degrees).factor(self.beta / rim.value)
         sticks = self._sticks(radii, degrees, panels.degree)
         # disk targets: what does not depend on the annuli, the rim value, every annulus function
-        sources = self._sources(radii, quadrature)
-        _, function = rim_target(self.drive, rim, sources, keep=True)
+        sources = self._sources(radii, quadrature, rim.square * float(disk.nodes.d.min()))
+        _, function = rim_target([self.drive], rim, sources, keep=True)
         fixed, unresolved = interpolate(panels, function)
         falls, at_rim = sticks.falls(panels, rim)
-        targets = np.column_stack([fixed, np.ones_like(fixed), falls])
+        targets = np.hstack([fixed, np.ones_like(fixed), falls])
         responses = factored.solve(targets)
         misfits = targets - factored.space.half_integral(responses)
         slips = self._slip_annuli(radii, quadrature)
@@ -221,17 +221,18 @@ class ZoneSystem:
         ]
 
     def _sources(
-        self, radii: tuple[Radius, ...], tolerance: float
+        self, radii: tuple[Radius, ...], tolerance: float, nearest: float
     ) -> list[tuple[float, SlipSource]]:
         return [
             (
                 state * self.friction,
                 SlipSource(
-                    self.drive.pressure,
+                    [self.drive.pressure],
                     radii[k - 1],
                     self.outer(radii, k),
                     self.alpha,
                     tolerance,
+                    nearest,
                     rim=radii[0],
                 ),
             )

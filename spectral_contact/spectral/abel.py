@@ -264,20 +264,22 @@ def _plain(e: Array, panels: int, width: float, degree: int) -> Array:
 def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
     """Return ``sum_j values_j / sqrt(near_i + far_j)``, in strips that fit the cache.
 
+    Several columns of values share the square roots.
+
     With `offset` each term is divided by ``sqrt(near_i + far_j) + offset_j`` as well.
 
     Parameters
     ----------
     near : ndarray, shape (n,)
     far : ndarray, shape (m,)
-    values : ndarray, shape (m,)
+    values : ndarray, shape (m,) or (m, k)
     offset : ndarray, shape (m,), optional
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape (n,) or (n, k)
     """
-    sums = np.empty(len(near))
+    sums = np.empty((len(near), *values.shape[1:]))
     strip = max(_STRIP // max(len(far), 1), 1)
     work = np.empty((min(strip, len(near)), len(far)))
     spare = np.empty_like(work)
@@ -287,8 +289,7 @@ def root_sums(near: Array, far: Array, values: Array, offset: Array | None = Non
         np.sqrt(roots, out=roots)
         if offset is not None:
             roots *= np.add(roots, offset, out=spare[: len(part)])
-        np.divide(values, roots, out=roots)
-        np.sum(roots, axis=1, out=sums[start : start + strip])
+        np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + strip])
     return sums
 
 

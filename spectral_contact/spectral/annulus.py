@@ -18,13 +18,21 @@ from spectral_contact.spectral.abel import (
     tail_values,
 )
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.jacobi import (
+    chebyshev_interpolation,
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+)
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import Transforms, transforms
 
-__all__ = ["Annulus", "Family", "Points", "gap", "sampled_series"]
+__all__ = ["FAR_FIT", "FAR_NODES", "Annulus", "Family", "Points", "gap", "sampled_series"]
 
 Array = NDArray[np.float64]
+
+#: For a singularity as far off as the interval is wide the error is 5.8**-24, which is rounding.
+FAR_NODES, FAR_FIT = chebyshev_interpolation(24)
 
 
 def gap(a: Radius, b: Radius) -> float:

@@ -401,10 +401,14 @@ class Factored:
         index, scale = self.space.index, self.scale
         k = self.space.kept if degrees == 2 else self.space.kept_but_one
         shed = coefficients[index[k:]] / scale[k:]
-        right = self._factor[:k, k:] @ shed
-        step, _ = lapack.dpotrs(self._factor[:k, :k], right, lower=1)
+        # with the whole factor, as the leading block would have to be copied
+        step = np.zeros(len(index))
+        step[:k] = self._factor[:k, k:] @ shed
+        step, _ = lapack.dtrtrs(self._factor, step, lower=1)
+        step[k:] = 0.0
+        step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1)
         change = np.zeros_like(coefficients)
-        change[index[:k]] = step * scale[:k]
+        change[index[:k]] = step[:k] * scale[:k]
         change[index[k:]] = -shed * scale[k:]
         panels = self.space.operator.panels
         panel = np.minimum(index // (panels.degree + 1), panels.panels)
