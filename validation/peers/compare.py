@@ -56,7 +56,6 @@ FINEST = 5
 class Problem:
     """What is compared: scenes with gold, quantities, and the peers that can do it."""
 
-    title: str
     scenes: tuple[Scene, ...]
     quantities: tuple[str, ...]
     peers: tuple[str, ...]
@@ -64,19 +63,16 @@ class Problem:
 
 PROBLEMS = {
     "normal": Problem(
-        "Normal contact",
         (Scene(0.1, 0.5), Scene(0.2, 1e-4)),
         ("approach", "edge_pressure"),
         tuple(PEERS),
     ),
     "full_stick": Problem(
-        "Full stick",
         (Scene(0.1, 0.5, 0.5, math.inf), Scene(0.1, 1e-3, 1e-3, math.inf)),
         ("total_shear", "traction"),
         tuple(name for name in PEERS if name != "tamaas"),
     ),
     "partial_slip": Problem(
-        "Partial slip",
         (Scene(0.1, 0.5, 0.5, 0.1), Scene(-0.5, 1e-3, 1e-3, 0.5)),
         ("total_shear", "stick_radius"),
         tuple(name for name in PEERS if name not in PACKAGES),
@@ -187,7 +183,7 @@ def _fastest(study: WorkPrecision, scene: Scene, quantity: str, goal: float, col
 
 def _rounded(number: float) -> str:
     """Return two digits, never in exponents."""
-    return f"{number:.0f}" if number >= 100.0 else f"{number:.2g}"
+    return f"{number:.0f}" if number >= 99.5 else f"{number:.2g}"
 
 
 def _versions(peers: tuple[str, ...]) -> str:
