@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.full_stick import FullStick
-from spectral_contact.contact.one_disk import NoStickDiskError, OneDisk, solve_one_disk
+from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import (
     Slipping,
@@ -28,6 +28,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_displacement,
     slip_misfit,
 )
+from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius, ZonalField, ZonePiece
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, Zone
 from spectral_contact.spectral.annulus import Annulus
@@ -309,7 +310,7 @@ def _one_disk_outcome(
         disk.shear_error,
         disk.radius_error,
         max(disk.radius_error, disk.edge_error),
-        slip_error,
+        max(slip_error, _unknown(disk.edge_error)),
         violation,
         consistent,
         False,
@@ -336,6 +337,11 @@ def _obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool
     The violation is reported in any case; near the onset of a zone it cannot be less.
     """
     return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, 1e-10)
+
+
+def _unknown(boundary_error: float) -> float:
+    """Return infinity where no digit of a boundary is known: then none of the slip is, either."""
+    return inf if boundary_error == inf else 0.0
 
 
 def _displacement_error(
@@ -401,6 +407,7 @@ def _zones_outcome(
         drive, outermost, solved.stray + unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)
+    zones_error = max(max(pair) for pair in solved.boundary_errors)
     return PartialSlip(
         tuple(zones),
         ZonalField(tuple(traction)),
@@ -409,8 +416,8 @@ def _zones_outcome(
         error,
         solved.shear_error,
         solved.boundary_errors[0][0],
-        max(max(pair) for pair in solved.boundary_errors),
-        slip_error,
+        zones_error,
+        max(slip_error, _unknown(zones_error)),
         max(excess, wrong / largest, 0.0),
         _obeys(excess, error, wrong / largest, slip_error),
         True,

@@ -298,6 +298,14 @@ def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
         assert a.outer_from_edge == pytest.approx(b.outer_from_edge, rel=1e-9)
 
 
+def test_slip_is_unknown_where_the_zones_are():
+    scene = Scene(-0.740184063168095, 1.445440324847735, 55599165508.699425, 2.992425260385888e-12)
+    solution = solve(scene, 1e-8, strict=False)
+    assert not solution.converged
+    assert solution.error.zones == math.inf
+    assert solution.error.slip == math.inf
+
+
 # -- conventions ---------------------------------------------------------------------------------
 
 
