@@ -28,30 +28,35 @@ _SYMBOLS = {
     "total_shear": "total shear $Q^*$",
     "stick_radius": "stick radius $c^*$",
 }
-# Colours of Okabe and Ito; markers tell the curves apart in grey.
-_COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-_LINES = ("-", "--", "-.", ":")
+# Colours of Okabe and Ito, grey and brown; markers tell the curves apart in grey.
+_COLOURS = (
+    *("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"),
+    *("#888888", "#8C510A"),
+)
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
+_LINES = ("-", "--", "-.")  # dotted are cold times
 #: Errors of zero are drawn here.
 _LEAST = 1e-17
 _ERROR = "true relative error"
 
 
-def drawn(study: Study, path: str | os.PathLike[str] | None) -> Figure:
+def drawn(study: Study, path: str | os.PathLike[str] | None, cold: bool = True) -> Figure:
     """Return the figure of a study, written to a file if there is a path."""
-    figure = _convergence(study) if isinstance(study, Convergence) else _work_precision(study)
+    states = ("warm", "cold") if cold else ("warm",)
+    draw: Any = _convergence if isinstance(study, Convergence) else _work_precision
+    figure: Figure = draw(study, states)
     if path is not None:
         save(figure, path_text(path))
     return figure
 
 
-def _convergence(study: Convergence) -> Figure:
-    """Return the errors over unknowns with the fitted rates, and over warm and cold times.
+def _convergence(study: Convergence, wanted: Sequence[str]) -> Figure:
+    """Return the errors over unknowns with the fitted rates, and over the times wanted.
 
     Full markers are points that a rate goes through, open ones are not. The time panels are there
     if there are such times.
     """
-    states = [state for state in ("warm", "cold") if _timed(study.points, state)]
+    states = [state for state in wanted if _timed(study.points, state)]
     with style():
         from matplotlib.figure import Figure
 
@@ -76,7 +81,7 @@ def _convergence(study: Convergence) -> Figure:
     return figure
 
 
-def _work_precision(study: WorkPrecision) -> Figure:
+def _work_precision(study: WorkPrecision, states: Sequence[str]) -> Figure:
     """Return the errors over times: a row for each scene, a panel for each quantity.
 
     Full markers are warm times, open ones cold times.
@@ -93,16 +98,19 @@ def _work_precision(study: WorkPrecision) -> Figure:
             for one, quantity in zip(axes, study.quantities, strict=True):
                 for index, solver in enumerate(study.solvers):
                     points = study.of(solver, scene)
-                    for state in ("warm", "cold"):
+                    for state in states:
                         x, timings, errors = _series(points, quantity, state)
-                        label = f"{solver}, {state}" if x else None
+                        name = f"{solver}, {state}" if len(states) > 1 else solver
+                        label = name if x else None
                         warm = state == "warm"
                         _draw_times(one, x, timings, errors, index, filled=warm, label=label)
-                one.set(xscale="log", yscale="log", xlabel="time [ms]", title=_SYMBOLS[quantity])
+                xlabel = "time [ms]" if len(states) > 1 else f"time {states[0]} [ms]"
+                one.set(xscale="log", yscale="log", xlabel=xlabel, title=_SYMBOLS[quantity])
                 _plain_ticks(one)
             axes[0].set_ylabel(_ERROR)
             part.suptitle(scene_title(scene))
-        _legend(figure, figure.axes, columns=min(2 * len(study.solvers), columns + 1))
+        curves = len(states) * len(study.solvers)
+        _legend(figure, figure.axes, columns=min(curves, columns + 1))
     return figure
 
 

@@ -79,7 +79,7 @@ class _Result:
 
         files.save(cast("Study", self), path)
 
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
+    def plot(self, path: str | os.PathLike[str] | None = None, *, cold: bool = True) -> Any:
         """Draw the errors over times, and over unknowns with their rates; write the figure.
 
         Full markers over the unknowns are points that a rate is fitted to; beside other solvers,
@@ -89,6 +89,8 @@ class _Result:
         ----------
         path : path, optional
             Where to write it; nothing is written without.
+        cold : bool
+            Draw the cold times, too.
 
         Returns
         -------
@@ -103,7 +105,7 @@ class _Result:
         """
         from spectral_contact.studies import pictures
 
-        return pictures.drawn(cast("Study", self), path)
+        return pictures.drawn(cast("Study", self), path, cold)
 
     def __str__(self) -> str:
         from spectral_contact.studies import tables

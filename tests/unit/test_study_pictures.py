@@ -132,6 +132,21 @@ def test_a_row_for_each_scene_and_a_panel_for_each_quantity():
     assert texts(figure) == ["ours, warm", "ours, cold", "theirs, warm"]
 
 
+def test_cold_times_can_be_left_out():
+    assert texts(comparison().plot(cold=False)) == ["ours", "theirs"]
+    assert {axes.get_xlabel() for axes in comparison().plot(cold=False).axes} == {"time warm [ms]"}
+    labels = [axes.get_xlabel() for axes in convergence().plot(cold=False).axes]
+    assert labels == ["unknowns $N$", "time warm [ms]"]
+
+
+def test_nine_solvers_look_different():
+    names = tuple(f"solver {i}" for i in range(9))
+    points = tuple(point(name, SCENE, count) for name in names for count in COUNTS)
+    figure = replace(comparison(), solvers=names, scenes=(SCENE,), points=points).plot(cold=False)
+    curves = [bars.lines[0] for bars in figure.axes[0].containers]
+    assert len({(curve.get_marker(), curve.get_color()) for curve in curves}) == 9
+
+
 def test_curves_are_told_apart_in_grey():
     figure = comparison().plot()
     styles = [

@@ -1,0 +1,221 @@
+"""Measure this library beside what one would take instead: python validation/peers/compare.py.
+
+Needs the extra ``peers``. Writes validation/results/peers_normal, peers_full_stick and
+peers_partial_slip, each as .json (a study to be loaded), .md (the times to reach an accuracy) and
+.png (work against precision). A run that is stopped goes on where it was, with the same command; it
+knows solvers by their names, so remove ``validation/results/peers_*.partial`` when one has changed.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import argparse
+import math
+import sys
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import chebyshev
+import fem
+import fft
+import linear
+import nystrom
+import rings
+
+from spectral_contact import MissingDependencyError, Scene
+from spectral_contact.report import scene_text
+from spectral_contact.studies import OwnSolver, Stopwatch, WorkPrecision, work_precision
+
+RESULTS = Path(__file__).parents[1] / "results"
+PACKAGES = ("tamaas", "scikit-fem")
+ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+#: Close to each other where solves are short, so that no peer waits for its next resolution.
+ELEMENTS = (3, 4, 6, 8, 12, 17, 25, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1600, 3200)
+#: By name: the solver, and the resolutions from coarse to as fine as some seconds and memory allow.
+#: Those that solve fewer problems are last, so that each looks the same in all figures.
+PEERS = {
+    "constant, uniform": (rings.uniform, ELEMENTS),
+    "constant, graded": (rings.graded, ELEMENTS),
+    "linear, uniform": (linear.uniform, ELEMENTS),
+    "linear, graded": (linear.graded, ELEMENTS),
+    "Nyström, log split": (nystrom.solver, (2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 20)),
+    "Chebyshev": (chebyshev.solver, (4, 6, 8, 11, 16, 23, 32, 45, 64, 90, 128, 256, 512)),
+    "scikit-fem": (fem.solver, (2, 3, 4, 6, 8, 12, 16, 24, 32, 48)),
+    "tamaas": (fft.solver, (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512)),
+}
+#: So many of the finest resolutions of each peer are not in a small run.
+FINEST = 5
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is compared: scenes with gold, quantities, and the peers that can do it."""
+
+    scenes: tuple[Scene, ...]
+    quantities: tuple[str, ...]
+    peers: tuple[str, ...]
+
+
+PROBLEMS = {
+    "normal": Problem(
+        (Scene(0.1, 0.5), Scene(0.2, 1e-4)),
+        ("approach", "edge_pressure"),
+        tuple(PEERS),
+    ),
+    "full_stick": Problem(
+        (Scene(0.1, 0.5, 0.5, math.inf), Scene(0.1, 1e-3, 1e-3, math.inf)),
+        ("total_shear", "traction"),
+        tuple(name for name in PEERS if name != "tamaas"),
+    ),
+    "partial_slip": Problem(
+        (Scene(0.1, 0.5, 0.5, 0.1), Scene(-0.5, 1e-3, 1e-3, 0.5)),
+        ("total_shear", "stick_radius"),
+        tuple(name for name in PEERS if name not in PACKAGES),
+    ),
+}
+#: By quantity: the error, and all less, from which on no peer should be faster.
+AHEAD = dict.fromkeys(("approach", "total_shear", "stick_radius"), 1e-5) | dict.fromkeys(
+    ("edge_pressure", "traction"), 1e-3
+)
+SYMBOLS = {
+    "approach": "δ*",
+    "edge_pressure": "p*(1)",
+    "total_shear": "Q*",
+    "traction": "q*, worst point",
+    "stick_radius": "c*",
+}
+
+
+def measured(name: str, small: bool, results: Path) -> WorkPrecision:
+    """Run a problem, or go on with it."""
+    problem = PROBLEMS[name]
+    own = tuple("pressure" if q == "edge_pressure" else q for q in problem.quantities)
+    solvers = {OwnSolver().name: (OwnSolver(own), ACCURACIES)}
+    for peer in problem.peers:
+        solver, resolutions = PEERS[peer]
+        solvers[peer] = solver, resolutions[:-FINEST] if small else resolutions
+    return work_precision(
+        solvers,
+        problem.scenes,
+        ACCURACIES,
+        quantities=problem.quantities,
+        stopwatch=Stopwatch(3, 0.0, 1.0, 1) if small else Stopwatch(),
+        store=results / f"peers_{name}.partial",
+        progress=sys.stderr.isatty(),
+    )
+
+
+def tables(study: WorkPrecision, packages: str) -> str:
+    """Return the Markdown tables: the times of each solver to reach each accuracy."""
+    parts = [
+        f"{len(study.points)} solves; {study.machine}{packages}; one thread. Milliseconds, warm "
+        "and, in italics, of the first solve of a process; in parentheses the ratio to the first "
+        f"row. {study.stopwatch.repeats} or more repeats, {study.stopwatch.processes} or more "
+        "processes; medians."
+    ]
+    for scene in study.scenes:
+        for quantity in study.quantities:
+            head = [f"{SYMBOLS[quantity]} to", *(f"{goal:.0e}" for goal in study.accuracies)]
+            lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+            for solver in study.solvers:
+                cells = (_cell(study, solver, scene, quantity, goal) for goal in study.accuracies)
+                lines.append(f"| {solver} | {' | '.join(cells)} |")
+            parts += [f"{scene_text(scene)}:", "\n".join(lines)]
+    parts += [_faster(study)]
+    parts += [
+        f"{p.solver} at {p.resolution:g} fails: {p.failure}" for p in study.points if p.failure
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _cell(study: WorkPrecision, solver: str, scene: Scene, quantity: str, goal: float) -> str:
+    """Return the time of a solver, warm and cold, with the ratio to the first one's."""
+    first = study.solvers[0]
+    found = []
+    for mark, cold in (("", False), ("*", True)):
+        time = study.reached(solver, scene, quantity, goal, cold=cold)
+        if time is None:
+            return "–"
+        ours = study.reached(first, scene, quantity, goal, cold=cold)
+        ratio = "" if solver == first or ours is None else f" ({_rounded(time / ours)}×)"
+        found.append(f"{mark}{_rounded(1e3 * time)}{ratio}{mark}")
+    return "<br>".join(found)
+
+
+def _faster(study: WorkPrecision) -> str:
+    """Return the table of the fastest peers where they are faster than the first solver."""
+    goals = [10.0**-k for k in range(3, 13)]
+    head = ["scene", "", "", *(f"{goal:.0e}" for goal in goals)]
+    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    for scene in study.scenes:
+        for quantity in study.quantities:
+            for state in ("warm", "cold"):
+                cells = [
+                    _fastest(study, scene, quantity, goal, state == "cold")
+                    if goal <= AHEAD[quantity]
+                    else ""
+                    for goal in goals
+                ]
+                name = [f"α* = {scene.normal_compliance:g}", SYMBOLS[quantity], state]
+                lines.append(f"| {' | '.join(name + cells)} |")
+    return "Where a peer is faster, the fastest, and its time over ours:\n\n" + "\n".join(lines)
+
+
+def _fastest(study: WorkPrecision, scene: Scene, quantity: str, goal: float, cold: bool) -> str:
+    """Return the fastest peer with its ratio, a dash if the first solver is faster."""
+    times = {
+        solver: time
+        for solver in study.solvers
+        if (time := study.reached(solver, scene, quantity, goal, cold=cold)) is not None
+    }
+    first = study.solvers[0]
+    best = min(times, key=lambda solver: times[solver], default=first)
+    if best == first:
+        return "–"
+    ratio = f" {_rounded(times[best] / times[first])}×" if first in times else ""
+    return f"{best}{ratio}"
+
+
+def _rounded(number: float) -> str:
+    """Return two digits, never in exponents."""
+    return f"{number:.0f}" if number >= 99.5 else f"{number:.2g}"
+
+
+def _versions(peers: tuple[str, ...]) -> str:
+    """Return the versions of the packages among the peers."""
+    found = ""
+    for package in PACKAGES:
+        if package in peers:
+            try:
+                found += f", {package} {version(package)}"
+            except PackageNotFoundError as error:
+                raise MissingDependencyError(package, "peers") from error
+    return found
+
+
+def main() -> None:
+    """Run, or go on, and write the results."""
+    parser = argparse.ArgumentParser(description="Measure this library beside its peers.")
+    parser.add_argument("--problem", choices=PROBLEMS, action="append", help="default: all")
+    parser.add_argument("--small", action="store_true", help="coarse and timed thrice: minutes")
+    parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
+    options = parser.parse_args()
+    chosen = options.problem or list(PROBLEMS)
+    packages = {name: _versions(PROBLEMS[name].peers) for name in chosen}
+    options.results.mkdir(exist_ok=True)
+    for name in chosen:
+        study = measured(name, options.small, options.results)
+        path = options.results / f"peers_{name}"
+        study.save(path.with_suffix(".json"))
+        study.plot(path.with_suffix(".png"), cold=False)
+        path.with_suffix(".md").write_text(tables(study, packages[name]), encoding="utf-8")
+        path.with_suffix(".partial").unlink()
+
+
+if __name__ == "__main__":
+    main()
