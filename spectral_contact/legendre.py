@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,7 +62,10 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     ndarray, shape (n,)
     """
     # as Chebyshev series: their recurrence has no factors that depend on the degree
-    table = _chebyshev_from_legendre(coefficients.shape[1] - 1) @ coefficients.T
+    terms = coefficients.shape[1]
+    known = terms <= len(_CHEBYSHEV)
+    matrix = _CHEBYSHEV[:terms, :terms] if known else _chebyshev_from_legendre(terms)
+    table = matrix @ coefficients.T
     rows = list(table if own is None else np.take(table, own, axis=1))
     doubled, product, later, last = 2.0 * x, np.empty(x.shape), np.zeros(x.shape), rows.pop()
     if own is None:
@@ -78,16 +79,18 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     return np.asarray(np.multiply(x, last, out=product) - later + rows[0])
 
 
-@lru_cache(maxsize=64)
-def _chebyshev_from_legendre(degree: int) -> Array:
-    """Return the matrix from Legendre to Chebyshev coefficients, (degree + 1, degree + 1)."""
+def _chebyshev_from_legendre(terms: int) -> Array:
+    """Return the matrix from Legendre to Chebyshev coefficients, (terms, terms)."""
     # P_n = sum_j w_j w_(n-j) cos((n - 2 j) t), where sum_j w_j r^j = 1/sqrt(1 - r)
-    j = np.arange(1.0, degree + 1.0)
-    w = np.cumprod(np.concatenate([[1.0], 1.0 - 0.5 / j]))
-    matrix = np.zeros((degree + 1, degree + 1))
-    for n in range(degree + 1):
+    w = np.cumprod(np.concatenate([[1.0], 1.0 - 0.5 / np.arange(1.0, terms)]))
+    matrix = np.zeros((terms, terms))
+    for n in range(terms):
         np.add.at(matrix[:, n], np.abs(n - 2 * np.arange(n + 1)), w[: n + 1] * w[n::-1])
     return matrix
+
+
+#: Of as many terms as any panel has; the matrix of fewer is its leading block.
+_CHEBYSHEV = _chebyshev_from_legendre(48)
 
 
 def legendre_sum(x: float, coefficients: list[float]) -> float:

@@ -26,6 +26,7 @@ from scipy.special import ellipkm1
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
@@ -308,6 +309,9 @@ class _OneDiskProblem:
             # in the tail of the pressure the error has been seen to be twice the change
             deep = normal.panels is not None and radius.rest < normal.panels.end
             shift += max(2.0 * propagated, 3.0 if deep else 0.0) * max(swayed)
+            if deep and trial.unit > 0.0 and normal.change is not None:
+                # the change may vanish at the rim itself, what the tail lacks does not
+                shift += 3.0 * self.friction * _largest_in_tail(normal.change) / trial.unit
             lost += propagated * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
@@ -334,6 +338,12 @@ class _OneDiskProblem:
             stray,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
+
+
+def _largest_in_tail(change: NormalContact) -> float:
+    """Return the largest modulus of a change of the pressure beyond the last panel."""
+    assert change.pressure.series is not None
+    return float(np.abs(change.pressure.series.tail).sum())
 
 
 def solve_one_disk(

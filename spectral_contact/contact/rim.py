@@ -7,7 +7,6 @@ cancel.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 from math import ceil, exp, log
 
 import numpy as np
@@ -20,11 +19,14 @@ from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, gap
+from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 
 __all__ = ["SlipSource", "disk_resolution", "rim_target"]
 
 Array = NDArray[np.float64]
+
+_RULES: BoundedCache[tuple[int, int], tuple[Array, Array, Array]] = BoundedCache("slip rules", 64)
 
 
 class SlipSource:
@@ -101,10 +103,10 @@ class SlipSource:
 def _graded(finest: float, points: int) -> tuple[Array, Array, Array]:
     """Return `_rule` graded to `finest`."""
     # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
-    return _rule(max(ceil((-log(finest) - 1.0) / 3.0), 0), points)
+    panels = max(ceil((-log(finest) - 1.0) / 3.0), 0)
+    return _RULES.get((panels, points), lambda: _rule(panels, points))
 
 
-@lru_cache(maxsize=64)
 def _rule(panels: int, points: int) -> tuple[Array, Array, Array]:
     """Return nodes and weights on (0, 1), graded to 0, and what gathers the weights.
 
