@@ -139,9 +139,9 @@ class _Problem:
             jac=self.jacobian,
             bounds=self._bounds(),
             x_scale=1.0,
-            ftol=1e-12,
-            xtol=1e-10,
-            gtol=1e-12,
+            ftol=1e-10,
+            xtol=1e-9,
+            gtol=1e-10,
             max_nfev=max_evaluations,
         )
         if found.status == 0:

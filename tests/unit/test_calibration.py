@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -165,7 +166,7 @@ def test_the_truth_of_one_parameter_is_within_the_errors_of_sixty_fits():
             assert_is_chi_square(wrong, count)
 
 
-def test_the_truth_of_three_parameters_is_within_the_errors_of_eight_fits():
+def test_the_truth_of_three_parameters_is_within_the_errors_of_six_fits():
     exact = noise_free()
 
     def make(random):
@@ -179,20 +180,20 @@ def test_the_truth_of_three_parameters_is_within_the_errors_of_eight_fits():
             StickRadiusData(noise(third.stick_radius), third.sigma, radius=RADII),
         )
 
-    square, count, misfit, freedom = pulls(range(8), make, scene(), PARAMETERS, LAYER)
+    square, count, misfit, freedom = pulls(range(6), make, scene(), PARAMETERS, LAYER)
     assert_is_chi_square(square, count)
     assert_is_chi_square(misfit, freedom)
 
 
 def test_without_si_data_units_are_those_of_the_theory():
     """A punch of twice the radius halves the dimensionless compliances."""
-    wide = solve(Scene(0.3, 0.25, 0.25, 0.1), 1e-12)
+    wide = solve(Scene(0.3, 0.25, 0.25, 0.05), 1e-12)
     data = [
         ApproachData(3.0 / 2.0 * wide.approach, 1e-3, radius=2.0, load=3.0),
         PressureData(1.0, 3.0 / 4.0 * wide.pressure(0.5), 1e-3, radius=2.0, load=3.0),
-        StickRadiusData(2.0 * wide.stick_radius, 1e-3, radius=2.0, friction=0.1),
+        StickRadiusData(2.0 * wide.stick_radius, 1e-3, radius=2.0, friction=0.05),
     ]
-    found = fit(Scene(0.3, 0.1, 1.0), data, PARAMETERS[:2])
+    found = fit(Scene(0.3, 0.1, 0.3), data, PARAMETERS[:2])
     assert found["normal_compliance"].value == pytest.approx(0.5, rel=1e-7)
     assert found["tangential_compliance"].value == pytest.approx(0.5, rel=1e-7)
     assert found.scene == Scene(0.3, *(one.value for one in found.parameters))
@@ -231,8 +232,7 @@ def test_goodness_of_fit():
 
 def test_fits_print_and_are_stored(found):
     text = str(found)
-    assert "tangential_compliance        4e-15" in text
-    assert "m/Pa" in text
+    assert re.search(r"tangential_compliance +4e-15  3\.[0-9]+e-15 to 4\.[0-9]+e-15 m/Pa", text)
     assert "correlation -0.9" in text
     assert RoughnessFit.from_json(found.to_json()) == found
 
