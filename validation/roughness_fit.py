@@ -32,6 +32,11 @@ RESULTS = Path(__file__).parent / "results"
 FITS = 40
 TRUTH = {"normal_compliance": 3e-15, "tangential_compliance": 4e-15, "friction": 0.05}
 MATERIAL = {"youngs_modulus": 200e9, "poisson_ratio": 0.3}
+LABELS = {
+    "normal_compliance": "α [m/Pa]",
+    "tangential_compliance": "β [m/Pa]",
+    "friction": "f",
+}
 RADIUS, LOAD = 1e-3, 500.0
 RADII = np.geomspace(0.25e-3, 4e-3, 8)
 PLACES = np.linspace(0.0, 0.95e-3, 8)
@@ -133,7 +138,7 @@ def table(found: dict) -> str:
         error = np.mean([one["relative_error"] for one in ones])
         covered = sum(row["covered"][i] for row in rows)
         lines.append(
-            f"| {name.replace('_', ' ')} | {TRUTH[name]:g} | {values.mean():.4g} "
+            f"| {LABELS[name]} | {TRUTH[name]:g} | {values.mean():.4g} "
             f"| {100 * np.log(values).std(ddof=1):.2f} % | {100 * error:.2f} % "
             f"| {covered} of {count} |"
         )
@@ -164,8 +169,8 @@ def draw(data: tuple, fits: list[RoughnessFit], path: Path) -> None:
     guess = {name: getattr(begin, name) for name in PARAMETERS[:2]} | {"friction": 0.03}
     curves = {
         "start: asperities": ("#999999", "--", guess),
-        "truth": ("#000000", ":", TRUTH),
         "fit": ("#0072B2", "-", {one.name: one.value for one in found.parameters}),
+        "truth": ("#000000", ":", TRUTH),
     }
     with style():
         figure = Figure(figsize=(8.4, 6.4), layout="constrained")
@@ -190,9 +195,13 @@ def draw(data: tuple, fits: list[RoughnessFit], path: Path) -> None:
             np.array(third.sigma) / RADII,
             **points,
         )
-        axes[0, 0].set(xscale="log", xlabel="punch radius $a$ [mm]", ylabel="approach [μm]")
+        axes[0, 0].set(ylabel="approach [μm]")
         axes[0, 1].set(xlabel="radius $r$ [mm]", ylabel="pressure [MPa]")
-        axes[1, 0].set(xscale="log", xlabel="punch radius $a$ [mm]", ylabel="stick radius $c/a$")
+        axes[1, 0].set(ylabel="stick radius $c/a$")
+        for axis in (axes[0, 0], axes[1, 0]):
+            axis.set(xscale="log", xlabel="punch radius $a$ [mm]")
+            axis.set_xticks([0.25, 0.5, 1.0, 2.0, 4.0], ["0.25", "0.5", "1", "2", "4"])
+            axis.minorticks_off()
         for axis in (axes[0, 0], axes[0, 1], axes[1, 0]):
             axis.legend()
         _draw_estimates(axes[1, 1], fits)
