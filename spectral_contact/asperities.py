@@ -259,12 +259,8 @@ def _moment(power: int, h: float) -> float:
     reach = math.sqrt(math.sqrt(h * h + 80.0) - h)  # there it is e⁻⁴⁰ of what it was
     step = 0.125 / math.sqrt(1.0 + abs(h))
     w = step * np.arange(1.0, reach / step + 1.0)
-    return (
-        2.0
-        * step
-        / math.sqrt(2.0 * math.pi)
-        * float(np.sum(w**power * np.exp(-0.5 * (h + w * w) ** 2)))
-    )
+    values = w**power * np.exp(-0.5 * (h + w * w) ** 2)
+    return 2.0 * step / math.sqrt(2.0 * math.pi) * float(values.sum())
 
 
 def _touching(h: float) -> tuple[float, float]:

@@ -92,7 +92,7 @@ def offsets(found: RoughnessFit) -> np.ndarray:
     return np.log([one.value / TRUTH[one.name] for one in found.parameters])
 
 
-def record(fits: list[RoughnessFit]) -> dict:
+def record(exact: list[np.ndarray], fits: list[RoughnessFit]) -> dict:
     """Return the record of the study."""
     rows = []
     for seed, found in enumerate(fits):
@@ -118,6 +118,7 @@ def record(fits: list[RoughnessFit]) -> dict:
         "library": __version__,
         "count": len(rows),
         "truth": TRUTH,
+        "exact": [values.tolist() for values in exact],
         "rows": rows,
     }
 
@@ -230,7 +231,7 @@ def main() -> None:
     for seed in range(FITS):
         fits.append(fit(start(), measured(exact, seed), PARAMETERS))
         print(f"\r{seed + 1} of {FITS}", end="", flush=True)
-    found = record(fits)
+    found = record(exact, fits)
     RESULTS.mkdir(exist_ok=True)
     text = json.dumps(found, indent=1)
     (RESULTS / "roughness_fit.json").write_text(text + "\n", encoding="utf-8")

@@ -6,12 +6,12 @@ Units are those of the scene that is fitted, see `Setting`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
 from spectral_contact.checks import real
@@ -21,7 +21,6 @@ from spectral_contact.errors import SceneError
 __all__ = ["ApproachData", "Data", "PressureData", "StickRadiusData"]
 
 Array = NDArray[np.float64]
-Numbers = float | Sequence[float]
 
 
 class Data(Protocol):
@@ -56,13 +55,13 @@ class ApproachData:
 
     Parameters
     ----------
-    approach : float or sequence of float
-        δ as measured [m].
-    sigma : float or sequence of float
-        Standard deviations [m], > 0; one for all, or one each.
-    radius : float or sequence of float, optional
+    approach : array_like
+        δ as measured [m]; one or more.
+    sigma : array_like
+        Their standard deviations [m], > 0; one for all, or one each.
+    radius : array_like, optional
         Radii a of the punches [m]; the default is the scene's.
-    load : float or sequence of float, optional
+    load : array_like, optional
         Loads P [N]; the default is the scene's.
 
     Raises
@@ -80,16 +79,17 @@ class ApproachData:
 
     def __init__(
         self,
-        approach: Numbers,
-        sigma: Numbers,
+        approach: ArrayLike,
+        sigma: ArrayLike,
         *,
-        radius: Numbers | None = None,
-        load: Numbers | None = None,
+        radius: ArrayLike | None = None,
+        load: ArrayLike | None = None,
     ) -> None:
         values = _finite("approach", approach)
-        _put(self, approach=values, sigma=_positive("sigma", sigma, len(values)))
         _put(
             self,
+            approach=values,
+            sigma=_positive("sigma", sigma, len(values)),
             radius=_optional("radius", radius, len(values)),
             load=_optional("load", load, len(values)),
         )
@@ -100,7 +100,7 @@ class ApproachData:
         return self.approach
 
     def predict(self, setting: Setting, layer: Layer) -> Array:
-        """Return δ = P/(aE′)·δ*, equation (3.4), with E′ = E/(4(1 − ν²))."""
+        """Return δ = 4(1 − ν²)P/(aE)·δ*, equation (3.4)."""
         return self._scaled(
             setting, lambda a: setting.solve(a, layer, "approach").approach, lambda a: 1.0 / a
         )
@@ -131,12 +131,12 @@ class PressureData:
 
     Parameters
     ----------
-    r : float or sequence of float
+    r : array_like
         Where they were measured [m], in [0, a].
-    pressure : float or sequence of float
-        p as measured [Pa].
-    sigma : float or sequence of float
-        Standard deviations [Pa], > 0; one for all, or one each.
+    pressure : array_like
+        p as measured [Pa]; one or more.
+    sigma : array_like
+        Their standard deviations [Pa], > 0; one for all, or one each.
     radius : float, optional
         Radius a of the punch [m]; the default is the scene's.
     load : float, optional
@@ -158,9 +158,9 @@ class PressureData:
 
     def __init__(
         self,
-        r: Numbers,
-        pressure: Numbers,
-        sigma: Numbers,
+        r: ArrayLike,
+        pressure: ArrayLike,
+        sigma: ArrayLike,
         *,
         radius: float | None = None,
         load: float | None = None,
@@ -169,9 +169,11 @@ class PressureData:
         places = _finite("r", r)
         if len(places) != len(values) or min(places) < 0.0:
             raise SceneError("r", r, f"{len(values)} radii >= 0, one for each pressure")
-        _put(self, r=places, pressure=values, sigma=_positive("sigma", sigma, len(values)))
         _put(
             self,
+            r=places,
+            pressure=values,
+            sigma=_positive("sigma", sigma, len(values)),
             radius=_optional("radius", radius, 1),
             load=_optional("load", load, 1),
         )
@@ -210,13 +212,13 @@ class StickRadiusData:
 
     Parameters
     ----------
-    stick_radius : float or sequence of float
-        c as measured [m].
-    sigma : float or sequence of float
-        Standard deviations [m], > 0; one for all, or one each.
-    radius : float or sequence of float, optional
+    stick_radius : array_like
+        c as measured [m]; one or more.
+    sigma : array_like
+        Their standard deviations [m], > 0; one for all, or one each.
+    radius : array_like, optional
         Radii a of the punches [m]; the default is the scene's.
-    friction : float or sequence of float, optional
+    friction : array_like, optional
         Known coefficients of friction; the default is the scene's, which may be fitted.
 
     Raises
@@ -232,17 +234,18 @@ class StickRadiusData:
 
     def __init__(
         self,
-        stick_radius: Numbers,
-        sigma: Numbers,
+        stick_radius: ArrayLike,
+        sigma: ArrayLike,
         *,
-        radius: Numbers | None = None,
-        friction: Numbers | None = None,
+        radius: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
     ) -> None:
         values = _finite("stick_radius", stick_radius)
         count = len(values)
-        _put(self, stick_radius=values, sigma=_positive("sigma", sigma, count))
         _put(
             self,
+            stick_radius=values,
+            sigma=_positive("sigma", sigma, count),
             radius=_optional("radius", radius, count),
             friction=_optional("friction", friction, count),
         )
@@ -269,15 +272,13 @@ class StickRadiusData:
             raise SceneError("friction", None, "given, in the data or in the scene")
         count = len(self.stick_radius)
         radii = setting.radii(self.radius, count)
-        frictions = [layer["friction"]] * count
-        if self.friction is not None:
-            frictions = np.broadcast_to(self.friction, count).tolist()
-        found = {
+        frictions = np.broadcast_to(np.array(self.friction or (layer["friction"],)), count)
+        punches = list(zip(radii.tolist(), frictions.tolist(), strict=True))
+        stars = {
             (a, f): setting.solve(a, {**layer, "friction": f}, "stick_radius").stick_radius
-            for a, f in set(zip(radii.tolist(), frictions, strict=True))
+            for a, f in set(punches)
         }
-        stars = [found[one] for one in zip(radii.tolist(), frictions, strict=True)]
-        return np.asarray(radii * np.array(stars, dtype=float))
+        return np.asarray(radii * np.array([stars[one] for one in punches], dtype=float))
 
     def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
         """Return the derivative of c by the logarithm of a parameter, by central differences."""
@@ -309,7 +310,7 @@ def _put(data: object, **values: object) -> None:
         object.__setattr__(data, name, value)  # the way into a frozen dataclass
 
 
-def _finite(name: str, values: Numbers) -> tuple[float, ...]:
+def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
     """Return one or more finite numbers as a tuple."""
     listed = _listed(values)
     if not listed:
@@ -317,7 +318,7 @@ def _finite(name: str, values: Numbers) -> tuple[float, ...]:
     return tuple(real(name, value, allowed="finite") for value in listed)
 
 
-def _positive(name: str, values: Numbers, count: int) -> tuple[float, ...]:
+def _positive(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
     """Return one positive number, or `count` of them, as a tuple."""
     listed = _listed(values)
     if len(listed) not in (1, count):
@@ -326,7 +327,7 @@ def _positive(name: str, values: Numbers, count: int) -> tuple[float, ...]:
     return tuple(real(name, value, allowed=allowed, low=0.0, low_open=True) for value in listed)
 
 
-def _optional(name: str, values: Numbers | None, count: int) -> tuple[float, ...] | None:
+def _optional(name: str, values: ArrayLike | None, count: int) -> tuple[float, ...] | None:
     return None if values is None else _positive(name, values, count)
 
 

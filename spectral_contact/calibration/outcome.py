@@ -107,7 +107,7 @@ class RoughnessFit:
 
     @property
     def p_value(self) -> float | None:
-        """How likely a χ² is at least this large if theory and deviations hold; None if exact."""
+        """How likely χ² is this large or larger if theory and deviations hold; None as above."""
         from scipy.special import chdtrc  # takes long to import
 
         freedom = self.degrees_of_freedom
