@@ -118,7 +118,8 @@ def record(exact: list[np.ndarray], fits: list[RoughnessFit]) -> dict:
         "library": __version__,
         "count": len(rows),
         "truth": TRUTH,
-        "exact": [values.tolist() for values in exact],
+        "radii": RADII.tolist(),
+        "exact": dict(zip(("approach", "pressure", "stick_radius"), map(list, exact), strict=True)),
         "rows": rows,
     }
 
