@@ -1,0 +1,20 @@
+"""Roughness from experiments: compliances and friction fitted to what was measured.
+
+`fit` takes a scene, which says what is known and where to start, and measured approaches
+(`ApproachData`), pressures (`PressureData`) or stick radii (`StickRadiusData`).
+"""
+
+from spectral_contact.calibration.estimate import fit
+from spectral_contact.calibration.measurements import ApproachData, PressureData, StickRadiusData
+from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
+from spectral_contact.calibration.setting import PARAMETERS
+
+__all__ = [
+    "PARAMETERS",
+    "ApproachData",
+    "FittedParameter",
+    "PressureData",
+    "RoughnessFit",
+    "StickRadiusData",
+    "fit",
+]

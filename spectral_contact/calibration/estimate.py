@@ -1,0 +1,264 @@
+"""The fit: weighted least squares in the logarithms of the parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.calibration.measurements import (
+    ApproachData,
+    Data,
+    PressureData,
+    StickRadiusData,
+)
+from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
+from spectral_contact.calibration.setting import PARAMETERS, Setting
+from spectral_contact.checks import real, whole
+from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.scene import Scene
+
+__all__ = ["fit"]
+
+Array = NDArray[np.float64]
+Measurement = ApproachData | PressureData | StickRadiusData
+
+#: The range that is searched, within that of scenes by the steps of the differences.
+_COMPLIANCES = 1e-13, 1e13
+_FRICTIONS = 1e-6, 1e6
+#: A parameter whose logarithm has a larger standard deviation is not determined.
+_LARGEST_ERROR = 10.0
+
+
+def fit(
+    scene: Scene,
+    data: Measurement | Sequence[Measurement],
+    free: str | Sequence[str],
+    *,
+    rtol: float = 1e-10,
+    max_evaluations: int = 200,
+) -> RoughnessFit:
+    """Find compliances and friction that fit measured data best.
+
+    Minimises the sum of the squares of (theory − measurement)/σ over the logarithms of the free
+    parameters, by `scipy.optimize.least_squares`.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is known, and values of the free parameters at which to start, each above 0. In SI
+        units if it was made by `Scene.from_physical`, which takes the data for SI, too.
+    data : ApproachData, PressureData, StickRadiusData, or a sequence of them
+        All are of the same material, layer and friction, where they do not say otherwise.
+    free : str or sequence of str
+        The parameters to find, out of ``"normal_compliance"``, ``"tangential_compliance"`` and
+        ``"friction"``. The others keep the values of the scene.
+    rtol : float
+        Tolerance of the solves, in [1e-12, 1e-4].
+    max_evaluations : int
+        How often the data may be predicted, derivatives not counted.
+
+    Returns
+    -------
+    RoughnessFit
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range, and for free parameters that the data do not determine;
+        it names them.
+    ConvergenceError
+        If a solve does not meet `rtol`, in which case it names the scene, or if
+        `max_evaluations` are not enough.
+
+    Examples
+    --------
+    >>> from spectral_contact import Scene
+    >>> from spectral_contact.calibration import ApproachData, fit
+    >>> data = ApproachData([0.294, 0.167], sigma=0.001, radius=[1.0, 1.0], load=[1.0, 0.57])
+    >>> found = fit(Scene(0.3, normal_compliance=0.1), data, free="normal_compliance")
+    >>> print(found)
+    parameter                     value  95 % interval
+    normal_compliance           0.50247  0.49718 to 0.50781
+    chi square 0.2539 at 1 degrees of freedom, p = 0.61
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError("scene", scene, "a Scene")
+    problem = _Problem(
+        scene,
+        _measurements(data),
+        _names(free),
+        real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4),
+    )
+    return problem.outcome(whole("max_evaluations", max_evaluations, 1))
+
+
+class _Problem:
+    """Residuals and their derivatives by the logarithms of the parameters over their start."""
+
+    def __init__(
+        self, scene: Scene, data: tuple[Data, ...], free: tuple[str, ...], rtol: float
+    ) -> None:
+        self.scene = scene
+        self.data = data
+        self.free = free
+        self.setting = Setting.of(scene, rtol)
+        source = scene if scene.physical is None else scene.physical
+        self.start: dict[str, float | None] = {
+            name: getattr(source, name) for name in PARAMETERS[:2]
+        }
+        self.start["friction"] = scene.friction
+        self.measured = np.concatenate([one.measured for one in data])
+        self.sigma = np.concatenate([np.broadcast_to(one.sigma, len(one.measured)) for one in data])
+        self._check()
+
+    def _check(self) -> None:
+        moving = frozenset[str]().union(*(one.depends_on for one in self.data))
+        for name in self.free:
+            if name not in moving:
+                allowed = f"among {', '.join(sorted(moving))}, on which the data depend"
+                raise SceneError("free", name, allowed)
+            value = self.start[name]
+            if value is None or not 0.0 < value < math.inf:
+                raise SceneError(
+                    name, value, "finite and > 0 where it is free: the fit starts there"
+                )
+        if len(self.measured) < len(self.free):
+            count = f"at most {len(self.measured)} parameters, the number of values measured"
+            raise SceneError("free", self.free, count)
+
+    def outcome(self, max_evaluations: int) -> RoughnessFit:
+        from scipy.optimize import least_squares  # takes long to import
+
+        found = least_squares(
+            self.residuals,
+            np.zeros(len(self.free)),
+            jac=self.jacobian,
+            bounds=self._bounds(),
+            x_scale=1.0,
+            ftol=1e-10,
+            xtol=1e-9,
+            gtol=1e-10,
+            max_nfev=max_evaluations,
+        )
+        if found.status == 0:
+            raise ConvergenceError(
+                f"the fit has not settled after {max_evaluations} evaluations",
+                "start nearer to the answer, free fewer parameters, or raise max_evaluations.",
+            )
+        covariance = self._covariance(found.jac, found.x, found.active_mask)
+        layer = self.layer(found.x)
+        errors = np.sqrt(np.diag(covariance))
+        ends = np.cumsum([len(one.measured) for one in self.data])[:-1]
+        return RoughnessFit(
+            self._scene(layer),
+            tuple(
+                FittedParameter(name, float(layer[name] or 0.0), float(error))
+                for name, error in zip(self.free, errors, strict=True)
+            ),
+            tuple(tuple(row) for row in covariance.tolist()),
+            tuple(tuple(part.tolist()) for part in np.split(found.fun, ends)),
+            int(found.nfev),
+        )
+
+    def layer(self, x: Array) -> dict[str, float | None]:
+        """Return the parameters at the logarithms of the free ones over their start."""
+        moved = {
+            name: float(self.start[name] or 0.0) * math.exp(one)
+            for name, one in zip(self.free, x.tolist(), strict=True)
+        }
+        return {**self.start, **moved}
+
+    def residuals(self, x: Array) -> Array:
+        layer = self.layer(x)
+        predicted = np.concatenate([one.predict(self.setting, layer) for one in self.data])
+        return np.asarray((predicted - self.measured) / self.sigma)
+
+    def jacobian(self, x: Array) -> Array:
+        layer = self.layer(x)
+        columns = [
+            np.concatenate(
+                [
+                    one.slope(self.setting, layer, name)
+                    if name in one.depends_on
+                    else np.zeros(len(one.measured))
+                    for one in self.data
+                ]
+            )
+            for name in self.free
+        ]
+        return np.asarray(np.stack(columns, axis=1) / self.sigma[:, None])
+
+    def _bounds(self) -> tuple[Array, Array]:
+        """Return the ends of the logarithms, between which all scenes are in their range."""
+        radii = [self.setting.radius, *(a for one in self.data for a in one.radius or ())]
+        stiffness = self.setting.stiffness
+        low, high = _COMPLIANCES
+        compliances = low * max(radii) / stiffness, high * min(radii) / stiffness
+        ends = []
+        for name in self.free:
+            lowest, highest = _FRICTIONS if name == "friction" else compliances
+            start = float(self.start[name] or 0.0)
+            if not lowest < start < highest:
+                raise SceneError(name, start, f"in ({lowest:.4g}, {highest:.4g}), where it is free")
+            ends.append((math.log(lowest / start), math.log(highest / start)))
+        lows, highs = np.array(ends).T
+        return lows, highs
+
+    def _covariance(self, jacobian: Array, x: Array, active: Array) -> Array:
+        """Return (JᵀJ)⁻¹, if the data determine all parameters.
+
+        The columns are scaled to length one, so that what is small is what data do not tell
+        apart, and not what they tell inaccurately.
+        """
+        lengths = np.linalg.norm(jacobian, axis=0)
+        flat = (lengths < 1.0 / _LARGEST_ERROR) | (active != 0)
+        if flat.any():
+            names = [name for name, one in zip(self.free, flat, strict=True) if one]
+            self._refuse(names, "hardly change with", x)
+        _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
+        noise = 10.0 * self.setting.rtol ** (2.0 / 3.0)  # that of the differences
+        root = right.T / singular / lengths[:, None] if singular[-1] > noise else None
+        if root is None or (np.linalg.norm(root, axis=1) > _LARGEST_ERROR).any():
+            mixed = np.abs(right[-1]) > 0.1
+            names = [name for name, one in zip(self.free, mixed, strict=True) if one]
+            self._refuse(names, "do not tell apart", x)
+        assert root is not None
+        return np.asarray(root @ root.T)
+
+    def _refuse(self, names: list[str], failure: str, x: Array) -> None:
+        layer = self.layer(x)
+        place = ", ".join(f"{name} = {layer[name]:.4g}" for name in self.free)
+        listed = " and ".join(names)
+        allowed = f"determined by the data, which {failure} {listed} at {place}"
+        raise SceneError("free", self.free, allowed)
+
+    def _scene(self, layer: dict[str, float | None]) -> Scene:
+        if self.scene.physical is None:
+            return replace(self.scene, **layer)  # type: ignore[arg-type]
+        known = asdict(self.scene.physical) | layer
+        return Scene.from_physical(poisson_ratio=self.scene.poisson_ratio, **known)
+
+
+def _measurements(data: Measurement | Sequence[Measurement]) -> tuple[Measurement, ...]:
+    listed = tuple(data) if isinstance(data, (list, tuple)) else (data,)
+    for one in listed:
+        if not isinstance(one, Measurement):
+            raise SceneError("data", one, "ApproachData, PressureData or StickRadiusData")
+    if not listed:
+        raise SceneError("data", data, "at least one set of data")
+    return listed
+
+
+def _names(free: str | Sequence[str]) -> tuple[str, ...]:
+    listed = (free,) if isinstance(free, str) else free
+    allowed = f"one or more of {', '.join(PARAMETERS)}, each once"
+    if not isinstance(listed, (list, tuple)) or not listed:
+        raise SceneError("free", free, allowed)
+    for name in listed:
+        if name not in PARAMETERS or listed.count(name) > 1:
+            raise SceneError("free", name, allowed)
+    return tuple(listed)

@@ -1,0 +1,337 @@
+"""What was measured, and what the theory says it should be; with derivatives.
+
+Units are those of the scene that is fitted, see `Setting`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
+from spectral_contact.checks import real
+from spectral_contact.equations import load as moment
+from spectral_contact.errors import SceneError
+
+__all__ = ["ApproachData", "Data", "PressureData", "StickRadiusData"]
+
+Array = NDArray[np.float64]
+
+
+class Data(Protocol):
+    """Measured values with their standard deviations, and their theory."""
+
+    @property
+    def measured(self) -> tuple[float, ...]:
+        """The values."""
+
+    @property
+    def sigma(self) -> tuple[float, ...]:
+        """Their standard deviations."""
+
+    @property
+    def depends_on(self) -> frozenset[str]:
+        """The parameters that change the values."""
+
+    @property
+    def radius(self) -> tuple[float, ...] | None:
+        """Radii of the punches; None is the scene's."""
+
+    def predict(self, setting: Setting, layer: Layer) -> Array:
+        """Return what the theory says of the values."""
+
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return the derivative of `predict` by the logarithm of a parameter it depends on."""
+
+
+@dataclass(frozen=True, slots=True)
+class ApproachData:
+    """Approaches of one or more punches on the same material and layer.
+
+    Parameters
+    ----------
+    approach : array_like
+        δ as measured [m]; one or more.
+    sigma : array_like
+        Their standard deviations [m], > 0; one for all, or one each.
+    radius : array_like, optional
+        Radii a of the punches [m]; the default is the scene's.
+    load : array_like, optional
+        Loads P [N]; the default is the scene's.
+
+    Raises
+    ------
+    SceneError
+        For a value out of its range, or lists of different lengths.
+    """
+
+    approach: tuple[float, ...]
+    sigma: tuple[float, ...]
+    radius: tuple[float, ...] | None
+    load: tuple[float, ...] | None
+
+    depends_on: ClassVar[frozenset[str]] = frozenset(PARAMETERS[:1])
+
+    def __init__(
+        self,
+        approach: ArrayLike,
+        sigma: ArrayLike,
+        *,
+        radius: ArrayLike | None = None,
+        load: ArrayLike | None = None,
+    ) -> None:
+        values = _finite("approach", approach)
+        _put(
+            self,
+            approach=values,
+            sigma=_positive("sigma", sigma, len(values)),
+            radius=_optional("radius", radius, len(values)),
+            load=_optional("load", load, len(values)),
+        )
+
+    @property
+    def measured(self) -> tuple[float, ...]:
+        """The approaches."""
+        return self.approach
+
+    def predict(self, setting: Setting, layer: Layer) -> Array:
+        """Return δ = 4(1 − ν²)P/(aE)·δ*, equation (3.4)."""
+        return self._scaled(
+            setting, lambda a: setting.solve(a, layer, "approach").approach, lambda a: 1.0 / a
+        )
+
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return ∂δ/∂ln α, exactly, from dδ*/dα* = 2π∫p*²s ds."""
+        alpha = layer[name]
+        assert alpha is not None
+
+        def energy(a: float) -> float:
+            pressure = setting.solve(a, layer, "pressure").pressure
+            return 2.0 * math.pi * moment(lambda d: np.square(pressure(from_edge=d)))
+
+        unit = alpha * setting.stiffness
+        return self._scaled(setting, energy, lambda a: unit / a**2)
+
+    def _scaled(
+        self, setting: Setting, star: Callable[[float], float], scale: Callable[[Array], Array]
+    ) -> Array:
+        count = len(self.approach)
+        radii, loads = setting.radii(self.radius, count), setting.loads(self.load, count)
+        return _each(star, radii) * scale(radii) * loads / setting.stiffness
+
+
+@dataclass(frozen=True, slots=True)
+class PressureData:
+    """Pressures at radii under one punch.
+
+    Parameters
+    ----------
+    r : array_like
+        Where they were measured [m], in [0, a].
+    pressure : array_like
+        p as measured [Pa]; one or more.
+    sigma : array_like
+        Their standard deviations [Pa], > 0; one for all, or one each.
+    radius : float, optional
+        Radius a of the punch [m]; the default is the scene's.
+    load : float, optional
+        Load P [N]; the default is the scene's.
+
+    Raises
+    ------
+    SceneError
+        For a value out of its range, or lists of different lengths.
+    """
+
+    r: tuple[float, ...]
+    pressure: tuple[float, ...]
+    sigma: tuple[float, ...]
+    radius: tuple[float, ...] | None
+    load: tuple[float, ...] | None
+
+    depends_on: ClassVar[frozenset[str]] = frozenset(PARAMETERS[:1])
+
+    def __init__(
+        self,
+        r: ArrayLike,
+        pressure: ArrayLike,
+        sigma: ArrayLike,
+        *,
+        radius: float | None = None,
+        load: float | None = None,
+    ) -> None:
+        values = _finite("pressure", pressure)
+        places = _finite("r", r)
+        if len(places) != len(values) or min(places) < 0.0:
+            raise SceneError("r", r, f"{len(values)} radii >= 0, one for each pressure")
+        _put(
+            self,
+            r=places,
+            pressure=values,
+            sigma=_positive("sigma", sigma, len(values)),
+            radius=_optional("radius", radius, 1),
+            load=_optional("load", load, 1),
+        )
+
+    @property
+    def measured(self) -> tuple[float, ...]:
+        """The pressures."""
+        return self.pressure
+
+    def predict(self, setting: Setting, layer: Layer) -> Array:
+        """Return p = P/a²·p*(r/a), equation (3.4).
+
+        Raises
+        ------
+        SceneError
+            If a place is outside the punch, or at the edge of a smooth surface.
+        """
+        [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
+        if max(self.r) > a:
+            raise SceneError("r", max(self.r), f"in [0, {a:g}], the radius of the punch")
+        star = setting.solve(float(a), layer, "pressure").pressure(np.array(self.r) / a)
+        if not np.isfinite(star).all():
+            raise SceneError(
+                "r", max(self.r), f"below {a:g}: a smooth surface has no edge pressure"
+            )
+        return np.asarray(star * (load / a**2))
+
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return ∂p/∂ln α by central differences."""
+        return _slope_by_differences(self, setting, layer, name)
+
+
+@dataclass(frozen=True, slots=True)
+class StickRadiusData:
+    """Radii of the central stick zone, of one or more punches on the same material and layer.
+
+    Parameters
+    ----------
+    stick_radius : array_like
+        c as measured [m]; one or more.
+    sigma : array_like
+        Their standard deviations [m], > 0; one for all, or one each.
+    radius : array_like, optional
+        Radii a of the punches [m]; the default is the scene's.
+    friction : array_like, optional
+        Known coefficients of friction; the default is the scene's, which may be fitted.
+
+    Raises
+    ------
+    SceneError
+        For a value out of its range, or lists of different lengths.
+    """
+
+    stick_radius: tuple[float, ...]
+    sigma: tuple[float, ...]
+    radius: tuple[float, ...] | None
+    friction: tuple[float, ...] | None
+
+    def __init__(
+        self,
+        stick_radius: ArrayLike,
+        sigma: ArrayLike,
+        *,
+        radius: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+    ) -> None:
+        values = _finite("stick_radius", stick_radius)
+        count = len(values)
+        _put(
+            self,
+            stick_radius=values,
+            sigma=_positive("sigma", sigma, count),
+            radius=_optional("radius", radius, count),
+            friction=_optional("friction", friction, count),
+        )
+
+    @property
+    def measured(self) -> tuple[float, ...]:
+        """The stick radii."""
+        return self.stick_radius
+
+    @property
+    def depends_on(self) -> frozenset[str]:
+        """All parameters, but friction where it is known."""
+        return frozenset(PARAMETERS if self.friction is None else PARAMETERS[:2])
+
+    def predict(self, setting: Setting, layer: Layer) -> Array:
+        """Return c = a·c*, equation (5.7).
+
+        Raises
+        ------
+        SceneError
+            If neither the data nor the layer have friction.
+        """
+        if self.friction is None and layer["friction"] is None:
+            raise SceneError("friction", None, "given, in the data or in the scene")
+        count = len(self.stick_radius)
+        radii = setting.radii(self.radius, count)
+        frictions = np.broadcast_to(np.array(self.friction or (layer["friction"],)), count)
+        punches = list(zip(radii.tolist(), frictions.tolist(), strict=True))
+        stars = {
+            (a, f): setting.solve(a, {**layer, "friction": f}, "stick_radius").stick_radius
+            for a, f in set(punches)
+        }
+        return np.asarray(radii * np.array([stars[one] for one in punches], dtype=float))
+
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return the derivative of c by the logarithm of a parameter, by central differences."""
+        return _slope_by_differences(self, setting, layer, name)
+
+
+def _slope_by_differences(data: Data, setting: Setting, layer: Layer, name: str) -> Array:
+    """Return the derivative of a prediction by the logarithm of a parameter, by differences.
+
+    The step h balances the errors of the two solves, rtol/h, against h²/6: (3 rtol)^{1/3}.
+    """
+    value = layer[name]
+    assert value is not None
+    step = math.cbrt(3.0 * setting.rtol)
+    low, high = (
+        data.predict(setting, {**layer, name: value * math.exp(sign * step)}) for sign in (-1, 1)
+    )
+    return np.asarray((high - low) / (2.0 * step))
+
+
+def _each(star: Callable[[float], float], radii: Array) -> Array:
+    """Return a quantity of every punch; punches of the same radius are solved once."""
+    different, places = np.unique(radii, return_inverse=True)
+    return np.array([star(float(a)) for a in different])[places]
+
+
+def _put(data: object, **values: object) -> None:
+    for name, value in values.items():
+        object.__setattr__(data, name, value)  # the way into a frozen dataclass
+
+
+def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
+    """Return one or more finite numbers as a tuple."""
+    listed = _listed(values)
+    if not listed:
+        raise SceneError(name, values, "at least one number")
+    return tuple(real(name, value, allowed="finite") for value in listed)
+
+
+def _positive(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
+    """Return one positive number, or `count` of them, as a tuple."""
+    listed = _listed(values)
+    if len(listed) not in (1, count):
+        raise SceneError(name, values, f"one number, or {count} as the values measured are")
+    allowed = "finite and > 0"
+    return tuple(real(name, value, allowed=allowed, low=0.0, low_open=True) for value in listed)
+
+
+def _optional(name: str, values: ArrayLike | None, count: int) -> tuple[float, ...] | None:
+    return None if values is None else _positive(name, values, count)
+
+
+def _listed(values: Any) -> list[Any]:
+    if isinstance(values, (str, bytes)) or np.ndim(values) != 1:
+        return [values]  # one number, or what `real` refuses
+    return list(values)
