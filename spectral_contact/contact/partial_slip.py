@@ -49,6 +49,10 @@ UNRESOLVED_SLIP = 1e-6
 #: Slip is wider than the place where full stick breaks the law: less than twice where that widens
 #: like a square root of what the friction lacks, and less than four times where like that itself.
 _WIDENED = 4.0
+#: Slip in the wrong sense that rounding makes, relative to the largest.
+_NEGLIGIBLE = 1e-10
+#: The same where no digit of the slip is known: zones that follow from less are made of noise.
+_DOUBTFUL = 0.1
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 
@@ -86,6 +90,11 @@ class PartialSlip:
     consistent: bool
     searched: bool
     wrong: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def settled(self) -> bool:
+        """Whether there is nothing to search for: the friction law holds, and that is known."""
+        return self.consistent and (self.slip_error < inf or self.violation <= _DOUBTFUL)
 
 
 def solve_partial_slip(
@@ -151,9 +160,12 @@ class _Search:
                     return _all_slip(self.drive, self.beta, self.friction, self.tolerance)
                 if self.beta == 0.0:
                     return _no_slip(self.drive, self.stick, self.beta, self.friction)
-            if found and (found[0].consistent or self.beta == 0.0 or smooth):
+            if found and (found[0].settled or self.beta == 0.0 or smooth):
                 return found[0]
-        found += self._searched(found[0] if found else None)
+        searched = self._searched(found[0] if found else None)
+        if found and found[0].consistent:  # but for the sense of slip, of which no digit is known
+            searched = [one for one in searched if one.consistent and one.slip_error < inf]
+        found += searched
         if not found:  # slip about to start, thinner than its own conditioning
             return _no_slip(self.drive, self.stick, self.beta, self.friction)
         return min(found, key=lambda outcome: outcome.violation)
@@ -269,7 +281,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
         1.0,
         slip_error,
         max(wrong, 0.0),
-        wrong <= max(slip_error, 1e-10),
+        wrong <= max(slip_error, _NEGLIGIBLE),
         False,
     )
 
@@ -336,7 +348,7 @@ def _obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool
 
     The violation is reported in any case; near the onset of a zone it cannot be less.
     """
-    return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, 1e-10)
+    return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, _NEGLIGIBLE)
 
 
 def _unknown(boundary_error: float) -> float:

@@ -306,6 +306,18 @@ def test_slip_is_unknown_where_the_zones_are():
     assert solution.error.slip == math.inf
 
 
+def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
+    """One disk passed: any sense of slip is within an infinite error. The edge sticks, too."""
+    alpha, beta = 3.553961268226942e-11, 4.3999760498522776e-11
+    scene = Scene(-0.3744127236199508, alpha, beta, 4.550784497682324)
+    loose, tight = solve(scene, 1e-3), solve(scene, 1e-10)
+    assert [zone.kind for zone in tight.zones] == ["stick", "slip", "stick"]
+    assert [zone.kind for zone in loose.zones] == ["stick", "slip", "stick"]
+    for one, other in zip(loose.zones[:-1], tight.zones[:-1], strict=True):
+        error = abs(one.outer_from_edge / other.outer_from_edge - 1.0)
+        assert error <= loose.error.zones + tight.error.zones
+
+
 # -- conventions ---------------------------------------------------------------------------------
 
 
