@@ -131,7 +131,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
             else:
                 resolution = finer
                 continue
-        return replace(best, ending=ending, history=tuple(history))
+        return Refinement(best.best, best.resolution, ending, tuple(history))
 
 
 def _size(resolution: Resolution) -> int:
@@ -141,6 +141,8 @@ def _size(resolution: Resolution) -> int:
 
 def _fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     """Lower the highest degrees until the space fits."""
+    if _size(resolution) <= max_unknowns:
+        return resolution
     degrees = resolution.degrees
     while sum(degrees) + len(degrees) > max_unknowns:
         top = max(degrees)

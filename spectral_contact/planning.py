@@ -21,6 +21,7 @@ from spectral_contact.solution import (
 
 __all__ = ["plan"]
 
+_ALL = frozenset(QUANTITIES)
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
 _NO_FRICTION = "the scene has no friction coefficient"
@@ -65,7 +66,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
 
 def _asked(quantities: Iterable[str] | None) -> frozenset[str]:
     if quantities is None:
-        return frozenset(QUANTITIES)
+        return _ALL
     if isinstance(quantities, str):
         raise SceneError("quantities", quantities, "a list of names, not one string")
     try:

@@ -195,17 +195,15 @@ def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
 
     Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
     """
-    table = np.abs(table)
-    rows = np.arange(len(degrees))
-    pairs = np.maximum(table[:, 1:], table[:, :-1])
-    last = pairs[rows, np.maximum(degrees - 1, 0)]
-    before = pairs[rows, np.maximum(degrees - 3, 0)]
-    # in a pattern of longer period the larger ones may be three degrees apart
-    outer = (table[rows, degrees] == last) & (table[rows, np.maximum(degrees - 3, 0)] == before)
+    flat, top = np.abs(table).ravel(), table.shape[1] * np.arange(len(degrees)) + degrees
+    one, two, three, four = (flat[np.maximum(top - k, 0)] for k in range(4))
+    last, before = np.maximum(one, two), np.maximum(three, four)
     ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
-    rate = ratio ** np.where(outer, 1.0 / 3.0, 0.5)
+    # in a pattern of longer period the larger ones may be three degrees apart
+    outer = (one >= two) & (four >= three)
+    rate = np.where(outer, np.cbrt(ratio), np.sqrt(ratio))
     # exp(-x), the smoothest there is, falls by 1/(2 n - 1): twice as fast is an accident
-    rate[(degrees < 4) | (rate < 0.5 / np.maximum(2 * degrees - 1, 1))] = 0.3
+    rate[(degrees < 4) | (rate * np.maximum(2 * degrees - 1, 1) < 0.5)] = 0.3
     return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
 
 
