@@ -15,6 +15,7 @@ from spectral_contact.solution import Ending, Solution
 from spectral_contact.solver import Continuation
 from spectral_contact.sweep.parameters import Columns
 from spectral_contact.sweep.request import ENDINGS, FIELDS, Request
+from spectral_contact.sweep.shortcuts import Served, served
 from spectral_contact.threads import keep_one_thread
 
 __all__ = ["Outcome", "process", "solve_chunk"]
@@ -63,7 +64,12 @@ def solve_chunk(columns: Columns, request: Request, home: tuple[str, int]) -> Ou
         keep_one_thread()
     rows = _Rows(len(columns), request)
     continuation = Continuation(request.rtol, request.quantities, request.max_unknowns)
-    for i in range(len(columns)):
+    todo = np.arange(len(columns))
+    if request.shared:
+        known = served(columns, request)
+        rows.put(known)
+        todo = np.flatnonzero(~known.mask)
+    for i in todo.tolist():
         try:
             rows.take(i, continuation.solve(columns.scene(i)))
         except Exception as error:  # whatever it is, the other scenes go on
@@ -107,6 +113,13 @@ class _Rows:
                 self._zones[i] = solution
             elif value is not None:
                 self._values[name][i] = value
+
+    def put(self, known: Served) -> None:
+        """Keep what the spectra know."""
+        self._endings[known.mask] = 0
+        for name in known.values:
+            self._values[name][known.mask] = known.values[name]
+            self._values[f"{name}_error"][known.mask] = known.errors[name]
 
     def fail(self, i: int, error: Exception) -> None:
         """Note that a scene could not be solved."""

@@ -41,6 +41,8 @@ class Request:
         The dimension of the fields: ``"s"`` or ``"from_edge"``; empty without fields.
     s, from_edge : ndarray, shape (places,)
         Where the fields are taken.
+    shared : bool
+        Whether there are so many scenes that decompositions which serve all of them pay.
     """
 
     quantities: tuple[str, ...]
@@ -49,6 +51,7 @@ class Request:
     places: str
     s: Array
     from_edge: Array
+    shared: bool = False
 
     @property
     def at_edge_alone(self) -> bool:
@@ -64,6 +67,7 @@ class Request:
             "places": self.places,
             "s": [one.hex() for one in self.s.tolist()],
             "from_edge": [one.hex() for one in self.from_edge.tolist()],
+            "shared": self.shared,
         }
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from concurrent.futures import Executor
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 import spectral_contact
@@ -19,6 +21,7 @@ from spectral_contact.sweep.dataset import Table, assembled, needed
 from spectral_contact.sweep.execution import outcomes
 from spectral_contact.sweep.parameters import PARAMETERS, Indices, Parameters, grid, listed
 from spectral_contact.sweep.request import Request, requested
+from spectral_contact.sweep.shortcuts import eligible
 from spectral_contact.sweep.store import Store
 from spectral_contact.threads import one_thread
 
@@ -29,6 +32,10 @@ __all__ = ["sweep"]
 
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
+#: The same where the spectra serve nearly all of them.
+_QUICK_CHUNK: Final = 16384
+#: From so many scenes on the spectra pay, which take a second or two.
+_MANY: Final = 500
 
 
 def sweep(
@@ -116,11 +123,24 @@ def sweep(
     request = requested(quantities, rtol, max_unknowns, s, from_edge)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
-    size = _CHUNK if chunk is None else checks.whole("chunk", chunk, 1)
+    request = replace(request, shared=parameters.size >= _MANY)
+    size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     run = _Run(parameters, request, size, store)
     with one_thread(), ProgressLine(progress) as tell:
         run.finish(executor, tell)
     return assembled(parameters, request, run.table)
+
+
+def _chunk(parameters: Parameters, request: Request) -> int:
+    """Return how many scenes make some tenths of a second of work."""
+    if not request.shared:
+        return _CHUNK
+    sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
+    quick = eligible(parameters.columns(sample), request)
+    slow = frozenset(request.quantities) & {"stick_radius", "total_shear"}
+    if slow and not (parameters.columns(sample).values[3] == np.inf).all():
+        return _CHUNK
+    return _QUICK_CHUNK if quick.mean() > 0.99 else _CHUNK
 
 
 def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:
