@@ -100,7 +100,8 @@ def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.
     variables = {}
     for name, values in table.values.items():
         own = (request.places,) if name in FIELDS else ("zone",) * (values.ndim - 1)
-        variables[name] = (*dims, *own), values.reshape(*shape, *values.shape[1:]), _about(name)
+        whole = values.reshape((*shape, *values.shape[1:]))
+        variables[name] = (*dims, *own), whole, _about(name)
     ending = np.array(ENDINGS, dtype=object)[table.endings]
     message = np.full(parameters.size, "", dtype=object)
     for i, text in table.messages.items():

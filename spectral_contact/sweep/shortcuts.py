@@ -21,6 +21,9 @@ _NORMAL: Final = frozenset({"approach", "pressure"})
 _RATIOS: Final = frozenset({"edge_ratio", "critical_friction"})
 #: These need to know that there is no slip.
 _STICKING: Final = frozenset({"total_shear", "stick_radius"})
+#: Below this compliance the layers are so thin that pointwise values need what `solve` does for
+#: them: an endpoint weight, a correction. Modes lose eps/sqrt(alpha), and now and then much more.
+_LEAST_POINTWISE: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +48,8 @@ def eligible(columns: Columns, request: Request) -> Mask:
     asked = frozenset(request.quantities)
     nu, alpha, beta, friction = columns.values
     mask: Mask = alpha > 0.0
+    if asked & _RATIOS or (asked & _STICKING and not (friction == np.inf).all()):
+        mask &= np.minimum(alpha, beta) >= _LEAST_POINTWISE
     if not asked <= _NORMAL | _RATIOS | _STICKING:
         mask[:] = False
     if "pressure" in asked and not request.at_edge_alone:
