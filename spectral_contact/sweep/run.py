@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from concurrent.futures import Executor
+from contextlib import closing
 from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Final
@@ -193,11 +194,12 @@ class _Run:
                 left.append((number, scenes))
         total, todo = self.parameters.size, sum(len(scenes) for _, scenes in left)
         begin, done = perf_counter(), 0
-        for number, outcome in outcomes(self.parameters, left, self.request, executor):
-            if self.store is not None:
-                self.store.put(number, outcome)
-            self.table.put(self.chunks[number], outcome)
-            done += len(self.chunks[number])
-            rate = done / max(perf_counter() - begin, 1e-9)
-            step = f"{rate:.3g} scenes/s, {(todo - done) / rate:.0f} s left"
-            tell(step, (total - todo + done) / total)
+        with closing(outcomes(self.parameters, left, self.request, executor)) as results:
+            for number, outcome in results:
+                if self.store is not None:
+                    self.store.put(number, outcome)
+                self.table.put(self.chunks[number], outcome)
+                done += len(self.chunks[number])
+                rate = done / max(perf_counter() - begin, 1e-9)
+                step = f"{rate:.3g} scenes/s, {(todo - done) / rate:.0f} s left"
+                tell(step, (total - todo + done) / total)
