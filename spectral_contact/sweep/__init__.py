@@ -4,6 +4,7 @@
 ``sweep``.
 """
 
+from spectral_contact.sweep.pictures import plot_slice
 from spectral_contact.sweep.run import sweep
 
-__all__ = ["sweep"]
+__all__ = ["plot_slice", "sweep"]

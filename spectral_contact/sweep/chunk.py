@@ -87,11 +87,11 @@ class _Rows:
         self._values: dict[str, NDArray[np.generic]] = {}
         self._zones: dict[int, Solution] = {}
         for name in request.quantities:
-            self._values[f"{name}_error"] = np.full(count, np.nan)
             if name in FIELDS:
                 self._values[name] = np.full((count, len(request.s)), np.nan)
             elif name != "zones":
                 self._values[name] = np.full(count, np.nan)
+            self._values[f"{name}_error"] = np.full(count, np.nan)
 
     def take(self, i: int, solution: Solution) -> None:
         """Keep what was asked of a solution."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import Final
 
@@ -24,7 +24,7 @@ def outcomes(
     chunks: Sequence[tuple[int, Indices]],
     request: Request,
     executor: Executor | None,
-) -> Iterator[tuple[int, Outcome]]:
+) -> Generator[tuple[int, Outcome], None, None]:
     """Yield the number and the outcome of every chunk as it is done.
 
     What a broken executor (a worker that was killed) leaves is done in this process. When the
@@ -56,7 +56,7 @@ def _through(
     parameters: Parameters,
     chunks: Sequence[tuple[int, Indices]],
     request: Request,
-) -> Iterator[tuple[int, Outcome]]:
+) -> Generator[tuple[int, Outcome], None, None]:
     """Keep the executor busy, and yield what it has done."""
     running: dict[Future[Outcome], int] = {}
     queue = iter(chunks)

@@ -7,12 +7,10 @@ import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
 from spectral_contact.gold import tables
-from spectral_contact.sweep import chunk, error_maps, run, shortcuts
+from spectral_contact.sweep import chunk, error_maps, run, shortcuts, sweep
 from spectral_contact.sweep.request import SCALARS
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
-
-from spectral_contact.sweep import sweep  # noqa: E402
 
 ALPHAS, FRICTIONS = [0.0, 0.05, 0.5], [0.05, 0.1, math.inf]
 BASE = Scene(0.3, 0.5, 0.5, 0.1)

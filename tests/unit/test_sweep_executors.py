@@ -14,11 +14,9 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SolutionFileError
-from spectral_contact.sweep import chunk, execution
+from spectral_contact.sweep import chunk, execution, sweep
 
 pytest.importorskip("xarray", reason="part of the extra: sweep")
-
-from spectral_contact.sweep import sweep  # noqa: E402
 
 BASE = Scene(0.3, 0.5, 0.5, 0.1)
 ASKED = {
@@ -60,26 +58,25 @@ def test_workers_keep_blas_to_one_thread(monkeypatch):
         assert pool.submit(blas_threads).result() == {1}
 
 
-class Counting(Executor):
-    """Runs nothing before it is asked for the result; counts what waits."""
+class Watched(ThreadPoolExecutor):
+    """Notes how many chunks wait or are worked on whenever another one is handed in."""
 
     def __init__(self):
-        self.submitted, self.most, self.futures = 0, 0, []
+        super().__init__(1)
+        self.futures, self.pending = [], []
 
     def submit(self, function, /, *arguments, **options):
-        self.submitted += 1
-        waiting = [one for one in self.futures if not one.done()]
-        self.most = max(self.most, len(waiting) + 1)
-        future = Future()
-        self.futures.append(future)
-        future.set_result(function(*arguments, **options))
-        return future
+        self.pending.append(sum(not one.done() for one in self.futures))
+        self.futures.append(super().submit(function, *arguments, **options))
+        return self.futures[-1]
 
 
-def test_chunks_are_handed_out_as_they_are_needed(expected):
-    executor = Counting()
-    assert sweep(BASE, **ASKED, executor=executor).identical(expected)
-    assert executor.submitted == 4
+def test_chunks_are_handed_in_a_few_at_a_time(expected, monkeypatch):
+    monkeypatch.setattr(execution, "_AHEAD", 2)
+    with Watched() as pool:
+        assert sweep(BASE, **ASKED, executor=pool).identical(expected)
+    assert len(pool.futures) == 4
+    assert max(pool.pending) <= 1
 
 
 def test_chunks_that_have_not_begun_are_called_off(monkeypatch, tmp_path):

@@ -12,11 +12,9 @@ import pytest
 
 import spectral_contact
 from spectral_contact import Scene, SolutionFileError
-from spectral_contact.sweep import execution, store
+from spectral_contact.sweep import execution, store, sweep
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
-
-from spectral_contact.sweep import sweep  # noqa: E402
 
 BASE = Scene(0.3, 0.5, 0.5, 0.1)
 ALPHAS = np.linspace(0.1, 1.0, 10)
