@@ -15,9 +15,10 @@ from spectral_contact.checks import reals
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 
-__all__ = ["PARAMETERS", "Columns", "Parameters", "grid", "listed"]
+__all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "grid", "listed"]
 
 Array = NDArray[np.float64]
+#: Numbers of scenes.
 Indices = NDArray[np.intp]
 
 #: The parameters of a scene, in the order of the columns and of the dimensions of a grid.

@@ -73,10 +73,9 @@ def plot_slice(
 
 
 def _nearest(values: NDArray[Any], wanted: float) -> Any:
-    """Return the value that is nearest, infinity being near to itself alone."""
-    same = values == wanted
-    distance = np.where(same, 0.0, np.abs(np.where(same, 0.0, values - wanted)))
-    return values[np.argmin(np.nan_to_num(distance, nan=np.inf, posinf=1e308))]
+    """Return the value that is nearest; infinity is near to itself alone."""
+    same = values[values == wanted]
+    return same[0] if same.size else values[np.argmin(np.abs(values - wanted))]
 
 
 def _curve(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
