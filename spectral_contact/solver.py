@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import PressureField, Radius
 from spectral_contact.planning import plan
 from spectral_contact.scene import Scene
+from spectral_contact.sharing import DiskPath, Shared
 from spectral_contact.solution import (
     FULL_STICK,
     NORMAL,
@@ -42,8 +43,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.partial_slip import PartialSlip
 
 __all__ = ["Continuation", "checked_tolerance", "solve"]
-
-_T = TypeVar("_T")
 
 _LOG = logging.getLogger(__name__)
 
@@ -101,7 +100,7 @@ def solve(
     if not isinstance(strict, (bool, np.bool_)):  # "no" is true, too
         raise SceneError("strict", strict, "True or False")
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
-    run = _Run(scene, todo, rtol, max_unknowns, _Shared())
+    run = _Run(scene, todo, rtol, max_unknowns, Shared())
     solution = run.solution()
     if strict and not solution.converged:
         worst = max(run.bounded_errors(), default=math.nan)
@@ -150,7 +149,7 @@ class Continuation:
         self._quantities = tuple(quantities)
         self._rtol = checked_tolerance(rtol, self._quantities)
         self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
-        self._shared = _Shared()
+        self._shared = Shared()
 
     def solve(self, scene: Scene) -> Solution:
         """Return the solution of the next scene, converged or not."""
@@ -158,26 +157,11 @@ class Continuation:
         return _Run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
 
 
-class _Shared:
-    """The latest outcome of steps that several scenes have in common."""
-
-    def __init__(self) -> None:
-        self._steps: dict[str, tuple[tuple[object, ...], Any]] = {}
-
-    def get(self, step: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
-        """Return the outcome of a step, made anew if the latest one has another key."""
-        known = self._steps.get(step)
-        if known is None or known[0] != key:
-            known = self._steps[step] = key, make()
-        outcome: _T = known[1]
-        return outcome
-
-
 class _Run:
     """One solve: the steps in order, with what they leave behind."""
 
     def __init__(
-        self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: _Shared
+        self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared
     ) -> None:
         self.shared = shared
         self.scene = scene
@@ -383,19 +367,24 @@ class _Run:
             return
         from spectral_contact.contact.partial_slip import solve_partial_slip
 
-        asked = frozenset(self.plan.quantities)
+        ratio = scene.friction / scene.kappa
+        path = self.shared.get(
+            PARTIAL_SLIP, (*self.normal_key, scene.tangential_compliance), DiskPath
+        )
         solved: PartialSlip = solve_partial_slip(
             drive,
             stick,
             scene.tangential_compliance,
-            scene.friction / scene.kappa,
+            ratio,
             self.rtol,
             self.max_unknowns,
             record=self._record,
+            near=path.near(ratio),
         )
-        self._take(solved, asked)
+        path.add(ratio, solved.disk)
+        self._take(solved)
 
-    def _take(self, solved: PartialSlip, asked: frozenset[str]) -> None:
+    def _take(self, solved: PartialSlip) -> None:
         """Copy the outcome of partial slip, scaled by kappa."""
         kappa = self.scene.kappa
         critical = self.values["critical_friction"]

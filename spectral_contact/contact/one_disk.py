@@ -17,7 +17,6 @@ conditioned as the smooth limit, where ``m = 0``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import atanh, log, pi
 
@@ -27,6 +26,15 @@ from scipy.special import ellipkm1
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.radius_search import (
+    LARGEST_LOGIT,
+    LEAST_LOGIT,
+    SETTLED,
+    NoStickDiskError,
+    bracketed_root,
+    polished_root,
+    root_near,
+)
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
@@ -47,14 +55,9 @@ from spectral_contact.fields import DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 
-__all__ = ["NoStickDiskError", "OneDisk", "solve_one_disk"]
+__all__ = ["OneDisk", "solve_one_disk"]
 
 Array = NDArray[np.float64]
-
-#: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
-_LEAST_LOGIT, _LARGEST_LOGIT = -300.0, 100.0
-#: What is linear in the radius may be off by this much.
-_SETTLED = 1e-15
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +82,8 @@ class OneDisk:
         ``-ln`` of the smallest scaled distance from the rim that was resolved.
     stray : float
         Estimate of the largest error of E.
+    slope : float
+        By what the condition of continuity rises with ``ln(c**2/(1 - c**2))``.
     """
 
     radius: Radius
@@ -91,21 +96,7 @@ class OneDisk:
     parts: tuple[tuple[Points, Array], ...]
     depth: float
     stray: float
-
-
-class NoStickDiskError(ArithmeticError):
-    """No radius in the range searched makes the traction continuous.
-
-    Attributes
-    ----------
-    at_centre : bool
-        Whether the root lies below the range: the stick disk is smaller than 1e-65. Else the
-        slip annulus is narrower than that, or slip is not one annulus at the edge.
-    """
-
-    def __init__(self, at_centre: bool) -> None:
-        super().__init__("no stick disk in the range searched")
-        self.at_centre = at_centre
+    slope: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +124,7 @@ class _OneDiskProblem:
         friction: float,
         tolerance: float,
         guess: float | None = None,
+        near: tuple[float, float] | None = None,
     ) -> None:
         self.drive = drive
         self.beta = beta
@@ -146,20 +138,23 @@ class _OneDiskProblem:
             ends = [self._trial(space, guess + h, 0.01 * tolerance).mismatch for h in (-0.05, 0.05)]
             self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
             return
+        if near is not None and beta > 0.0:
+            self.logit, self.slope = root_near(self._rough_mismatch, *near, 1e-3)
+            return
         # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
         try:
             self.logit, self.slope = self._smooth_root()
         except NoStickDiskError as missing:
             if beta == 0.0 or not missing.at_centre:
                 raise
-            self.logit, self.slope = _LEAST_LOGIT, 1.0
+            self.logit, self.slope = LEAST_LOGIT, 1.0
         if beta > 0.0:
             # with compliance c grows like 2 beta f/kappa at first
             rough = min(2.0 * beta * friction, 0.9)
             start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
-            if start <= _LEAST_LOGIT:
+            if start <= LEAST_LOGIT:
                 raise NoStickDiskError(at_centre=True)
-            self.logit, self.slope = _root_near(self._rough_mismatch, start, self.slope, 1e-3)
+            self.logit, self.slope = root_near(self._rough_mismatch, start, self.slope, 1e-3)
 
     def _smooth_root(self) -> tuple[float, float]:
         """Return the radius without tangential compliance, roughly, and the slope there."""
@@ -172,16 +167,16 @@ class _OneDiskProblem:
             return rise / c - friction * float(ellipkm1(c * c))
 
         if self.alpha == 0.0:
-            logit, slope = _bracketed_root(mismatch)
+            logit, slope = bracketed_root(mismatch)
             return logit, slope / (2.0 * pi)
         try:
-            logit, slope = _bracketed_root(mismatch)
+            logit, slope = bracketed_root(mismatch)
         except NoStickDiskError as missing:
-            logit, slope = (_LEAST_LOGIT if missing.at_centre else _LARGEST_LOGIT), 1.0
+            logit, slope = (LEAST_LOGIT if missing.at_centre else LARGEST_LOGIT), 1.0
         # closer to the edge than alpha the pressure does not grow any more
         start = min(logit, 2.0 - log(self.alpha))
         settle = 1e-3 if self.beta == 0.0 else 0.1
-        return _root_near(self._pressure_mismatch, start, slope / (2.0 * pi), settle)
+        return root_near(self._pressure_mismatch, start, slope / (2.0 * pi), settle)
 
     def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c)``, zero without tangential compliance."""
@@ -247,10 +242,10 @@ class _OneDiskProblem:
             trials.append((logit, self._trial(resolution, logit, self.quadrature)))
             return trials[-1][1].mismatch
 
-        self.logit, self.slope = _polished_root(mismatch, self.logit, self.slope)
+        self.logit, self.slope = polished_root(mismatch, self.logit, self.slope)
         (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
         step, lag = self.logit - last, self.logit - before
-        if before != last and abs(step * lag) <= _SETTLED:
+        if before != last and abs(step * lag) <= SETTLED:
             # what is linear in the last two trials is right to the product of the steps
             ratio = step / (last - before)
             final = replace(
@@ -337,81 +332,9 @@ class _OneDiskProblem:
             ((Points(radius, -radius.square * nodes.d), weights * misfit),),
             panels.panels * panels.width,
             stray,
+            self.slope,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
-
-
-def _root_near(
-    function: Callable[[float], float], start: float, slope: float, settle: float
-) -> tuple[float, float]:
-    """Return a rough root in logit(c**2), and the slope there: the secant, or else a bracket."""
-    x, value, longest = start, function(start), 0.3  # the slope is a guess at first
-    for _ in range(8):
-        step = max(min(-value / slope, longest), -longest)
-        if not _LEAST_LOGIT < x + step < _LARGEST_LOGIT:
-            break
-        fresh = function(x + step)
-        if fresh != value:
-            slope = (fresh - value) / step
-        x, value, longest = x + step, fresh, 3.0
-        if slope <= 0.0:
-            break
-        if abs(step) < settle * max(1.0, abs(x)):
-            return x - value / slope, slope
-    return _bracketed_root(function)
-
-
-def _bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
-    """Return a rough root in logit(c**2), and the slope there; the function rises with c."""
-    low, high, step = -2.0, 2.0, 2.0
-    at_low, at_high = function(low), function(high)
-    while at_high < 0.0:
-        low, at_low, high, step = high, at_high, min(high + step, _LARGEST_LOGIT), 2.0 * step
-        if low >= _LARGEST_LOGIT:
-            raise NoStickDiskError(at_centre=False)
-        at_high = function(high)
-    while at_low > 0.0:
-        high, at_high, low, step = low, at_low, max(low - step, _LEAST_LOGIT), 2.0 * step
-        if high <= _LEAST_LOGIT:
-            raise NoStickDiskError(at_centre=True)
-        at_low = function(low)
-    middle = 0.5 * (low + high)
-    while high - low > 1e-3 * max(1.0, abs(low)):
-        # Illinois: false position that halves the value of an end it keeps
-        middle = high - at_high * (high - low) / (at_high - at_low)
-        value = function(middle)
-        if value > 0.0:
-            high, at_high, at_low = middle, value, 0.5 * at_low
-        elif value < 0.0:
-            low, at_low, at_high = middle, value, 0.5 * at_high
-        else:
-            break
-        if abs(value) < 1e-6:
-            break
-    return middle, (function(middle + 0.05) - function(middle - 0.05)) / 0.1
-
-
-def _polished_root(
-    function: Callable[[float], float], guess: float, slope: float
-) -> tuple[float, float]:
-    """Secant from a good guess; return the root and the slope there."""
-    x, value = guess, function(guess)
-    if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
-        raise NoStickDiskError(at_centre=x < 0.0)
-    lag = 1e-3  # what is given of the slope is good to three digits
-    for _ in range(20):
-        step = max(min(-value / slope, 2.0), -2.0)
-        # a secant step errs by the product of itself and the one before
-        if abs(step) * lag <= _SETTLED * max(1.0, abs(x)):
-            return x + step, slope
-        fresh = function(x + step)
-        if fresh == value:
-            return x + step, slope
-        slope = (fresh - value) / step
-        x, value, lag = x + step, fresh, abs(step)
-        if not _LEAST_LOGIT < x < _LARGEST_LOGIT:
-            raise NoStickDiskError(at_centre=x < 0.0)
-    return x, slope  # as near as its conditioning lets it; the error estimate shows it
 
 
 def solve_one_disk(
@@ -422,6 +345,7 @@ def solve_one_disk(
     max_unknowns: int,
     *,
     guess: float | None = None,
+    near: tuple[float, float] | None = None,
 ) -> Refinement[OneDisk]:
     """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
 
@@ -439,13 +363,15 @@ def solve_one_disk(
         Most unknowns of a space.
     guess : float, optional
         First guess of ``ln(c**2/(1 - c**2))``; by default it is searched for.
+    near : tuple of float, optional
+        Where a rough search begins, and the slope there, as a like scene has them.
 
     Returns
     -------
     Refinement
         Whether the assumption holds is for the caller to check.
     """
-    if beta == 0.0 and friction > _LARGEST_LOGIT:  # 1 - c falls like exp(-pi f/(2 kappa))
+    if beta == 0.0 and friction > LARGEST_LOGIT:  # 1 - c falls like exp(-pi f/(2 kappa))
         raise NoStickDiskError(at_centre=False)
-    problem = _OneDiskProblem(drive, beta, friction, tolerance, guess)
+    problem = _OneDiskProblem(drive, beta, friction, tolerance, guess, near)
     return refine(problem, tolerance, max_unknowns)

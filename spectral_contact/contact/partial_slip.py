@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import EDGE, Drive
 from spectral_contact.contact.full_stick import FullStick
-from spectral_contact.contact.one_disk import NoStickDiskError, OneDisk, solve_one_disk
+from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
+from spectral_contact.contact.radius_search import NoStickDiskError
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import (
     Slipping,
@@ -70,6 +71,8 @@ class PartialSlip:
         Whether one stick disk was not enough.
     wrong : tuple of (float, float)
         Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense.
+    disk : tuple of float or None
+        Of one stick disk ``ln(c**2/(1 - c**2))`` and the slope of its condition, for a like scene.
     """
 
     zones: tuple[Zone, ...]
@@ -85,6 +88,7 @@ class PartialSlip:
     consistent: bool
     searched: bool
     wrong: tuple[tuple[float, float], ...] = ()
+    disk: tuple[float, float] | None = None
 
 
 def solve_partial_slip(
@@ -96,6 +100,7 @@ def solve_partial_slip(
     max_unknowns: int,
     *,
     record: Record,
+    near: tuple[float, float] | None = None,
 ) -> PartialSlip:
     """Find traction and zones below the critical friction.
 
@@ -115,12 +120,14 @@ def solve_partial_slip(
         Most unknowns of a space.
     record : callable
         Takes the name of a step, its outcome and its beginning, returns the value.
+    near : tuple of float, optional
+        Where the search for one stick disk begins, as `PartialSlip.disk` of a like scene has it.
 
     Returns
     -------
     PartialSlip
     """
-    run = _Search(drive, stick, beta, friction, tolerance, max_unknowns, record)
+    run = _Search(drive, stick, beta, friction, tolerance, max_unknowns, record, near)
     return run.outcome()
 
 
@@ -135,6 +142,7 @@ class _Search:
     tolerance: float
     max_unknowns: int
     record: Record
+    near: tuple[float, float] | None
 
     def outcome(self) -> PartialSlip:
         """Return the first outcome that satisfies the friction law."""
@@ -144,7 +152,7 @@ class _Search:
         smooth = self.drive.contact.compliance == 0.0 and self.beta > 0.0
         if not smooth or (self.friction * self.beta) ** 2 < 1e-80:
             try:
-                found.append(self._one_disk(None))
+                found.append(self._one_disk(None, self.near))
             except NoStickDiskError as missing:
                 if missing.at_centre:
                     return _all_slip(self.drive, self.beta, self.friction, self.tolerance)
@@ -157,10 +165,18 @@ class _Search:
             return _no_slip(self.drive, self.stick, self.beta, self.friction)
         return min(found, key=lambda outcome: outcome.violation)
 
-    def _one_disk(self, guess: float | None) -> PartialSlip:
+    def _one_disk(
+        self, guess: float | None, near: tuple[float, float] | None = None
+    ) -> PartialSlip:
         begin = perf_counter()
         refinement = solve_one_disk(
-            self.drive, self.beta, self.friction, self.tolerance, self.max_unknowns, guess=guess
+            self.drive,
+            self.beta,
+            self.friction,
+            self.tolerance,
+            self.max_unknowns,
+            guess=guess,
+            near=near,
         )
         disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
@@ -314,6 +330,7 @@ def _one_disk_outcome(
         consistent,
         False,
         _wrong_intervals(annulus, samples[0]),
+        (radius.logit, disk.slope),
     )
 
 

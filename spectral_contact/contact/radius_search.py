@@ -1,0 +1,108 @@
+"""The search for the radius of a stick disk: roots of a function that rises with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+__all__ = [
+    "LARGEST_LOGIT",
+    "LEAST_LOGIT",
+    "SETTLED",
+    "NoStickDiskError",
+    "bracketed_root",
+    "polished_root",
+    "root_near",
+]
+
+#: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
+LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
+#: What is linear in the radius may be off by this much.
+SETTLED = 1e-15
+
+
+class NoStickDiskError(ArithmeticError):
+    """No radius in the range searched makes the traction continuous.
+
+    Attributes
+    ----------
+    at_centre : bool
+        Whether the root lies below the range: the stick disk is smaller than 1e-65. Else the
+        slip annulus is narrower than that, or slip is not one annulus at the edge.
+    """
+
+    def __init__(self, at_centre: bool) -> None:
+        super().__init__("no stick disk in the range searched")
+        self.at_centre = at_centre
+
+
+def root_near(
+    function: Callable[[float], float], start: float, slope: float, settle: float
+) -> tuple[float, float]:
+    """Return a rough root in logit(c**2), and the slope there: the secant, or else a bracket."""
+    x, value, longest = start, function(start), 0.3  # the slope is a guess at first
+    for _ in range(8):
+        step = max(min(-value / slope, longest), -longest)
+        if not LEAST_LOGIT < x + step < LARGEST_LOGIT:
+            break
+        fresh = function(x + step)
+        if fresh != value:
+            slope = (fresh - value) / step
+        x, value, longest = x + step, fresh, 3.0
+        if slope <= 0.0:
+            break
+        if abs(step) < settle * max(1.0, abs(x)):
+            return x - value / slope, slope
+    return bracketed_root(function)
+
+
+def bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
+    """Return a rough root in logit(c**2), and the slope there; the function rises with c."""
+    low, high, step = -2.0, 2.0, 2.0
+    at_low, at_high = function(low), function(high)
+    while at_high < 0.0:
+        low, at_low, high, step = high, at_high, min(high + step, LARGEST_LOGIT), 2.0 * step
+        if low >= LARGEST_LOGIT:
+            raise NoStickDiskError(at_centre=False)
+        at_high = function(high)
+    while at_low > 0.0:
+        high, at_high, low, step = low, at_low, max(low - step, LEAST_LOGIT), 2.0 * step
+        if high <= LEAST_LOGIT:
+            raise NoStickDiskError(at_centre=True)
+        at_low = function(low)
+    middle = 0.5 * (low + high)
+    while high - low > 1e-3 * max(1.0, abs(low)):
+        # Illinois: false position that halves the value of an end it keeps
+        middle = high - at_high * (high - low) / (at_high - at_low)
+        value = function(middle)
+        if value > 0.0:
+            high, at_high, at_low = middle, value, 0.5 * at_low
+        elif value < 0.0:
+            low, at_low, at_high = middle, value, 0.5 * at_high
+        else:
+            break
+        if abs(value) < 1e-6:
+            break
+    return middle, (function(middle + 0.05) - function(middle - 0.05)) / 0.1
+
+
+def polished_root(
+    function: Callable[[float], float], guess: float, slope: float
+) -> tuple[float, float]:
+    """Secant from a good guess; return the root and the slope there."""
+    x, value = guess, function(guess)
+    if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
+        raise NoStickDiskError(at_centre=x < 0.0)
+    lag = 1e-3  # what is given of the slope is good to three digits
+    for _ in range(20):
+        step = max(min(-value / slope, 2.0), -2.0)
+        # a secant step errs by the product of itself and the one before
+        if abs(step) * lag <= SETTLED * max(1.0, abs(x)):
+            return x + step, slope
+        fresh = function(x + step)
+        if fresh == value:
+            return x + step, slope
+        slope = (fresh - value) / step
+        x, value, lag = x + step, fresh, abs(step)
+        if not LEAST_LOGIT < x < LARGEST_LOGIT:
+            raise NoStickDiskError(at_centre=x < 0.0)
+    return x, slope  # as near as its conditioning lets it; the error estimate shows it
