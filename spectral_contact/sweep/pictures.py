@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["plot_slice"]
 
 #: An axis whose values span more than this is logarithmic.
-_DECADES: Final = 30.0
+_SPAN: Final = 30.0
 
 
 def plot_slice(
@@ -57,7 +57,8 @@ def plot_slice(
             raise SceneError("at", name, f"a dimension: {', '.join(map(str, part.dims)) or 'none'}")
         part = part.sel({name: _nearest(part[name].values, value)})
     left = [str(name) for name in part.dims if part.sizes[name] > 1]
-    part = part.squeeze()
+    # full stick, friction infinite, has no place on an axis
+    part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
     if len(left) not in (1, 2):
         said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
         raise SceneError("at", dict(at or {}), said)
@@ -87,11 +88,10 @@ def _curve(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
 
 def _map(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
     down, across = left
-    mesh = axes.pcolormesh(
-        part[across].values, part[down].values, part.transpose(down, across).values
-    )
     for scale, name in ((axes.set_xscale, across), (axes.set_yscale, down)):
         _scale(scale, part[name].values)
+    edges = _edges(part[across].values), _edges(part[down].values)
+    mesh = axes.pcolormesh(*edges, part.transpose(down, across).values)
     axes.set_xlabel(_label(part[across]))
     axes.set_ylabel(_label(part[down]))
     assert axes.figure is not None
@@ -99,10 +99,25 @@ def _map(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
 
 
 def _scale(setter: Any, values: NDArray[Any]) -> None:
-    """Make an axis logarithmic if its values are positive and span decades."""
-    finite = values[np.isfinite(values)]
-    if finite.size and finite.min() > 0.0 and finite.max() > _DECADES * finite.min():
+    """Make an axis logarithmic where its values are so."""
+    if _logarithmic(values):
         setter("log")
+
+
+def _logarithmic(values: NDArray[Any]) -> bool:
+    """Whether values are positive and span more than `_SPAN`."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > _SPAN * finite.min())
+
+
+def _edges(values: NDArray[Any]) -> NDArray[Any]:
+    """Return the ends of cells around values, half-way between them on their axis."""
+    logarithmic = _logarithmic(values)
+    places = np.log(values) if logarithmic else values
+    middle = (places[1:] + places[:-1]) / 2.0
+    first, last = 2.0 * places[0] - middle[0], 2.0 * places[-1] - middle[-1]
+    edges = np.concatenate([[first], middle, [last]])
+    return np.asarray(np.exp(edges) if logarithmic else edges)
 
 
 def _label(array: xarray.DataArray) -> str:

@@ -178,9 +178,9 @@ class _Run:
                 store,
                 {
                     "library": spectral_contact.__version__,
+                    "scenes": parameters.fingerprint(),
                     **request.describe(),
                     "chunk": size,
-                    "scenes": parameters.fingerprint(),
                 },
             )
 
