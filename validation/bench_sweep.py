@@ -63,8 +63,8 @@ class Case:
 
 def _plane(count: int) -> dict[str, tuple[float, float, int]]:
     return {
-        "normal_compliance": (1e-3, 1e2, count),
-        "tangential_compliance": (1e-3, 1e2, count),
+        "normal_compliance": (1e-2, 1e2, count),
+        "tangential_compliance": (1e-2, 1e2, count),
     }
 
 
@@ -74,8 +74,8 @@ CASES = (
     Case(
         "δ*, p*(1)", ("approach", "pressure"), 5e5, {"normal_compliance": (1e-10, 1e10, 1_000_000)}
     ),
-    Case("Q*, full stick", ("total_shear",), 1e5, _plane(1000), math.inf),
-    Case("edge ratio", ("edge_ratio",), 1e3, _plane(1000), math.inf),
+    Case("Q*, full stick", ("total_shear",), 1e5, _plane(500), math.inf),
+    Case("edge ratio", ("edge_ratio",), 1e3, _plane(500), math.inf),
     Case("critical friction", ("critical_friction",), 1e3, _plane(100), math.inf),
     Case("c*, Q*, one slip annulus", ("stick_radius", "total_shear"), 100, _SLIPPING),
     Case(
