@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["exactly_one", "lengths", "radii", "real", "tolerance", "whole"]
+__all__ = ["exactly_one", "lengths", "radii", "real", "reals", "tolerance", "whole"]
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
@@ -161,6 +161,36 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
         If a value is no real number or masked, or lies outside; it names the first that does.
     """
     allowed = f"in [0, {repr(high).removesuffix('.0')}] {unit}".rstrip()
+    array = reals(parameter, values, allowed, low=0.0, high=high)
+    with np.errstate(invalid="ignore"):  # NaN compares False, which is what we want of it
+        inside = (array >= 0) & (array <= high)
+    if not inside.all():
+        raise SceneError(parameter, array[~inside][0].item(), allowed)
+    return array
+
+
+def reals(
+    parameter: str, values: Any, allowed: str, *, low: float = -math.inf, high: float = math.inf
+) -> NDArray[np.floating[Any]]:
+    """Return real numbers as an array of doubles, or of long doubles if such were given.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    values : array_like
+        Any shape.
+    allowed : str
+        The interval in words, to follow "must be" in an error.
+    low, high : float
+        The ends of the interval. They are checked of numbers that NumPy does not know
+        (`fractions.Fraction`, mpmath's); of others the caller does it.
+
+    Raises
+    ------
+    SceneError
+        If a value is no real number or masked.
+    """
     try:
         array = None if _becomes_a_number(values) else np.asarray(values)
     except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
@@ -169,17 +199,12 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
         _refuse_type(parameter, values, f"{allowed}, neither masked nor boolean")
     if array.dtype.kind == "O":
         # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
-        limits: dict[str, Any] = {"allowed": allowed, "low": 0.0, "high": high}
+        limits: dict[str, Any] = {"allowed": allowed, "low": low, "high": high}
         doubles = [real(parameter, value, **limits) for value in array.flat]
         return np.array(doubles, dtype=np.float64).reshape(array.shape)
     if array.dtype.kind not in "fiu":
         _refuse_type(parameter, values, allowed)
-    array = array.astype(np.promote_types(array.dtype, np.float64), copy=False)
-    with np.errstate(invalid="ignore"):  # NaN compares False, which is what we want of it
-        inside = (array >= 0) & (array <= high)
-    if not inside.all():
-        raise SceneError(parameter, array[~inside][0].item(), allowed)
-    return array
+    return array.astype(np.promote_types(array.dtype, np.float64), copy=False)
 
 
 def _becomes_a_number(values: Any) -> bool:

@@ -1,4 +1,4 @@
-"""The command line: ``spectral-contact solve``, ``paper`` and ``study``.
+"""The command line: ``spectral-contact solve``, ``sweep``, ``paper`` and ``study``.
 
 Also ``python -m spectral_contact``.
 
@@ -9,7 +9,6 @@ missing dependency; 130 when interrupted. Whatever fails is said in one line on 
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import sys
 from collections.abc import Iterable, Sequence
@@ -17,7 +16,8 @@ from pathlib import Path
 from typing import NoReturn
 
 import spectral_contact
-from spectral_contact import cli_study, plotting
+from spectral_contact import cli_study, cli_sweep, plotting
+from spectral_contact.cli_options import friction, joined, number, whole
 from spectral_contact.errors import (
     ConvergenceError,
     SceneError,
@@ -62,7 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit status, see the module's description.
     """
     try:
-        arguments = _parser().parse_args(_joined(sys.argv[1:] if argv is None else argv))
+        arguments = _parser().parse_args(joined(sys.argv[1:] if argv is None else argv))
         arguments.run(arguments)
         sys.stdout.flush()
     except SystemExit as stop:  # argparse, after --help and --version
@@ -122,6 +122,7 @@ def _parser() -> _Parser:
     command.set_defaults(run=_solve)
     _add_paper(commands)
     _add_studies(commands)
+    _add_sweep(commands)
     return parser
 
 
@@ -129,7 +130,7 @@ def _add_scene(command: _Parser) -> None:
     group = command.add_argument_group("scene")
     group.add_argument(
         "--poisson-ratio",
-        type=_number,
+        type=number,
         metavar="NU",
         default=_DEFAULT_NU,
         help="Poisson's ratio of the half-space, in (-1, 0.5] (default: %(default)s)",
@@ -137,14 +138,14 @@ def _add_scene(command: _Parser) -> None:
     for option, symbol in (("normal", "alpha"), ("tangential", "beta")):
         group.add_argument(
             f"--{option}-compliance",
-            type=_number,
+            type=number,
             metavar=symbol.upper(),
             help=f"{symbol}* = {symbol} E / (4 (1 - nu^2) a), 0 (smooth) or in [1e-14, 1e14] "
             f"(default: {_DEFAULT_COMPLIANCE})",
         )
     group.add_argument(
         "--friction",
-        type=_friction,
+        type=friction,
         metavar="F",
         default=_DEFAULT_FRICTION,
         help="Coulomb coefficient >= 0; inf is full stick, none the frictionless problem "
@@ -166,14 +167,14 @@ def _add_physical(command: _Parser) -> None:
         ("normal-compliance-si", "ALPHA", "normal compliance of the roughness [m/Pa]"),
         ("tangential-compliance-si", "BETA", "tangential compliance of the roughness [m/Pa]"),
     ):
-        group.add_argument(f"--{name}", type=_number, metavar=metavar, help=meaning)
+        group.add_argument(f"--{name}", type=number, metavar=metavar, help=meaning)
 
 
 def _add_request(command: _Parser) -> None:
     group = command.add_argument_group("request")
     group.add_argument(
         "--rtol",
-        type=_number,
+        type=number,
         default=1e-10,
         help="bound on relative errors, 1e-13 to 1e-2 (default: %(default)s)",
     )
@@ -185,7 +186,7 @@ def _add_request(command: _Parser) -> None:
     )
     group.add_argument(
         "--max-unknowns",
-        type=_whole,
+        type=whole,
         metavar="N",
         default=20_000,
         help="most unknowns of one linear system (default: %(default)s)",
@@ -228,7 +229,7 @@ def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
     )
     command.add_argument(
         "--rtol",
-        type=_number,
+        type=number,
         default=1e-9,
         help="bound on relative errors of every solve, 1e-12 to 1e-2 (default: %(default)s)",
     )
@@ -259,45 +260,19 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         command.set_defaults(run=_study)
 
 
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-
-
-def _whole(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
-
-
-def _friction(text: str) -> float | None:
-    if text.strip().lower() == "none":
-        return None
-    number = _number(text)
-    if not number >= 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r} must be >= 0, or inf (full stick), or none")
-    return number
-
-
-def _joined(argv: Sequence[str]) -> list[str]:
-    """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options."""
-    joined: list[str] = []
-    for text in argv:
-        if joined and joined[-1].startswith("--") and "=" not in joined[-1] and _negative(text):
-            joined[-1] = f"{joined[-1]}={text}"
-        else:
-            joined.append(text)
-    return joined
-
-
-def _negative(text: str) -> bool:
-    try:
-        return text.startswith("-") and not math.isnan(float(text))
-    except ValueError:
-        return False
+def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "sweep",
+        help="solve a grid of scenes",
+        description="Solve every combination of parameters. Each takes a number, several "
+        "(0.1,0.2), or a range LOW:HIGH:COUNT, with :log at its end in equal ratios. A run that "
+        "was stopped goes on from its --store.",
+        epilog="Exit status: 0 done, 2 bad input or file, 130 interrupted. Scenes that could not "
+        "be solved are counted; the files say which and why.",
+        allow_abbrev=False,
+    )
+    cli_sweep.add_options(command)
+    command.set_defaults(run=_sweep)
 
 
 def _flag(name: str) -> str:
@@ -357,6 +332,16 @@ def _study(arguments: argparse.Namespace) -> None:
         cli_study.write(study, arguments)
     finally:
         print(study)
+
+
+def _sweep(arguments: argparse.Namespace) -> None:
+    """Solve the grid, write the files and print what came of it."""
+    _check_paths(arguments, cli_sweep.OUTPUTS)
+    found = cli_sweep.run(arguments)
+    try:
+        cli_sweep.write(found, arguments)
+    finally:
+        print(cli_sweep.summary(found))
 
 
 def _si_given(arguments: argparse.Namespace) -> bool:

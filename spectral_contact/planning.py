@@ -19,7 +19,7 @@ from spectral_contact.solution import (
     StepState,
 )
 
-__all__ = ["plan"]
+__all__ = ["asked_quantities", "plan"]
 
 _ALL = frozenset(QUANTITIES)
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
@@ -48,7 +48,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
-    asked = _asked(quantities)
+    asked = asked_quantities(quantities)
     missing: dict[str, str] = {
         name: "it was not asked for" for name in QUANTITIES if name not in asked
     }
@@ -64,7 +64,14 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     return Plan(present, steps, tuple(sorted(missing.items())))
 
 
-def _asked(quantities: Iterable[str] | None) -> frozenset[str]:
+def asked_quantities(quantities: Iterable[str] | None) -> frozenset[str]:
+    """Return what is asked for; everything is the default.
+
+    Raises
+    ------
+    SceneError
+        For a name that is no quantity.
+    """
     if quantities is None:
         return _ALL
     if isinstance(quantities, str):

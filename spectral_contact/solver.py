@@ -18,6 +18,7 @@ from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import PressureField, Radius
 from spectral_contact.planning import plan
 from spectral_contact.scene import Scene
+from spectral_contact.sharing import DiskPath, Shared
 from spectral_contact.solution import (
     FULL_STICK,
     NORMAL,
@@ -41,11 +42,13 @@ if TYPE_CHECKING:
     from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.partial_slip import PartialSlip
 
-__all__ = ["solve"]
+__all__ = ["Continuation", "checked_tolerance", "solve"]
 
 _LOG = logging.getLogger(__name__)
 
 _CENTRE, _EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)
+#: What follows from the pressure for everything tangential; no step of its own.
+_DRIVE = "drive"
 #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
 _BOUNDED = ("approach", "pressure", "traction", "total_shear")
 #: Integral quantities, which may be asked for at 1e-13.
@@ -93,14 +96,11 @@ def solve(
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
     todo = plan(scene, quantities)
-    rtol = checks.tolerance(rtol)
-    if rtol < 1e-12 and not _INTEGRAL.issuperset(todo.quantities):
-        raise SceneError(
-            "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
-        )
+    rtol = checked_tolerance(rtol, todo.quantities)
     if not isinstance(strict, (bool, np.bool_)):  # "no" is true, too
         raise SceneError("strict", strict, "True or False")
-    run = _Run(scene, todo, rtol, checks.whole("max_unknowns", max_unknowns, 1))
+    max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
+    run = _Run(scene, todo, rtol, max_unknowns, Shared())
     solution = run.solution()
     if strict and not solution.converged:
         worst = max(run.bounded_errors(), default=math.nan)
@@ -112,14 +112,63 @@ def solve(
     return solution
 
 
+def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
+    """Return the tolerance if these quantities can be solved to it.
+
+    Raises
+    ------
+    SceneError
+        If they cannot.
+    """
+    value = checks.tolerance(rtol)
+    if value < 1e-12 and not _INTEGRAL.issuperset(quantities):
+        raise SceneError(
+            "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
+        )
+    return value
+
+
+class Continuation:
+    """Solve scenes one after another, each with what the one before it can hand on.
+
+    Scenes of the same normal compliance share their pressure, those of the same compliances their
+    full-stick traction. So a list is best sorted by compliances.
+
+    Parameters
+    ----------
+    rtol, quantities, max_unknowns
+        As of `solve`.
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range.
+    """
+
+    def __init__(self, rtol: float, quantities: Iterable[str], max_unknowns: int) -> None:
+        self._quantities = tuple(quantities)
+        self._rtol = checked_tolerance(rtol, self._quantities)
+        self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
+        self._shared = Shared()
+
+    def solve(self, scene: Scene) -> Solution:
+        """Return the solution of the next scene, converged or not."""
+        todo = plan(scene, self._quantities)
+        return _Run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
+
+
 class _Run:
     """One solve: the steps in order, with what they leave behind."""
 
-    def __init__(self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int) -> None:
+    def __init__(
+        self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared
+    ) -> None:
+        self.shared = shared
         self.scene = scene
         self.plan = todo
         self.rtol = rtol
         self.max_unknowns = max_unknowns
+        self.normal_key: tuple[object, ...] = ()
         self.exceeded = False
         self.work: list[StepWork] = []
         self.endings: list[Ending] = []
@@ -203,11 +252,14 @@ class _Run:
         tolerance = max(self.rtol * _TIGHTER, min(self.rtol, _TIGHTEST)) if drives else self.rtol
         goal = "pressure" if "pressure" in self.plan.quantities else "approach"
         goal = "drive" if drives else goal
-        contact: NormalContact = self._record(
+        compliance = self.scene.normal_compliance
+        self.normal_key = compliance, tolerance, goal
+        solved = self.shared.get(
             NORMAL,
-            solve_normal(self.scene.normal_compliance, tolerance, self.max_unknowns, goal=goal),
-            begin,
+            self.normal_key,
+            lambda: solve_normal(compliance, tolerance, self.max_unknowns, goal=goal),
         )
+        contact: NormalContact = self._record(NORMAL, solved, begin)
         self.pressure = contact.pressure
         self.values["approach"] = contact.approach
         self.errors["approach"] = contact.approach_error
@@ -243,7 +295,7 @@ class _Run:
             return
         from spectral_contact.contact.drive import Drive
 
-        drive = Drive(contact)
+        drive = self.shared.get(_DRIVE, self.normal_key, lambda: Drive(contact))
         if friction == 0.0 and states[SLIP_FIELD] is StepState.RUN:
             self._frictionless_slip(drive)
         if states[FULL_STICK] is StepState.RUN:
@@ -277,13 +329,13 @@ class _Run:
             "critical_friction",
         }:
             goal = "shear"
-        stick: FullStick = self._record(
+        compliance = self.scene.tangential_compliance
+        solved = self.shared.get(
             FULL_STICK,
-            solve_full_stick(
-                drive, self.scene.tangential_compliance, self.rtol, self.max_unknowns, goal=goal
-            ),
-            begin,
+            (*self.normal_key, compliance, goal),
+            lambda: solve_full_stick(drive, compliance, self.rtol, self.max_unknowns, goal=goal),
         )
+        stick: FullStick = self._record(FULL_STICK, solved, begin)
         kappa = self.scene.kappa
         self.values.update(
             edge_ratio=kappa * stick.edge_ratio, critical_friction=kappa * stick.critical
@@ -316,19 +368,24 @@ class _Run:
             return
         from spectral_contact.contact.partial_slip import solve_partial_slip
 
-        asked = frozenset(self.plan.quantities)
+        ratio = scene.friction / scene.kappa
+        path = self.shared.get(
+            PARTIAL_SLIP, (*self.normal_key, scene.tangential_compliance), DiskPath
+        )
         solved: PartialSlip = solve_partial_slip(
             drive,
             stick,
             scene.tangential_compliance,
-            scene.friction / scene.kappa,
+            ratio,
             self.rtol,
             self.max_unknowns,
             record=self._record,
+            near=path.near(ratio),
         )
-        self._take(solved, asked)
+        path.add(ratio, solved.disk)
+        self._take(solved)
 
-    def _take(self, solved: PartialSlip, asked: frozenset[str]) -> None:
+    def _take(self, solved: PartialSlip) -> None:
         """Copy the outcome of partial slip, scaled by kappa."""
         kappa = self.scene.kappa
         critical = self.values["critical_friction"]

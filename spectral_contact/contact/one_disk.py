@@ -83,6 +83,8 @@ class OneDisk:
         ``-ln`` of the smallest scaled distance from the rim that was resolved.
     stray : float
         Estimate of the largest error of E.
+    slope : float
+        By what the condition of continuity rises with ``ln(c**2/(1 - c**2))``.
     """
 
     radius: Radius
@@ -95,6 +97,7 @@ class OneDisk:
     parts: tuple[tuple[Points, Array], ...]
     depth: float
     stray: float
+    slope: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +125,7 @@ class _OneDiskProblem:
         friction: float,
         tolerance: float,
         guess: float | None = None,
+        near: tuple[float, float] | None = None,
     ) -> None:
         self.drive = drive
         self.beta = beta
@@ -134,6 +138,9 @@ class _OneDiskProblem:
             space = self._resolution(guess, tolerance)
             ends = [self._trial(space, guess + h, 0.01 * tolerance).mismatch for h in (-0.05, 0.05)]
             self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
+            return
+        if near is not None and beta > 0.0:
+            self.logit, self.slope = root_near(self._rough_mismatch, *near, 1e-3)
             return
         # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
         try:
@@ -336,6 +343,7 @@ class _OneDiskProblem:
             ((Points(radius, -radius.square * nodes.d), weights * misfit),),
             panels.panels * panels.width,
             stray,
+            self.slope,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
 
@@ -354,6 +362,7 @@ def solve_one_disk(
     max_unknowns: int,
     *,
     guess: float | None = None,
+    near: tuple[float, float] | None = None,
 ) -> Refinement[OneDisk]:
     """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
 
@@ -371,6 +380,8 @@ def solve_one_disk(
         Most unknowns of a space.
     guess : float, optional
         First guess of ``ln(c**2/(1 - c**2))``; by default it is searched for.
+    near : tuple of float, optional
+        Where a rough search begins, and the slope there, as a like scene has them.
 
     Returns
     -------
@@ -379,5 +390,5 @@ def solve_one_disk(
     """
     if beta == 0.0 and friction > LARGEST_LOGIT:  # 1 - c falls like exp(-pi f/(2 kappa))
         raise NoStickDiskError(at_centre=False)
-    problem = _OneDiskProblem(drive, beta, friction, tolerance, guess)
+    problem = _OneDiskProblem(drive, beta, friction, tolerance, guess, near)
     return refine(problem, tolerance, max_unknowns)

@@ -75,6 +75,8 @@ class PartialSlip:
         Whether one stick disk was not enough.
     wrong : tuple of (float, float)
         Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense.
+    disk : tuple of float or None
+        Of one stick disk ``ln(c**2/(1 - c**2))`` and the slope of its condition, for a like scene.
     """
 
     zones: tuple[Zone, ...]
@@ -90,6 +92,7 @@ class PartialSlip:
     consistent: bool
     searched: bool
     wrong: tuple[tuple[float, float], ...] = ()
+    disk: tuple[float, float] | None = None
 
     @property
     def settled(self) -> bool:
@@ -106,6 +109,7 @@ def solve_partial_slip(
     max_unknowns: int,
     *,
     record: Record,
+    near: tuple[float, float] | None = None,
 ) -> PartialSlip:
     """Find traction and zones below the critical friction.
 
@@ -125,12 +129,14 @@ def solve_partial_slip(
         Most unknowns of a space.
     record : callable
         Takes the name of a step, its outcome and its beginning, returns the value.
+    near : tuple of float, optional
+        Where the search for one stick disk begins, as `PartialSlip.disk` of a like scene has it.
 
     Returns
     -------
     PartialSlip
     """
-    run = _Search(drive, stick, beta, friction, tolerance, max_unknowns, record)
+    run = _Search(drive, stick, beta, friction, tolerance, max_unknowns, record, near)
     return run.outcome()
 
 
@@ -145,6 +151,7 @@ class _Search:
     tolerance: float
     max_unknowns: int
     record: Record
+    near: tuple[float, float] | None
 
     def outcome(self) -> PartialSlip:
         """Return the first outcome that satisfies the friction law."""
@@ -154,7 +161,7 @@ class _Search:
         smooth = self.drive.contact.compliance == 0.0 and self.beta > 0.0
         if not smooth or (self.friction * self.beta) ** 2 < 1e-80:
             try:
-                found.append(self._one_disk(None))
+                found.append(self._one_disk(None, self.near))
             except NoStickDiskError as missing:
                 if missing.at_centre:
                     return _all_slip(self.drive, self.beta, self.friction, self.tolerance)
@@ -170,10 +177,18 @@ class _Search:
             return _no_slip(self.drive, self.stick, self.beta, self.friction)
         return min(found, key=lambda outcome: outcome.violation)
 
-    def _one_disk(self, guess: float | None) -> PartialSlip:
+    def _one_disk(
+        self, guess: float | None, near: tuple[float, float] | None = None
+    ) -> PartialSlip:
         begin = perf_counter()
         refinement = solve_one_disk(
-            self.drive, self.beta, self.friction, self.tolerance, self.max_unknowns, guess=guess
+            self.drive,
+            self.beta,
+            self.friction,
+            self.tolerance,
+            self.max_unknowns,
+            guess=guess,
+            near=near,
         )
         disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
@@ -327,6 +342,7 @@ def _one_disk_outcome(
         consistent,
         False,
         _wrong_intervals(annulus, samples[0]),
+        (radius.logit, disk.slope),
     )
 
 

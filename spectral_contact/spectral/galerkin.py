@@ -21,7 +21,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
+from scipy.linalg import eigh, lapack
 
 from spectral_contact.spectral.abel import (
     deeper_blocks,
@@ -304,6 +304,26 @@ class Space:
         for strip in self._strips:
             sums[..., strip.seen :] += density[..., strip.rows] @ strip.values
         return sums[..., self._place]
+
+    def spectrum(self) -> tuple[Array, Array]:
+        """Return eigenvalues and modes: ``gram v = value mass v``, normalised by the mass.
+
+        They solve the problem for every compliance at once (docs/maps).
+
+        Returns
+        -------
+        values : ndarray, shape (unknowns,)
+            At least 0, increasing.
+        modes : ndarray, shape (size, unknowns)
+            Coefficients, zero outside the space.
+        """
+        # the mass of a panel falls like its width: with unit diagonal it is well conditioned
+        scale = 1.0 / np.sqrt(self._mass.diagonal())
+        square = np.outer(scale, scale)
+        values, vectors = eigh(self._gram * square, self._mass * square)
+        modes = np.zeros((self.operator.panels.size, len(values)))
+        modes[self.index] = vectors * scale[:, None]
+        return np.maximum(values, 0.0), modes
 
     def factor(self, compliance: float) -> Factored:
         """Factor ``compliance * mass + gram`` on the space.

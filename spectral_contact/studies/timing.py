@@ -13,8 +13,7 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -23,16 +22,10 @@ import numpy as np
 
 from spectral_contact.checks import real, whole
 from spectral_contact.scene import Scene
+from spectral_contact.threads import THREADS, one_thread
 
 __all__ = ["Stopwatch", "Times", "Timing", "repeated", "times_of"]
 
-_THREADS = (
-    "OPENBLAS_NUM_THREADS",
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "BLIS_NUM_THREADS",
-)
 _START = (
     "import sys; sys.path[:] = {path!r}; from spectral_contact.studies.worker import main; main()"
 )
@@ -151,7 +144,7 @@ def times_of(
             colds.append(first["cold"])
             warm += first["warm"]
     except _NotPortable as error:
-        with _one_thread() as threads:
+        with one_thread() as threads:
             times = repeated(lambda: solver(scene, resolution), stopwatch)
         return Times(Timing.of(times), None, threads, str(error))
     return Times(Timing.of(warm), Timing.of(colds), 1)
@@ -179,7 +172,7 @@ def _fresh(
         input=task,
         capture_output=True,
         check=False,
-        env=os.environ | dict.fromkeys(_THREADS, "1"),
+        env=os.environ | dict.fromkeys(THREADS, "1"),
     )
     if done.returncode != 0:
         said = done.stderr.decode(errors="replace").strip().splitlines()
@@ -191,16 +184,3 @@ def _fresh(
 def _in_main_script(solver: Callable[[Scene, Any], Any]) -> bool:
     own = getattr(solver, "__module__", None)
     return "__main__" in (own, type(solver).__module__)
-
-
-@contextmanager
-def _one_thread() -> Iterator[int | None]:
-    """Hold BLAS to one thread if threadpoolctl is there; yield how many threads it has."""
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        said = [os.environ.get(name, "") for name in _THREADS]
-        yield next((int(text) for text in said if text.isdigit()), None)
-        return
-    with threadpool_limits(1, "blas"):
-        yield 1

@@ -15,6 +15,7 @@ TANGENTIAL = [
     "full_stick",
     "one_disk",
     "partial_slip",
+    "stick_radius",
     "rim",
     "slip_displacement",
     "stick_annuli",

@@ -7,7 +7,7 @@ import numpy as np
 import peers
 import pytest
 
-from spectral_contact import Scene, SceneError
+from spectral_contact import Scene, SceneError, threads
 from spectral_contact.studies import Stopwatch, Timing, timing, worker
 
 SCENE = Scene(0.3, 0.5)
@@ -105,16 +105,16 @@ def test_the_main_script_cannot_be_imported_elsewhere(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("variables", "threads"),
+    ("variables", "count"),
     [({"OPENBLAS_NUM_THREADS": "2"}, 2), ({"OMP_NUM_THREADS": "4"}, 4), ({}, None)],
 )
-def test_threads_of_this_process_are_what_the_environment_says(monkeypatch, variables, threads):
+def test_threads_of_this_process_are_what_the_environment_says(monkeypatch, variables, count):
     monkeypatch.setitem(sys.modules, "threadpoolctl", None)
-    for name in timing._THREADS:
+    for name in threads.THREADS:
         monkeypatch.delenv(name, raising=False)
     for name, value in variables.items():
         monkeypatch.setenv(name, value)
-    assert timing.times_of(lambda *_: None, SCENE, 4, ONCE).blas_threads == threads
+    assert timing.times_of(lambda *_: None, SCENE, 4, ONCE).blas_threads == count
 
 
 def test_threads_are_limited_where_that_is_possible(monkeypatch):

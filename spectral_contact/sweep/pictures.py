@@ -1,0 +1,126 @@
+"""A slice of a sweep as a figure: a curve over one parameter, or a map over two."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.plotting import style
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["plot_slice"]
+
+#: An axis whose values span more than this is logarithmic.
+_SPAN: Final = 30.0
+
+
+def plot_slice(
+    dataset: xarray.Dataset, quantity: str, at: Mapping[str, float] | None = None
+) -> Figure:
+    """Draw one quantity of a sweep over the one or two dimensions that are left.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `sweep` returns it.
+    quantity : str
+        A variable of numbers.
+    at : mapping of str to float, optional
+        Where the other dimensions are cut; the nearest value that was solved is taken, and named in
+        the title.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    SceneError
+        For a variable or a dimension that there is not, or if not one or two are left.
+    MissingDependencyError
+        If matplotlib is not installed (extra: plot).
+    """
+    names = [name for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
+    if quantity not in names:
+        raise SceneError("quantity", quantity, f"out of {', '.join(map(str, names))}")
+    part = dataset[quantity]
+    for name, value in (at or {}).items():
+        if name not in part.dims:
+            raise SceneError("at", name, f"a dimension: {', '.join(map(str, part.dims)) or 'none'}")
+        part = part.sel({name: _nearest(part[name].values, value)})
+    left = [str(name) for name in part.dims if part.sizes[name] > 1]
+    # full stick, friction infinite, has no place on an axis
+    part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
+    if len(left) not in (1, 2):
+        said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
+        raise SceneError("at", dict(at or {}), said)
+    with style():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(5.6, 4.2), layout="constrained")
+        axes = figure.add_subplot()
+        (_curve if len(left) == 1 else _map)(axes, part, left)
+        cuts = [f"{name} = {float(part[name]):.4g}" for name in (at or {})]
+        axes.set_title(", ".join(cuts).replace("_", " "), fontsize="medium")
+    return figure
+
+
+def _nearest(values: NDArray[Any], wanted: float) -> Any:
+    """Return the value that is nearest; infinity is near to itself alone."""
+    same = values[values == wanted]
+    return same[0] if same.size else values[np.argmin(np.abs(values - wanted))]
+
+
+def _curve(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
+    axes.plot(part[left[0]].values, part.values, color="#0072B2", marker=".")
+    _scale(axes.set_xscale, part[left[0]].values)
+    axes.set_xlabel(_label(part[left[0]]))
+    axes.set_ylabel(_label(part))
+
+
+def _map(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
+    down, across = left
+    for scale, name in ((axes.set_xscale, across), (axes.set_yscale, down)):
+        _scale(scale, part[name].values)
+    edges = _edges(part[across].values), _edges(part[down].values)
+    mesh = axes.pcolormesh(*edges, part.transpose(down, across).values)
+    axes.set_xlabel(_label(part[across]))
+    axes.set_ylabel(_label(part[down]))
+    assert axes.figure is not None
+    axes.figure.colorbar(mesh, ax=axes, label=_label(part))
+
+
+def _scale(setter: Any, values: NDArray[Any]) -> None:
+    """Make an axis logarithmic where its values are so."""
+    if _logarithmic(values):
+        setter("log")
+
+
+def _logarithmic(values: NDArray[Any]) -> bool:
+    """Whether values are positive and span more than `_SPAN`."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > _SPAN * finite.min())
+
+
+def _edges(values: NDArray[Any]) -> NDArray[Any]:
+    """Return the ends of cells around values, half-way between them on their axis."""
+    logarithmic = _logarithmic(values)
+    places = np.log(values) if logarithmic else values
+    middle = (places[1:] + places[:-1]) / 2.0
+    first, last = 2.0 * places[0] - middle[0], 2.0 * places[-1] - middle[-1]
+    edges = np.concatenate([[first], middle, [last]])
+    return np.asarray(np.exp(edges) if logarithmic else edges)
+
+
+def _label(array: xarray.DataArray) -> str:
+    unit = array.attrs.get("units", "1")
+    name = str(array.attrs.get("long_name", array.name))
+    return name if unit == "1" else f"{name} [{unit}]"

@@ -1,0 +1,217 @@
+"""Nothing of a sweep is lost: stores that resume, that refuse, and that are never damaged."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import spectral_contact
+from spectral_contact import Scene, SolutionFileError
+from spectral_contact.sweep import execution, store, sweep
+
+xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
+
+BASE = Scene(0.3, 0.5, 0.5, 0.1)
+ALPHAS = np.linspace(0.1, 1.0, 10)
+ASKED = {"normal_compliance": ALPHAS, "quantities": ["approach", "zones"], "chunk": 2}
+SLEEPY = """
+import sys, time
+import numpy as np
+from spectral_contact import Scene
+from spectral_contact.sweep import execution, sweep
+original = execution.solve_chunk
+def slow(*arguments):
+    time.sleep(0.05)
+    return original(*arguments)
+execution.solve_chunk = slow
+{more}
+sweep(Scene(0.3, 0.5, 0.5, 0.1), normal_compliance=np.linspace(0.1, 1.0, 10),
+      quantities=["approach", "zones"], chunk=2, store=sys.argv[1])
+"""
+
+
+def files(folder):
+    return sorted(one.name for one in folder.iterdir() if one.name[0] != ".")
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Numbers of scenes of the chunks that are solved."""
+    counts = []
+    original = execution.solve_chunk
+
+    def counted(columns, *rest):
+        counts.append(len(columns))
+        return original(columns, *rest)
+
+    monkeypatch.setattr(execution, "solve_chunk", counted)
+    return counts
+
+
+def start(folder, more=""):
+    code = SLEEPY.format(more=more)
+    return subprocess.Popen(
+        [sys.executable, "-c", code, str(folder)], stderr=subprocess.PIPE, text=True
+    )
+
+
+def wait_for(folder, count):
+    end = time.monotonic() + 120
+    while time.monotonic() < end:
+        if folder.is_dir() and len(files(folder)) >= count:
+            return
+        time.sleep(0.01)
+    raise TimeoutError(f"{folder} has no {count} files")
+
+
+def test_what_is_in_the_store_is_not_solved_again(tmp_path, solved):
+    first = sweep(BASE, **ASKED, store=tmp_path / "a" / "store")
+    assert solved == [2] * 5
+    again = sweep(BASE, **ASKED, store=tmp_path / "a" / "store")
+    assert solved == [2] * 5
+    assert again.identical(first)
+    assert sweep(BASE, **ASKED).identical(first)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+def test_a_sweep_that_was_stopped_repeats_one_chunk_at_most(tmp_path, solved, number):
+    folder = tmp_path / "store"
+    process = start(folder)
+    wait_for(folder, 3)  # sweep.json and two chunks
+    process.send_signal(number)
+    process.communicate()
+    assert process.returncode != 0
+    there = len(files(folder)) - 1
+    assert 2 <= there < 5
+    found = sweep(BASE, **ASKED, store=folder)
+    assert solved == [2] * (5 - there)
+    assert found.identical(sweep(BASE, **ASKED))
+
+
+def test_a_full_disk_is_said_and_the_store_goes_on_where_there_is_room(tmp_path, solved):
+    folder = tmp_path / "store"
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1500, 1500))"
+    process = start(folder, limit)
+    _, said = process.communicate()
+    assert f"SolutionFileError: {folder}: cannot be written (File too large)" in said
+    assert files(folder) == ["sweep.json"]
+    assert [one.name for one in folder.iterdir()] == ["sweep.json"]  # no leftovers
+    assert sweep(BASE, **ASKED, store=folder).identical(sweep(BASE, **ASKED))
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_may_not_be_written(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(SolutionFileError, match="Permission denied"):
+        sweep(BASE, **ASKED, store=tmp_path / "store")
+
+
+def test_a_path_that_is_no_folder(tmp_path):
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path / "file", tmp_path / "file" / "store"):
+        with pytest.raises(SolutionFileError, match="cannot be read or written"):
+            sweep(BASE, **ASKED, store=path)
+    with pytest.raises(SolutionFileError, match="not a path"):
+        sweep(BASE, **ASKED, store=3.0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"rtol": 1e-9}, "it is of a sweep with rtol"),
+        ({"quantities": ["approach"]}, "it is of a sweep with quantities"),
+        ({"chunk": 5}, "it is of a sweep with chunk 2, not 5: use another store"),
+        ({"normal_compliance": ALPHAS[::-1]}, "it is of a sweep with other scenes: use another"),
+        ({"max_unknowns": 99}, "it is of a sweep with max_unknowns 20000, not 99"),
+    ],
+)
+def test_the_store_of_another_sweep_is_refused_and_left_as_it_is(tmp_path, changed, said):
+    first = sweep(BASE, **ASKED, store=tmp_path)
+    before = {one.name: one.read_bytes() for one in tmp_path.iterdir()}
+    with pytest.raises(SolutionFileError) as caught:
+        sweep(BASE, **{**ASKED, **changed}, store=tmp_path)
+    assert said in str(caught.value)
+    assert {one.name: one.read_bytes() for one in tmp_path.iterdir()} == before
+    assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
+
+
+def test_stores_of_another_version_are_refused(tmp_path, monkeypatch):
+    sweep(BASE, **ASKED, store=tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(spectral_contact, "__version__", "9.9")
+        with pytest.raises(SolutionFileError, match=r"library '0\.1\.0', not '9\.9'"):
+            sweep(BASE, **ASKED, store=tmp_path)
+    manifest = tmp_path / "sweep.json"
+    document = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps({**document, "version": 2}))
+    with pytest.raises(SolutionFileError, match="version 2 is not known to this release"):
+        sweep(BASE, **ASKED, store=tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"\xff", b'{"schema": "other"}'])
+def test_what_is_no_store_is_refused(tmp_path, content):
+    (tmp_path / "sweep.json").write_bytes(content)
+    with pytest.raises(SolutionFileError, match="store of a sweep"):
+        sweep(BASE, **ASKED, store=tmp_path)
+    assert (tmp_path / "sweep.json").read_bytes() == content
+
+
+def test_a_folder_with_other_things_is_refused(tmp_path):
+    (tmp_path / "thesis.tex").write_text("dear")
+    with pytest.raises(SolutionFileError, match="not a store of a sweep, and not empty"):
+        sweep(BASE, **ASKED, store=tmp_path)
+    assert files(tmp_path) == ["thesis.tex"]
+
+
+@pytest.mark.parametrize("keep", [0, 100, -1])
+def test_a_damaged_chunk_is_named_and_solved_again_once_deleted(tmp_path, keep):
+    first = sweep(BASE, **ASKED, store=tmp_path)
+    chunk = tmp_path / "000003.npz"
+    chunk.write_bytes(chunk.read_bytes()[:keep])
+    with pytest.raises(SolutionFileError, match=r"000003.npz: damaged: delete this file"):
+        sweep(BASE, **ASKED, store=tmp_path)
+    chunk.unlink()
+    assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
+
+
+def test_a_chunk_of_another_length_is_damaged(tmp_path):
+    sweep(BASE, **ASKED, store=tmp_path)
+    kept = store.Store(tmp_path, json.loads((tmp_path / "sweep.json").read_text())["sweep"])
+    with pytest.raises(SolutionFileError, match="of another length"):
+        kept.get(0, 3)
+
+
+def test_failures_and_their_messages_survive_the_store(tmp_path):
+    asked = {**ASKED, "max_unknowns": 10, "rtol": 1e-10}
+    first = sweep(BASE, **asked, store=tmp_path)
+    assert (first.ending != "converged").all()
+    assert (first.message != "").all()
+    assert sweep(BASE, **asked, store=tmp_path).identical(first)
+
+
+def test_progress_has_the_rate_and_the_time_left(capsys):
+    sweep(BASE, **ASKED, progress=True)
+    said = capsys.readouterr().err
+    assert "scenes/s" in said
+    assert "100 %" in said.splitlines()[-1]
+    assert said.rstrip().endswith("0 s left")
+
+
+def test_a_dataset_survives_netcdf(tmp_path):
+    friction = [0.0, 0.05, np.inf]
+    scenes = [Scene(0.3, alpha, 0.5, f) for alpha in (0.0, 0.5) for f in (None, *friction)]
+    found = sweep(
+        scenes, quantities=["pressure", "zones", "edge_ratio"], from_edge=[0.0, 0.5], rtol=1e-6
+    )
+    assert np.isinf(found.pressure).any()
+    assert np.isnan(found.edge_ratio).any()
+    path = tmp_path / "map.nc"
+    found.to_netcdf(path)
+    loaded = xarray.load_dataset(path)
+    assert loaded.identical(found)
+    assert loaded.zone_kind.dtype == found.zone_kind.dtype == np.int8
