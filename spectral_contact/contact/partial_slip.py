@@ -18,6 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.friction_law import (
+    displacement_error,
+    obeys,
+    stick_excess,
+    unknown_slip,
+    wrong_intervals,
+)
 from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.resolution import ROUNDING
@@ -49,8 +56,6 @@ UNRESOLVED_SLIP = 1e-6
 #: Slip is wider than the place where full stick breaks the law: less than twice where that widens
 #: like a square root of what the friction lacks, and less than four times where like that itself.
 _WIDENED = 4.0
-#: Slip in the wrong sense that rounding makes, relative to the largest.
-_NEGLIGIBLE = 1e-10
 #: The same where no digit of the slip is known: zones that follow from less are made of noise.
 _DOUBTFUL = 0.1
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
@@ -283,7 +288,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
     )
     error = drive.contact.pressure_error
     stray = unresolved + 4.0 * error + tolerance * 1e-3
-    slip_error = _displacement_error(drive, EDGE, stray, beta, friction, largest)
+    slip_error = displacement_error(drive, EDGE, stray, beta, friction, largest)
     wrong = float(samples[0].max()) / largest
     return PartialSlip(
         (Zone.between("slip", _CENTRE, EDGE),),
@@ -296,7 +301,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
         1.0,
         slip_error,
         max(wrong, 0.0),
-        wrong <= max(slip_error, _NEGLIGIBLE),
+        obeys(0.0, error, wrong, slip_error),
         False,
     )
 
@@ -323,11 +328,11 @@ def _one_disk_outcome(
     )
     traction = ZonalField((ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction)))
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
-    excess = _stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
+    excess = stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
-    slip_error = _displacement_error(drive, EDGE, disk.stray + unresolved, beta, friction, largest)
+    slip_error = displacement_error(drive, EDGE, disk.stray + unresolved, beta, friction, largest)
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
-    consistent = _obeys(excess, error, float(samples[0].max()) / largest, slip_error)
+    consistent = obeys(excess, error, float(samples[0].max()) / largest, slip_error)
     return PartialSlip(
         (Zone.between("stick", _CENTRE, radius), Zone.between("slip", radius, EDGE)),
         traction,
@@ -337,71 +342,13 @@ def _one_disk_outcome(
         disk.shear_error,
         disk.radius_error,
         max(disk.radius_error, disk.edge_error),
-        max(slip_error, _unknown(disk.edge_error)),
+        max(slip_error, unknown_slip(disk.edge_error)),
         violation,
         consistent,
         False,
-        _wrong_intervals(annulus, samples[0]),
+        wrong_intervals(annulus, samples[0]),
         (radius.logit, disk.slope),
     )
-
-
-def _wrong_intervals(annulus: Annulus, sample: Array) -> tuple[tuple[float, float], ...]:
-    """Return where the displacement has the sense of the traction; 0 ends one at the edge."""
-    y = np.concatenate([f.sampling().y for f in annulus.families])
-    order = np.argsort(-y)
-    y, wrong = y[order], sample[order] > 0.0
-    starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
-    ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
-    last = len(y) - 1
-    return tuple(
-        (float(y[a]), 0.0 if b == last else float(y[b])) for a, b in zip(starts, ends, strict=True)
-    )
-
-
-def _obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
-    """Return whether the friction law holds to the errors, or to what rounding leaves of them.
-
-    The violation is reported in any case; near the onset of a zone it cannot be less.
-    """
-    return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, _NEGLIGIBLE)
-
-
-def _unknown(boundary_error: float) -> float:
-    """Return infinity where no digit of a boundary is known: then none of the slip is, either."""
-    return inf if boundary_error == inf else 0.0
-
-
-def _displacement_error(
-    drive: Drive, outermost: Radius, stray: float, beta: float, friction: float, largest: float
-) -> float:
-    """Return the error of the displacement relative to its largest modulus.
-
-    An error e of E moves it by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) = e s/4``, taken
-    four times because E is seen at its nodes only; one of the pressure by beta f p times its own;
-    1/(2 pi) bounds every term for the rounding.
-    """
-    direct = 0.0
-    if beta > 0.0:  # p is largest at the outermost slip end, bounded by its layer at the edge
-        y = max(outermost.rest, drive.contact.compliance)
-        largest_p = float(drive.pressure.at(np.array(min(y, 1.0))))
-        direct = beta * friction * largest_p * drive.contact.pressure_error
-    error = (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
-    return error if error <= 1.0 else inf  # no digit is known
-
-
-def _stick_excess(
-    traction: Any, pressure: Any, friction: float, inner: Radius, outer: Radius, depth: float
-) -> float:
-    """Return the largest ``|q|/(f p) - 1`` inside a stick zone, or 0."""
-    x = np.linspace(1e-3, depth, 400)
-    width = outer.square - inner.square if outer.square < 0.5 else inner.rest - outer.rest
-    offset = width * np.exp(-x)
-    s = np.sqrt(outer.square - offset)
-    y = outer.rest + offset
-    edge = y / (1.0 + s)
-    ratio = np.abs(traction(s, edge)) / (friction * pressure.at(y))
-    return max(float(ratio.max()) - 1.0, 0.0)
 
 
 def _zones_outcome(
@@ -422,7 +369,7 @@ def _zones_outcome(
             stuck = next(sticks)
             traction.append(ZonePiece(outer, stuck))
             displacement.append(ZonePiece(outer, None))
-            beyond = _stick_excess(stuck, pressure, friction, inner, outer, solved.depth)
+            beyond = stick_excess(stuck, pressure, friction, inner, outer, solved.depth)
             excess = max(excess, beyond)
         else:
             traction.append(ZonePiece(outer, pressure, state * friction))
@@ -431,7 +378,7 @@ def _zones_outcome(
     outermost = max(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
-    slip_error = _displacement_error(
+    slip_error = displacement_error(
         drive, outermost, solved.stray + unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)
@@ -445,8 +392,8 @@ def _zones_outcome(
         solved.shear_error,
         solved.boundary_errors[0][0],
         zones_error,
-        max(slip_error, _unknown(zones_error)),
+        max(slip_error, unknown_slip(zones_error)),
         max(excess, wrong / largest, 0.0),
-        _obeys(excess, error, wrong / largest, slip_error),
+        obeys(excess, error, wrong / largest, slip_error),
         True,
     )

@@ -1,0 +1,79 @@
+"""The friction law, checked: |q| <= f p in stick, and slip against the traction."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.fields import Radius
+from spectral_contact.spectral.annulus import Annulus
+
+__all__ = ["displacement_error", "obeys", "stick_excess", "unknown_slip", "wrong_intervals"]
+
+Array = NDArray[np.float64]
+
+#: Slip in the wrong sense that rounding makes, relative to the largest.
+_NEGLIGIBLE = 1e-10
+
+
+def wrong_intervals(annulus: Annulus, sample: Array) -> tuple[tuple[float, float], ...]:
+    """Return where the displacement has the sense of the traction; 0 ends one at the edge."""
+    y = np.concatenate([f.sampling().y for f in annulus.families])
+    order = np.argsort(-y)
+    y, wrong = y[order], sample[order] > 0.0
+    starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
+    ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
+    last = len(y) - 1
+    return tuple(
+        (float(y[a]), 0.0 if b == last else float(y[b])) for a, b in zip(starts, ends, strict=True)
+    )
+
+
+def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
+    """Return whether the friction law holds to the errors, or to what rounding leaves of them.
+
+    The violation is reported in any case; near the onset of a zone it cannot be less.
+    """
+    return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, _NEGLIGIBLE)
+
+
+def unknown_slip(boundary_error: float) -> float:
+    """Return infinity where no digit of a boundary is known: then none of the slip is, either."""
+    return inf if boundary_error == inf else 0.0
+
+
+def displacement_error(
+    drive: Drive, outermost: Radius, stray: float, beta: float, friction: float, largest: float
+) -> float:
+    """Return the error of the displacement relative to its largest modulus.
+
+    An error e of E moves it by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) = e s/4``, taken
+    four times because E is seen at its nodes only; one of the pressure by beta f p times its own;
+    1/(2 pi) bounds every term for the rounding.
+    """
+    direct = 0.0
+    if beta > 0.0:  # p is largest at the outermost slip end, bounded by its layer at the edge
+        y = max(outermost.rest, drive.contact.compliance)
+        largest_p = float(drive.pressure.at(np.array(min(y, 1.0))))
+        direct = beta * friction * largest_p * drive.contact.pressure_error
+    error = (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
+    return error if error <= 1.0 else inf  # no digit is known
+
+
+def stick_excess(
+    traction: Any, pressure: Any, friction: float, inner: Radius, outer: Radius, depth: float
+) -> float:
+    """Return the largest ``|q|/(f p) - 1`` inside a stick zone, or 0."""
+    x = np.linspace(1e-3, depth, 400)
+    width = outer.square - inner.square if outer.square < 0.5 else inner.rest - outer.rest
+    offset = width * np.exp(-x)
+    s = np.sqrt(outer.square - offset)
+    y = outer.rest + offset
+    edge = y / (1.0 + s)
+    ratio = np.abs(traction(s, edge)) / (friction * pressure.at(y))
+    return max(float(ratio.max()) - 1.0, 0.0)
