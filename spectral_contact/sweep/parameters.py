@@ -92,6 +92,13 @@ class Parameters:
         """Number of scenes."""
         return math.prod(self.shape)
 
+    @property
+    def pairs(self) -> int:
+        """Number of different pairs of compliances."""
+        if self.table is not None:
+            return int(np.unique(self.table[1:3], axis=1).shape[1])
+        return math.prod(np.size(self.axes.get(PARAMETERS[k], 0.0)) for k in (1, 2))
+
     def order(self) -> Indices:
         """Return the scenes in the order in which neighbours share most."""
         if self.table is not None:

@@ -42,7 +42,7 @@ class Request:
     s, from_edge : ndarray, shape (places,)
         Where the fields are taken.
     shared : bool
-        Whether there are so many scenes that decompositions which serve all of them pay.
+        Whether there are so many compliances that decompositions which serve all of them pay.
     """
 
     quantities: tuple[str, ...]

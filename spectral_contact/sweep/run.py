@@ -35,7 +35,7 @@ __all__ = ["sweep"]
 _CHUNK: Final = 64
 #: The same where the spectra serve nearly all of them.
 _QUICK_CHUNK: Final = 16384
-#: From so many scenes on the spectra pay, which take a second or two.
+#: From so many pairs of compliances on the spectra pay, which take a second or two.
 _MANY: Final = 500
 
 
@@ -124,7 +124,7 @@ def sweep(
     request = requested(quantities, rtol, max_unknowns, s, from_edge)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
-    request = replace(request, shared=parameters.size >= _MANY)
+    request = replace(request, shared=parameters.pairs >= _MANY)
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     run = _Run(parameters, request, size, store)
     with one_thread(), ProgressLine(progress) as tell:

@@ -300,3 +300,10 @@ def test_quantities_that_the_spectra_do_not_know_are_left_to_solve():
     columns = run.grid(BASE, {"friction": [0.1, math.inf]}).columns(np.arange(2))
     assert not shortcuts.eligible(columns, request).any()
     assert set(QUANTITIES) >= set(SCALARS)
+
+
+def test_the_spectra_are_taken_for_many_compliances_alone():
+    assert run.grid(BASE, {"friction": np.linspace(0.1, 0.2, 700)}).pairs == 1
+    axes = {"normal_compliance": [0.1, 0.2], "tangential_compliance": [0.1, 0.2, 0.3]}
+    assert run.grid(BASE, axes | {"friction": [0.1, 0.2]}).pairs == 6
+    assert run.listed([BASE, Scene(0.1, 0.5, 0.5), Scene(0.1, 0.5, 0.4)]).pairs == 2
