@@ -8,6 +8,7 @@ from enum import Enum
 from spectral_contact.fields import Radius
 
 __all__ = [
+    "COUPLING",
     "FULL_STICK",
     "NORMAL",
     "PARTIAL_SLIP",
@@ -39,6 +40,7 @@ QUANTITIES = (
 )
 
 #: Names of the steps, in plans and in records of work.
+COUPLING = "elastic coupling"
 NORMAL = "normal contact"
 FULL_STICK = "full stick"
 PARTIAL_SLIP = "partial slip"

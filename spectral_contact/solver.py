@@ -5,20 +5,18 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from spectral_contact import checks
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.normal import NormalContact, solve_normal
-from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields import PressureField, Radius
 from spectral_contact.planning import plan
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
+    COUPLING,
     FULL_STICK,
     NORMAL,
     PARTIAL_SLIP,
@@ -37,6 +35,7 @@ from spectral_contact.solution import (
 )
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_stick import CoupledStick
     from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.partial_slip import PartialSlip
@@ -98,8 +97,7 @@ def solve(
         raise SceneError(
             "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
         )
-    if not isinstance(strict, (bool, np.bool_)):  # "no" is true, too
-        raise SceneError("strict", strict, "True or False")
+    strict = checks.flag("strict", strict)
     run = _Run(scene, todo, rtol, checks.whole("max_unknowns", max_unknowns, 1))
     solution = run.solution()
     if strict and not solution.converged:
@@ -124,6 +122,7 @@ class _Run:
         self.work: list[StepWork] = []
         self.endings: list[Ending] = []
         self.outcome: dict[str, PlannedStep] = {}
+        self.lacking: dict[str, str] = {}
         self.values: dict[str, Any] = {}
         self.errors: dict[str, float] = {}
         self.pressure: PressureField | None = None
@@ -134,9 +133,13 @@ class _Run:
         """Run the plan."""
         states = {step.name: step.state for step in self.plan.steps}
         contact = self._normal(states) if states[NORMAL] is StepState.RUN else None
-        self._tangential(states, contact)
-        wanted = self.plan.quantities
+        if self.scene.couples:
+            self._coupled(states)
+        else:
+            self._tangential(states, contact)
+        wanted = tuple(name for name in self.plan.quantities if name not in self.lacking)
         steps = tuple(self.outcome.get(step.name, step) for step in self.plan.steps)
+        missing = tuple(sorted({**dict(self.plan.missing), **self.lacking}.items()))
         errors = {k: v for k, v in self.errors.items() if k in (*wanted, "violation")}
         converged = all(error <= self.rtol for error in self.bounded_errors())
         ending = Ending.CONVERGED
@@ -152,12 +155,12 @@ class _Run:
         return Solution(
             self.scene,
             self.rtol,
-            replace(self.plan, steps=steps),
+            Plan(wanted, steps, missing),
             ErrorEstimates(**errors),
             converged,
             ending,
             Work(tuple(self.work)),
-            {k: v for k, v in self.values.items() if k in wanted},
+            {k: v for k, v in self.values.items() if k in (*wanted, "opening")},
             self.pressure if "pressure" in wanted else None,
             self.traction if "traction" in wanted else None,
             self.slip if "slip" in wanted else None,
@@ -245,7 +248,9 @@ class _Run:
         drive = Drive(contact)
         if friction == 0.0 and states[SLIP_FIELD] is StepState.RUN:
             self._frictionless_slip(drive)
-        if states[FULL_STICK] is StepState.RUN:
+        if states.get(COUPLING) is StepState.RUN:
+            self._take_ratios(self._coupled_stick())
+        elif states[FULL_STICK] is StepState.RUN:
             stick = self._full_stick(drive)
             if states[PARTIAL_SLIP] is not StepState.SKIPPED:
                 self._partial_slip(drive, stick)
@@ -294,6 +299,85 @@ class _Run:
             self.errors["traction"] = stick.traction_error
             self.traction = stick.traction.times(kappa)
         return stick
+
+    def _coupled(self, states: dict[str, StepState]) -> None:
+        """Pressure and traction are one system."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction == math.inf:
+            self._all_stick()
+            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
+        if states[COUPLING] is not StepState.RUN:
+            return
+        stick = self._coupled_stick()
+        self._take_ratios(stick)
+        self.pressure, self.traction = stick.pressure, stick.traction
+        self.values.update(approach=stick.approach, total_shear=stick.total_shear)
+        self.errors.update(
+            approach=stick.approach_error,
+            pressure=stick.pressure_error,
+            traction=stick.traction_error,
+            total_shear=stick.shear_error,
+        )
+        if "pressure" in self.plan.quantities:
+            self.values["opening"] = stick.opening
+        if stick.opening is not None:
+            self.outcome[COUPLING] = PlannedStep(
+                COUPLING,
+                StepState.RUN,
+                f"one system; the contact would open within {stick.opening:.3g} of the edge",
+            )
+        if states[PARTIAL_SLIP] is not StepState.SKIPPED:
+            self._coupled_slip(stick)
+
+    def _coupled_stick(self) -> CoupledStick:
+        from spectral_contact.contact.coupled_stick import solve_coupled_stick
+
+        scene, begin = self.scene, perf_counter()
+        asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
+        integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
+        stick: CoupledStick = self._record(
+            FULL_STICK,
+            solve_coupled_stick(
+                scene.normal_compliance,
+                scene.tangential_compliance,
+                scene.kappa,
+                self.rtol,
+                self.max_unknowns,
+                pointwise=not integrals,
+            ),
+            begin,
+        )
+        return stick
+
+    def _take_ratios(self, stick: CoupledStick) -> None:
+        """Copy q/p of full stick, which has no meaning where the pressure is not positive."""
+        self.values.update(edge_ratio=stick.edge_ratio, critical_friction=stick.critical)
+        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+        if stick.edge_ratio is None and "edge_ratio" in self.plan.quantities:
+            self.lacking["edge_ratio"] = (
+                "the traction and the pressure oscillate at the edge of a smooth surface"
+                if stick.opening is None
+                else f"the contact would open within {stick.opening:.3g} of the edge"
+            )
+
+    def _coupled_slip(self, stick: CoupledStick) -> None:
+        """Stop at full stick above the critical friction; partial slip is not solved for."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction < stick.critical:
+            raise NotComputedError(
+                "coupled partial slip",
+                f"friction = {friction:.6g} is below the critical {stick.critical:.6g}, and with "
+                "coupling full stick alone is solved for; pass friction=math.inf, or coupling=False",
+            )
+        self._all_stick()
+        # only the errors may say that there is slip
+        safe = friction * (1.0 - stick.critical_error) >= stick.critical
+        error = 0.0 if safe else 1.0
+        self.errors.update(stick_radius=error, zones=error, slip=error, violation=0.0)
+        reason = f"friction is not below the critical {stick.critical:.6g}"
+        self._skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
 
     def _partial_slip(self, drive: Drive, stick: FullStick) -> None:
         """Stop at full stick above the critical friction; else find the zones."""
