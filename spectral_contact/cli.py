@@ -376,13 +376,8 @@ def _scene(arguments: argparse.Namespace) -> Scene:
             _DEFAULT_COMPLIANCE if getattr(arguments, name) is None else getattr(arguments, name)
             for name in _COMPLIANCES
         )
-        return Scene(
-            arguments.poisson_ratio,
-            alpha,
-            beta,
-            arguments.friction,
-            coupling=arguments.coupling,
-        )
+        nu, friction = arguments.poisson_ratio, arguments.friction
+        return Scene(nu, alpha, beta, friction, coupling=arguments.coupling)
     mixed = [name for name in _COMPLIANCES if name in given]
     if mixed:
         raise _UsageError(

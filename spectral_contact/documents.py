@@ -56,7 +56,7 @@ def reported(source: str, failure: str) -> Iterator[None]:
 
 def left_out(field: Any, value: Any) -> bool:
     """Whether a document leaves out the field of a dataclass that has this value."""
-    return field.metadata == YOUNGER and value == field.default
+    return bool(field.metadata == YOUNGER and value == field.default)
 
 
 def key_complaint(data: Any, expected: Iterable[str], optional: Iterable[str] = ()) -> str | None:

@@ -269,9 +269,7 @@ class Scene:
             tangential_compliance=tangential_compliance,
         )
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
-        return cls(
-            poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling
-        )
+        return cls(poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling)
 
     @property
     def kappa(self) -> float:

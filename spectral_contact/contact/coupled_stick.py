@@ -134,7 +134,8 @@ class _CoupledProblem:
         dual = factored.dual(moments)
         # the energy product of the errors of the solution and of the functional's dual
         pairs = zip(changes, factored.change(dual), strict=True)
-        parts = sum(np.sqrt(one.energies * other.energies) for one, other in pairs) / shear
+        products = [np.sqrt(one.energies * other.energies) for one, other in pairs]
+        parts = (products[0] + products[1]) / shear
         shear_error = float(parts[:-1] @ (rates * _rates(space, resolution, dual)) + parts[-1])
         shear_error += approach_error + 4.0 * ROUNDING
         pressure, traction = self._fields(space, pair.times(approach))
@@ -220,7 +221,9 @@ class _CoupledProblem:
         theta = atanh(2.0 * self.kappa) / pi if self.smooth else 0.0
         tails = [(a, -b), (b, a)] if self.smooth else [(a,), (b,)]
         return [
-            replace(one, coefficients=one.coefficients[:count], tail=np.array(tail), oscillation=theta)
+            replace(
+                one, coefficients=one.coefficients[:count], tail=np.array(tail), oscillation=theta
+            )
             if one.power
             else one
             for one, tail in zip(series, tails, strict=True)

@@ -50,7 +50,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     SceneError
         For an argument out of its range.
     NotComputedError
-        With elastic coupling; if `solve` does not resolve the zones, or has slip everywhere as the stick disk is so small.
+        With elastic coupling; if `solve` does not resolve the zones, or has slip everywhere as the
+        stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 

@@ -208,7 +208,9 @@ def _outer_tail(d: Array, end: float, power: float) -> Array:
         phi = np.arccosh(np.sqrt(np.maximum(end / d, 1.0)))[:, None]
         root = np.sqrt(d)[:, None] * np.cosh(phi * (1.0 + g) / 2.0)
         source = np.minimum(root**2, end)
-        return _panel(w * phi / 2.0 * root ** (1.0 + 2.0 * power), 2.0 * source / end - 1.0, TAIL_TERMS - 1)
+        return _panel(
+            w * phi / 2.0 * root ** (1.0 + 2.0 * power), 2.0 * source / end - 1.0, TAIL_TERMS - 1
+        )
     g, w = gauss_rule(TAIL_TERMS + 1)
     span = np.sqrt(np.maximum(end - d, 0.0))[:, None]
     source = d[:, None] + (span * (1.0 + g) / 2.0) ** 2

@@ -194,9 +194,7 @@ class CoupledSpace:
         natural = np.empty_like(values)
         natural[self._order] = values
         fields = []
-        for space, part in zip(
-            (self.normal, self.tangential), np.split(natural, 2), strict=True
-        ):
+        for space, part in zip((self.normal, self.tangential), np.split(natural, 2), strict=True):
             full = np.zeros(space.operator.panels.size)
             full[space.index] = part
             fields.append(full)
@@ -205,7 +203,8 @@ class CoupledSpace:
     def values(self, pair: Pair) -> Array:
         """Return coefficients in the order of the system."""
         parts = pair.normal[self.normal.index], pair.tangential[self.tangential.index]
-        return np.concatenate(parts)[self._order]
+        values: Array = np.concatenate(parts)[self._order]
+        return values
 
 
 class CoupledFactored:
