@@ -32,7 +32,6 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields import DiskSeries, LogSeries, PressureField, Radius
 from spectral_contact.spectral.coupled import CoupledFactored, CoupledSpace, Pair, coupled_space
-from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["CoupledStick", "solve_coupled_stick"]
 
@@ -55,40 +54,39 @@ class CoupledStick:
 
     Attributes
     ----------
-    approach : float
-        ``delta*``.
-    pressure : PressureField
-        ``p*``.
-    traction : DiskSeries
+    approach, total_shear : float
+        ``delta*`` and ``Q*``.
+    pressure : PressureField or None
+        ``p*``; None if only the two above were wanted, as with what follows.
+    traction : DiskSeries or None
         ``q*``.
-    total_shear : float
-        ``Q*``.
     opening : float or None
         Distance from the edge within which the pressure changes sign; None if it is positive.
     edge_ratio : float or None
         ``q/p`` at the edge; None where it has no limit or no meaning.
     critical : float
         The largest ``|q|/p``; infinite where the pressure changes sign.
-    approach_error, pressure_error, traction_error, shear_error : float
+    approach_error, shear_error, pressure_error, traction_error : float
         Estimates of relative errors. Those of the fields are pointwise, of p and of q/s; where
-        one of the two changes sign they are relative to the root of the sum of both squares.
+        one of the two changes sign they are relative to the root of the sum of both squares, in
+        which the traction's has the pressure times kappa.
     edge_error, critical_error : float
         Estimates of the relative errors of the two ratios.
     """
 
     approach: float
-    pressure: PressureField
-    traction: DiskSeries
     total_shear: float
-    opening: float | None
-    edge_ratio: float | None
-    critical: float
     approach_error: float
-    pressure_error: float
-    traction_error: float
     shear_error: float
-    edge_error: float
-    critical_error: float
+    pressure: PressureField | None = None
+    traction: DiskSeries | None = None
+    opening: float | None = None
+    edge_ratio: float | None = None
+    critical: float = inf
+    pressure_error: float = inf
+    traction_error: float = inf
+    edge_error: float = 4.0 * ROUNDING
+    critical_error: float = 4.0 * ROUNDING
 
 
 class _CoupledProblem:
@@ -107,8 +105,8 @@ class _CoupledProblem:
         self.leading = max([0.0, *self.layers]) + _LEADING
 
     def start(self) -> Resolution:
-        # on a smooth surface the end of the panels is felt like exp(-x) before
-        layer = max(self.layers, default=_LEADING if self.pointwise else 0.0)
+        # on a smooth surface the end of the panels is felt like exp(-x), and there is no layer
+        layer = max(self.layers, default=_LEADING if self.pointwise else -log(self.tolerance) / 2.0)
         # one compliance alone: the field under it has a square root at the edge
         rate = 0.5 if len(self.layers) == 1 else 1.0
         # the error of approach and shear is the square of that of the fields
@@ -120,15 +118,43 @@ class _CoupledProblem:
     def attempt(self, resolution: Resolution) -> Attempt[CoupledStick]:
         space = coupled_space(resolution.panels, self.powers[1], resolution.degrees)
         factored = space.factor(self.alpha, self.beta, self.kappa)
-        pair, left = factored.solve(), inf
-        if self.pointwise:
-            pair, left = self._corrected(factored, pair)
-        load = 2.0 * float(space.normal.constant_moments @ pair.normal[space.normal.index])
-        approach = 1.0 / (2.0 * pi * load)
+        pair = factored.solve()
+        rates = _rates(space, resolution, pair)
+        solved, parts = self._integrals(factored, pair, rates, resolution)
+        if not self.pointwise:
+            error = max(solved.approach_error, solved.shear_error)
+            return Attempt(solved, error, parts, rates**2, space.unknowns)
+        # not before: a correction of a coarse solution moves the integrals by more than it gains
+        pair, left = self._corrected(factored, pair)
+        changes = Pair(*(one.coefficients for one in factored.change(pair)))
+        shares = self._shares(space, pair, changes)
+        expected = [expected_error(share, rates) for share in shares]
+        pressure, traction = self._fields(space, pair.times(solved.approach))
+        # under a pressure that is infinite at the edge q/s at the centre is less accurate
+        centre = 5.0 if self.alpha == 0.0 else 1.0
+        solved = replace(
+            solved,
+            pressure=PressureField(None, pressure),
+            traction=DiskSeries(_EDGE, traction),
+            opening=_opening(pressure),
+            pressure_error=float(expected[0].max()) + left + 20.0 * ROUNDING,
+            traction_error=float(expected[1].max()) + left + centre * TRACTION_ROUNDING,
+        )
+        if solved.opening is None and not self.smooth:
+            solved = self._with_ratios(solved, factored, pair, shares)
+        error = max(solved.pressure_error, solved.traction_error)
+        return Attempt(solved, error, np.maximum(*expected), rates, space.unknowns)
+
+    def _integrals(
+        self, factored: CoupledFactored, pair: Pair, rates: Array, resolution: Resolution
+    ) -> tuple[CoupledStick, Array]:
+        """Return approach and shear, and by how much every panel moves them."""
+        space = factored.space
         changes = factored.change(pair)
         energies = changes[0].energies + changes[1].energies
-        rates = _rates(space, resolution, pair)
-        approach_error = float(energies[:-1] @ rates**2 + energies[-1]) / load + ROUNDING
+        load = 2.0 * float(space.normal.constant_moments @ pair.normal[space.normal.index])
+        approach = 1.0 / (2.0 * pi * load)
+        approach_error = float(energies[:-1] @ rates**2 + energies[-1]) / load + 2.0 * ROUNDING
         moments = space.tangential.shear_moments
         shear = float(moments @ pair.tangential)
         dual = factored.dual(moments)
@@ -137,41 +163,13 @@ class _CoupledProblem:
         products = [np.sqrt(one.energies * other.energies) for one, other in pairs]
         parts = (products[0] + products[1]) / shear
         shear_error = float(parts[:-1] @ (rates * _rates(space, resolution, dual)) + parts[-1])
-        shear_error += approach_error + 4.0 * ROUNDING
-        pressure, traction = self._fields(space, pair.times(approach))
         solved = CoupledStick(
             approach,
-            PressureField(None, pressure),
-            DiskSeries(_EDGE, traction),
             shear * approach,
-            None,
-            None,
-            inf,
             approach_error,
-            inf,
-            inf,
-            shear_error,
-            4.0 * ROUNDING,
-            4.0 * ROUNDING,
+            shear_error + approach_error + 4.0 * ROUNDING,
         )
-        if not self.pointwise:
-            indicators = (energies / load + parts)[:-1]
-            error = max(approach_error, shear_error)
-            return Attempt(solved, error, indicators, rates**2, space.unknowns)
-        shares = self._shares(space, pair, Pair(*(one.coefficients for one in changes)))
-        expected = [expected_error(share, rates) for share in shares]
-        # under a pressure that is infinite at the edge q/s at the centre is less accurate
-        centre = 5.0 if self.alpha == 0.0 else 1.0
-        solved = replace(
-            solved,
-            opening=_opening(pressure, traction),
-            pressure_error=float(expected[0].max()) + left + 20.0 * ROUNDING,
-            traction_error=float(expected[1].max()) + left + centre * TRACTION_ROUNDING,
-        )
-        if solved.opening is None and not self.smooth:
-            solved = self._with_ratios(solved, factored, pair, shares)
-        error = max(solved.pressure_error, solved.traction_error)
-        return Attempt(solved, error, np.maximum(*expected), rates, space.unknowns)
+        return solved, (energies / load + parts)[:-1]
 
     def _corrected(self, factored: CoupledFactored, pair: Pair) -> tuple[Pair, float]:
         """Return the solution corrected, and an estimate of what rounding leaves of its error."""
@@ -191,7 +189,7 @@ class _CoupledProblem:
     def _shares(self, space: CoupledSpace, pair: Pair, change: Pair) -> list[Array]:
         """Return the changes of both fields on every panel, relative to their sizes there."""
         series = [series_of(*one) for one in zip(space.panels, _parts(pair), strict=True)]
-        d = np.exp(-_samples(space.panels[0]))
+        d = np.exp(-_samples(space.panels[0].panels, space.panels[0].width))
         p, q = series
 
         def both(one: LogSeries, other: LogSeries, factor: float) -> Callable[[Array], Array]:
@@ -234,6 +232,8 @@ class _CoupledProblem:
     ) -> CoupledStick:
         """Return the solution with q/p at the edge and at its largest."""
         panels = factored.space.panels
+        assert solved.pressure is not None
+        assert solved.traction is not None
         depth = panels[0].panels * panels[0].width
         edge, critical, where = largest_ratio(solved.pressure, solved.traction, depth)
         rounding, at_edge = 20.0 * ROUNDING, 0.0
@@ -298,15 +298,15 @@ def _rates(space: CoupledSpace, resolution: Resolution, pair: Pair) -> Array:
     return np.maximum(*(decay_rates(resolution, one) for one in _parts(pair)))
 
 
-def _samples(panels: LogPanels) -> Array:
-    """Return ``x`` close enough on all panels to see every change of sign."""
-    return np.linspace(1e-3, panels.panels * panels.width, 8 * panels.panels + 1)
+def _samples(panels: int, width: float) -> Array:
+    """Return ``x`` close enough on so many panels to see every change of sign."""
+    return np.linspace(1e-3, panels * width, 8 * panels + 1)
 
 
-def _opening(pressure: LogSeries, traction: LogSeries) -> float | None:
+def _opening(pressure: LogSeries) -> float | None:
     """Return the distance from the edge at which the pressure first changes sign."""
     depth = len(pressure.coefficients) * pressure.width
-    x = np.linspace(1e-3, depth, 8 * len(pressure.coefficients) + 1)
+    x = _samples(len(pressure.coefficients), pressure.width)
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])
