@@ -16,7 +16,6 @@ from math import atan2, atanh, ceil, exp, inf, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
@@ -36,6 +35,7 @@ from spectral_contact.spectral.coupled import CoupledFactored, CoupledSpace, Pai
 __all__ = ["CoupledStick", "solve_coupled_stick"]
 
 Array = NDArray[np.float64]
+Field = Callable[[Array], Array]
 
 _EDGE = Radius(1.0, 0.0)
 #: Above this compliance the equations as assembled lose no more than rounding.
@@ -125,9 +125,10 @@ class _CoupledProblem:
             error = max(solved.approach_error, solved.shear_error)
             return Attempt(solved, error, parts, rates**2, space.unknowns)
         # not before: a correction of a coarse solution moves the integrals by more than it gains
-        pair, left = self._corrected(factored, pair)
+        sizes = self._sizes(space, pair)
+        pair, left = self._corrected(factored, pair, sizes)
         changes = Pair(*(one.coefficients for one in factored.change(pair)))
-        shares = self._shares(space, pair, changes)
+        shares = self._shares(space, changes, sizes)
         expected = [expected_error(share, rates) for share in shares]
         pressure, traction = self._fields(space, pair.times(solved.approach))
         # under a pressure that is infinite at the edge q/s at the centre is less accurate
@@ -141,7 +142,7 @@ class _CoupledProblem:
             traction_error=float(expected[1].max()) + left + centre * TRACTION_ROUNDING,
         )
         if solved.opening is None and not self.smooth:
-            solved = self._with_ratios(solved, factored, pair, shares)
+            solved = self._with_ratios(solved, factored, pair, changes, shares)
         error = max(solved.pressure_error, solved.traction_error)
         return Attempt(solved, error, np.maximum(*expected), rates, space.unknowns)
 
@@ -171,7 +172,9 @@ class _CoupledProblem:
         )
         return solved, (energies / load + parts)[:-1]
 
-    def _corrected(self, factored: CoupledFactored, pair: Pair) -> tuple[Pair, float]:
+    def _corrected(
+        self, factored: CoupledFactored, pair: Pair, sizes: list[Field]
+    ) -> tuple[Pair, float]:
         """Return the solution corrected, and an estimate of what rounding leaves of its error."""
         if min(self.alpha, self.beta) >= _HARMLESS:
             return pair, 0.0
@@ -179,25 +182,26 @@ class _CoupledProblem:
         for _ in range(_CORRECTIONS):
             step = factored.correction(pair)
             pair = pair.plus(step)
-            size = max(float(share.max()) for share in self._shares(factored.space, pair, step))
+            size = float(np.max(self._shares(factored.space, step, sizes)))
             left = size * max(_LEFT, min(size / before, 1.0))
             if left < max(0.02 * self.tolerance, ROUNDING):
                 break
             before = size
         return pair, left
 
-    def _shares(self, space: CoupledSpace, pair: Pair, change: Pair) -> list[Array]:
-        """Return the changes of both fields on every panel, relative to their sizes there."""
-        series = [series_of(*one) for one in zip(space.panels, _parts(pair), strict=True)]
-        d = np.exp(-_samples(space.panels[0].panels, space.panels[0].width))
-        p, q = series
+    def _sizes(self, space: CoupledSpace, pair: Pair) -> list[Field]:
+        """Return what errors of p and of q/s are relative to, as functions of ``y``."""
+        p, q = (series_of(*one) for one in zip(space.panels, _parts(pair), strict=True))
+        y = np.exp(-_samples(space.panels[0].panels, space.panels[0].width))
+        if all((one(y) * one(y[:1]) > 0.0).all() for one in (p, q)):
+            return [p, q]
+        return [
+            lambda y: np.hypot(p(y), q(y)),
+            lambda y: np.hypot(q(y), self.kappa * p(y)),
+        ]
 
-        def both(one: LogSeries, other: LogSeries, factor: float) -> Callable[[Array], Array]:
-            return lambda d: np.hypot(one(d), factor * other(d))
-
-        sizes: list[Callable[[Array], Array]] = [p, q]
-        if any((one(d) * one(d[:1]) <= 0.0).any() for one in series):
-            sizes = [both(p, q, 1.0), both(q, p, self.kappa)]
+    def _shares(self, space: CoupledSpace, change: Pair, sizes: list[Field]) -> list[Array]:
+        """Return a change of both fields on every panel, relative to their sizes there."""
         shares = [
             share_of_change(*one) for one in zip(space.panels, _parts(change), sizes, strict=True)
         ]
@@ -228,7 +232,12 @@ class _CoupledProblem:
         ]
 
     def _with_ratios(
-        self, solved: CoupledStick, factored: CoupledFactored, pair: Pair, shares: list[Array]
+        self,
+        solved: CoupledStick,
+        factored: CoupledFactored,
+        pair: Pair,
+        changes: Pair,
+        shares: list[Array],
     ) -> CoupledStick:
         """Return the solution with q/p at the edge and at its largest."""
         panels = factored.space.panels
@@ -238,10 +247,10 @@ class _CoupledProblem:
         edge, critical, where = largest_ratio(solved.pressure, solved.traction, depth)
         rounding, at_edge = 20.0 * ROUNDING, 0.0
         if self.powers == (0.0, 0.0):
-            lost = [factored.change(pair, degrees=degrees) for degrees in (1, 2)]
-            for k, field in enumerate(_parts(pair)):
-                limits = [series_of(panels[k], one[k].coefficients).limit for one in lost]
-                at_edge += max(map(abs, limits)) / abs(series_of(panels[k], field).limit)
+            lesser = Pair(*(one.coefficients for one in factored.change(pair, degrees=1)))
+            for k, one in enumerate(panels):
+                limits = [series_of(one, _parts(pair)[k]).limit for pair in (changes, lesser)]
+                at_edge += max(map(abs, limits)) / abs(series_of(one, _parts(pair)[k]).limit)
 
         def ratio_error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""
@@ -310,7 +319,10 @@ def _opening(pressure: LogSeries) -> float | None:
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])
-        depth = brentq(lambda x: float(pressure(np.array(exp(-x)))), x[i - 1], x[i], xtol=1e-14)
+        low, high = float(x[i - 1]), float(x[i])
+        for _ in range(52):
+            depth = (low + high) / 2.0
+            low, high = (depth, high) if pressure(np.array(exp(-depth))) > 0.0 else (low, depth)
     elif pressure.oscillation:
         depth += atan2(pressure.tail[0], -pressure.tail[1]) / pressure.oscillation
     else:

@@ -220,7 +220,7 @@ class CoupledFactored:
         matrix[n:, n:] += beta * space.tangential.mass
         matrix[:n, n:] -= kappa * space._coupling
         matrix[n:, :n] -= kappa * space._coupling.T
-        self._cholesky = ScaledCholesky(matrix[np.ix_(space._order, space._order)])
+        self._cholesky = ScaledCholesky(matrix.take(space._order, 0).take(space._order, 1))
 
     def solve(self) -> Pair:
         """Return pressure and traction of unit approach."""

@@ -221,7 +221,7 @@ def _normal_checks(
         excess -= scene.kappa * load(lambda d: _smooth_share(traction, d), breaks=cuts)
     approach = float(getattr(solution, "approach", np.mean(under)))
     opening = getattr(solution, "opening", None) or 0.0
-    negative = np.where(_PLACES < opening, 0.0, np.maximum(-p, 0.0)) / np.mean(np.abs(p))
+    negative = np.where(opening > _PLACES, 0.0, np.maximum(-p, 0.0)) / np.mean(np.abs(p))
     return [
         _worst("pressure is not negative", negative, 0.0, _PLACES),
         Check("pressure bears the load", abs(2.0 * pi * load(pressure, breaks=cuts) - 1.0), rtol),
