@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from spectral_contact.contact.coupled_stick import CoupledStick, solve_coupled_stick
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.errors import NotComputedError
-from spectral_contact.run import Run
+from spectral_contact.fields import Radius
+from spectral_contact.planning import plan
+from spectral_contact.run import CENTRE, EDGE, Run
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
@@ -18,6 +21,7 @@ from spectral_contact.solution import (
     ZONE_SEARCH,
     PlannedStep,
     StepState,
+    Zone,
 )
 
 if TYPE_CHECKING:
@@ -100,15 +104,12 @@ class CoupledRun(Run):
             )
 
     def _coupled_slip(self, stick: CoupledStick) -> None:
-        """Stop at full stick above the critical friction; partial slip is not solved for."""
+        """Stop at full stick above the critical friction; else find the stick disk."""
         friction = self.scene.friction
         assert friction is not None
         if friction < stick.critical:
-            raise NotComputedError(
-                "coupled partial slip",
-                f"friction = {friction:.6g} is below the critical {stick.critical:.6g}, and full "
-                "stick alone is solved for; pass friction=math.inf, or coupling=False",
-            )
+            self._slipping(friction, stick.critical)
+            return
         self.all_stick()
         # only the errors may say that there is slip
         safe = friction * (1.0 - stick.critical_error) >= stick.critical
@@ -116,3 +117,61 @@ class CoupledRun(Run):
         self.errors.update(stick_radius=error, zones=error, slip=error, violation=0.0)
         reason = f"friction is not below the critical {stick.critical:.6g}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+
+    def _slipping(self, friction: float, critical: float) -> None:
+        """Take over the integrals and the zones of partial slip; its fields are not offered."""
+        from spectral_contact.contact.coupled_slip import NoCoupledDiskError, solve_coupled_slip
+
+        scene, begin = self.scene, perf_counter()
+        try:
+            solved = solve_coupled_slip(
+                scene.normal_compliance,
+                scene.tangential_compliance,
+                scene.kappa,
+                friction,
+                self._guess(),
+                self.rtol,
+            )
+        except NoCoupledDiskError as missing:
+            raise NotComputedError(
+                "coupled partial slip",
+                f"{missing}; with coupling one stick disk is solved for, and slip from it to the "
+                "edge; pass friction=math.inf, or coupling=False",
+            ) from missing
+        self.record(PARTIAL_SLIP, solved, begin)
+        self.pressure = self.traction = None
+        self.values.pop("opening", None)
+        for name in ("pressure", "traction", "slip"):
+            self.errors.pop(name, None)
+            if name in self.plan.quantities:
+                self.lacking[name] = "with coupling and slip the fields are not accurate enough"
+        rim = solved.radius
+        zones = Zone.between("stick", CENTRE, rim), Zone.between("slip", rim, EDGE)
+        self.values.update(
+            approach=solved.approach,
+            total_shear=solved.total_shear,
+            stick_radius=rim.value,
+            zones=zones,
+        )
+        self.errors.update(
+            approach=solved.approach_error,
+            total_shear=solved.shear_error,
+            stick_radius=solved.radius_error,
+            zones=max(solved.radius_error, solved.edge_error),
+        )
+        below = f"friction is below the critical {critical:.6g}"
+        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
+        one = PlannedStep(COUPLING, StepState.RUN, "pressure and traction are one system")
+        self.outcome[COUPLING] = one
+        self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
+        self.skip("its sense was checked; the field is not offered with coupling", SLIP_FIELD)
+
+    def _guess(self) -> float:
+        """Return the stick radius without coupling, as a logit."""
+        plain = replace(self.scene, coupling=False)
+        todo = plan(plain, ("zones",))
+        rim = Run(plain, todo, 1e-4, self.max_unknowns).solution().zones[0]
+        if rim.kind == "slip" or rim.outer < 1e-3:
+            raise NotComputedError("coupled partial slip", "its stick disk is smaller than 1e-3")
+        # where the paper's model sticks all over, slip is narrow
+        return 3.0 if rim.outer == 1.0 else Radius(rim.outer, rim.outer_from_edge).logit

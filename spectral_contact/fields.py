@@ -228,11 +228,15 @@ class PressureField:
 
 @dataclass(frozen=True, slots=True)
 class DiskSeries:
-    """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone."""
+    """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone.
+
+    With the `power` 0 instead of 1 it is without the factor ``s / outer``: a pressure.
+    """
 
     outer: Radius
     series: LogSeries | None
     weight: EdgeWeight | None = None
+    power: int = field(default=1, metadata=YOUNGER)
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate inside the disk."""
@@ -243,13 +247,13 @@ class DiskSeries:
             value = value + self.series(d)
         if self.weight is not None:
             value = value + self.weight(d)
-        return np.asarray(scaled * value)
+        return np.asarray(scaled**self.power * value)
 
     def times(self, factor: float) -> DiskSeries:
         """Return the field multiplied by a number."""
         series = None if self.series is None else self.series.times(factor)
         weight = None if self.weight is None else self.weight.times(factor)
-        return DiskSeries(self.outer, series, weight)
+        return DiskSeries(self.outer, series, weight, self.power)
 
 
 @dataclass(frozen=True, slots=True)

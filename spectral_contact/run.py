@@ -34,11 +34,11 @@ if TYPE_CHECKING:
     from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.partial_slip import PartialSlip
 
-__all__ = ["Run"]
+__all__ = ["CENTRE", "EDGE", "Run"]
 
 _LOG = logging.getLogger("spectral_contact.solver")
 
-_CENTRE, _EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)
+CENTRE, EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)
 #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
 _BOUNDED = ("approach", "pressure", "traction", "total_shear")
 #: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
@@ -178,7 +178,7 @@ class Run:
             self.values.update(
                 total_shear=0.0,
                 stick_radius=0.0,
-                zones=(Zone.between("slip", _CENTRE, _EDGE),),
+                zones=(Zone.between("slip", CENTRE, EDGE),),
             )
             self.errors.update(exact)
         if contact is None or not any(
@@ -195,7 +195,7 @@ class Run:
 
     def all_stick(self) -> None:
         """Note that the whole contact sticks."""
-        self.values.update(stick_radius=1.0, zones=(Zone.between("stick", _CENTRE, _EDGE),))
+        self.values.update(stick_radius=1.0, zones=(Zone.between("stick", CENTRE, EDGE),))
 
     def _frictionless_slip(self, drive: Drive) -> None:
         """At friction 0 the surface slides by all that the pressure moves it: u = -kappa g."""

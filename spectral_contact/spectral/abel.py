@@ -217,14 +217,14 @@ def _outer_tail(d: Array, end: float, power: float) -> Array:
     return _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
 
 
-def deeper(d: Array, panels: int, width: float, degree: int) -> Array:
+def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return the matrix of the `deeper` integral at arbitrary distances.
 
     Parameters
     ----------
     d : ndarray, shape (n,)
         Positive distances; above 1 is allowed (points past the first panel).
-    panels, width, degree
+    panels, width, degree, power
         The panels, as in `deeper_blocks`.
 
     Returns
@@ -236,13 +236,14 @@ def deeper(d: Array, panels: int, width: float, degree: int) -> Array:
     matrix = np.zeros((len(d), panels, degree + 1))
     clear = np.flatnonzero(own < -1)
     if len(clear):
-        matrix[clear] = _plain(-d[clear], panels, width, degree)
+        matrix[clear] = _plain(-d[clear], panels, width, degree, power)
     for i in np.unique(own[(own < panels) & (own >= -1)]):
         rows = np.flatnonzero(own == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
-        blocks = deeper_blocks(to_end, panels - i, width, degree)
-        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * np.sqrt(d[rows])[:, None, None]
-    tail = deeper_tail(d, np.exp(-panels * width))
+        blocks = deeper_blocks(to_end, panels - i, width, degree, power)
+        root = np.sqrt(d[rows]) * (d[rows] ** power if power else 1.0)
+        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * root[:, None, None]
+    tail = deeper_tail(d, np.exp(-panels * width), power=power)
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), tail])
 
 

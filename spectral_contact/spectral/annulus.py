@@ -76,6 +76,7 @@ class Family:
     reach : float
         Extent in ``s**2``.
     panels : LogPanels
+        With an endpoint weight only below the boundary.
     """
 
     boundary: Radius
@@ -103,7 +104,7 @@ class Family:
         matrix = np.zeros((len(e), p.size))
         if self.sign < 0:
             rows = e > 0.0
-            matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree)
+            matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree, p.power)
         else:
             rows = e >= 0.0
             matrix[rows] = beyond(e[rows], p.panels, p.width, p.degree)
@@ -119,7 +120,7 @@ class Family:
             rows = e <= 0.0
             matrix[rows] = beyond(-e[rows], p.panels, p.width, p.degree)
             rows = (e > 0.0) & (e <= 1.0)
-            matrix[rows] = outer(e[rows], p.panels, p.width, p.degree)
+            matrix[rows] = outer(e[rows], p.panels, p.width, p.degree, p.power)
         else:
             rows = e < 0.0
             matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)
