@@ -139,6 +139,8 @@ class CoupledRun(Run):
                 "edge; pass friction=math.inf, or coupling=False",
             ) from missing
         self.record(PARTIAL_SLIP, solved, begin)
+        self.work[-1] = replace(self.work[-1], unknowns=solved.unknowns)
+        self.exceeded |= solved.unknowns > self.max_unknowns
         self.pressure = self.traction = None
         self.values.pop("opening", None)
         for name in ("pressure", "traction", "slip"):

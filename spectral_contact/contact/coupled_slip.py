@@ -37,10 +37,14 @@ _EDGE = Radius(1.0, 0.0)
 _LEAST_LOGIT, _LARGEST_LOGIT = -14.0, 14.0
 #: Tolerance of the spaces in which the radius is bracketed.
 _ROUGH = 1e-3
-#: How much tighter the space is that the estimates speak of; no space is tighter than the second.
-_TIGHTER, _TIGHTEST = 0.01, 1e-13
-#: Most steps to the friction of a radius, to a radius, and most pairs of spaces.
-_STEPS, _TRIALS, _ROUNDS = 6, 8, 4
+#: Spaces that are compared, each for a tenth of the tolerance; the first is no tighter than this.
+_LEVELS, _TIGHTEST = 3, 1e-11
+#: How much of the distance of the first to the last of them is left at least.
+_FALL = 0.1
+#: Least depth in ``-ln d`` of the panels inside a rim with compliance, past its layers.
+_AT_RIM = 32.0
+#: Most steps to the friction of a radius, and to a radius.
+_STEPS, _TRIALS = 6, 8
 #: Rounding error of the logit of a radius, measured.
 _LOGIT_ROUNDING = 1e-13
 #: Depth in ``-ln d`` down to which the friction law is checked, and what may be missed there.
@@ -116,7 +120,7 @@ class _Problem:
         for _ in range(_STEPS):
             share = first[1] / (first[1] - second[1])
             place = near + share * (far - near)
-            if abs(place - far) <= 1e-7 * abs(far):
+            if abs(place - far) <= 1e-11 * abs(far):
                 break
             near, first, far, second = far, second, place, at(place)
         solution = first[0].toward(second[0], share)
@@ -138,11 +142,10 @@ class _Problem:
         """Return the spaces on the disk, above its rim, and below the edge."""
         half = gap(radius, _EDGE) / 2.0
         rate = 0.5 if self.beta == 0.0 else 1.0
-        near = starting_resolution(
-            max(self._layer(radius.square), -log(min(half / radius.square, 1.0))),
-            tolerance,
-            rate=rate,
-        )
+        layer = max(self._layer(radius.square), -log(min(half / radius.square, 1.0)))
+        if self.beta > 0.0:  # where the traction is seen to be continuous, up to d ln d
+            layer += max(_AT_RIM + log(tolerance), 0.0)
+        near = starting_resolution(layer, tolerance, rate=rate)
         above = starting_resolution(
             max(self._layer(half), -log(min(radius.square / half, 1.0))), tolerance, rate=rate
         )
@@ -246,8 +249,8 @@ def solve_coupled_slip(
     Returns
     -------
     CoupledSlip
-        The second of two solutions, in a larger space and with a radius of its own; how far the
-        first is from it is the estimate of its error.
+        The last of three solutions in growing spaces, each with a radius of its own; how far the
+        others are from it is the estimate of its error.
 
     Raises
     ------
@@ -258,18 +261,20 @@ def solve_coupled_slip(
     problem = _Problem(alpha, beta, kappa, friction)
     logit = problem.roughly(guess)
     best: CoupledSlip | None = None
-    aim = sqrt(tolerance)  # the errors are the squares of those of the fields
-    for _ in range(_ROUNDS):
-        check, logit = problem.root(logit, max(aim, _TIGHTEST))
-        fine, finer = problem.root(logit, max(aim * _TIGHTER, _TIGHTEST))
-        solved = _compared(check, fine, abs(finer - logit))
+    # continuity at a rim with compliance is pointwise; all else errs by the square of the fields
+    aim = max(tolerance if beta > 0.0 else sqrt(tolerance), _TIGHTEST)
+    while True:
+        found = []
+        for level in range(_LEVELS):
+            found.append(problem.root(logit, aim * 0.1**level))
+            logit = found[-1][1]
+        solved = _compared(found)
         if best is None or _worst(solved) < _worst(best):
             best = solved
         if _worst(best) <= tolerance or aim <= _TIGHTEST:
             break
-        aim, logit = 0.1 * aim, finer
-    assert best is not None
-    problem.check(fine)
+        aim = max(0.1 * aim, _TIGHTEST)
+    problem.check(found[-1][0])
     return best
 
 
@@ -277,16 +282,25 @@ def _worst(solved: CoupledSlip) -> float:
     return max(solved.approach_error, solved.shear_error)
 
 
-def _compared(check: _Trial, fine: _Trial, shift: float) -> CoupledSlip:
-    """Return the finer of two solutions, with their differences as its errors."""
-    old, new = check.solution, fine.solution
-    radius = fine.disk.radius
+def _compared(found: list[tuple[_Trial, float]]) -> CoupledSlip:
+    """Return the last of solutions in growing spaces, with its distance to the others as error."""
+    fine = found[-1][0]
+    radius, new = fine.disk.radius, fine.solution
+    values = np.array([[s.approach, s.total_shear] for s in (one.solution for one, _ in found)])
+    approach, shear = (_left(column / column[-1]) for column in values.T)
+    shift = _left(np.array([logit for _, logit in found]))
     return CoupledSlip(
         radius,
         new.approach,
         new.total_shear,
         fine.disk.unknowns,
-        abs(old.approach / new.approach - 1.0) + 4.0 * ROUNDING,
-        abs(old.total_shear / new.total_shear - 1.0) + 20.0 * ROUNDING,
+        approach + 4.0 * ROUNDING,
+        shear + 20.0 * ROUNDING,
         *boundary_error(shift + _LOGIT_ROUNDING, radius),
     )
+
+
+def _left(values: Array) -> float:
+    """Estimate the error of the last value: two may agree by accident, hardly all three."""
+    before, last = np.abs(values[:-1] - values[-1])
+    return float(max(last, _FALL * before))
