@@ -31,7 +31,10 @@ __all__ = ["CoupledRun"]
 
 
 class CoupledRun(Run):
-    """The steps of a plan with elastic coupling; without friction the traction is idle."""
+    """The steps of a plan with elastic coupling; at friction 0 the traction is idle.
+
+    Parameters are those of `Run`.
+    """
 
     def tangential(self, states: dict[str, StepState], contact: NormalContact | None) -> None:
         """Solve for pressure and traction together."""

@@ -54,7 +54,7 @@ def solve(
     ConvergenceError
         If the tolerance cannot be met; it carries the best solution and says what to do.
     NotComputedError
-        If there is partial slip in a scene with elastic coupling, which is not solved for.
+        If a scene with elastic coupling slips in other zones than one annulus at the edge.
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
