@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["exactly_one", "lengths", "radii", "real", "reals", "tolerance", "whole"]
+__all__ = ["exactly_one", "flag", "lengths", "radii", "real", "reals", "tolerance", "whole"]
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
@@ -90,6 +90,19 @@ def tolerance(rtol: object) -> float:
         If it is not a real number in [1e-13, 1e-2].
     """
     return real("rtol", rtol, allowed="in [1e-13, 1e-2]", low=1e-13, high=1e-2)
+
+
+def flag(parameter: str, value: object) -> bool:
+    """Return a truth value as a Python bool; nothing else will do, as "no" is true, too.
+
+    Raises
+    ------
+    SceneError
+        If it is neither a ``bool`` nor NumPy's.
+    """
+    if not isinstance(value, (bool, np.bool_)):
+        raise SceneError(parameter, value, "True or False")
+    return bool(value)
 
 
 def exactly_one(first: str, first_value: object, second: str, second_value: object) -> None:

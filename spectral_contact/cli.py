@@ -151,6 +151,11 @@ def _add_scene(command: _Parser) -> None:
         help="Coulomb coefficient >= 0; inf is full stick, none the frictionless problem "
         "(default: %(default)s)",
     )
+    group.add_argument(
+        "--coupling",
+        action="store_true",
+        help="let the traction act back on the pressure, which the paper neglects",
+    )
 
 
 def _add_physical(command: _Parser) -> None:
@@ -356,7 +361,8 @@ def _scene(arguments: argparse.Namespace) -> Scene:
             _DEFAULT_COMPLIANCE if getattr(arguments, name) is None else getattr(arguments, name)
             for name in _COMPLIANCES
         )
-        return Scene(arguments.poisson_ratio, alpha, beta, arguments.friction)
+        nu, friction = arguments.poisson_ratio, arguments.friction
+        return Scene(nu, alpha, beta, friction, coupling=arguments.coupling)
     mixed = [name for name in _COMPLIANCES if name in given]
     if mixed:
         raise _UsageError(
@@ -378,6 +384,7 @@ def _scene(arguments: argparse.Namespace) -> Scene:
         normal_compliance=arguments.normal_compliance_si or 0.0,
         tangential_compliance=arguments.tangential_compliance_si or 0.0,
         friction=arguments.friction,
+        coupling=arguments.coupling,
     )
 
 

@@ -7,19 +7,26 @@ import secrets
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from spectral_contact.errors import SolutionFileError, shown
 
 __all__ = [
+    "YOUNGER",
     "Refused",
     "check_schema",
     "key_complaint",
+    "left_out",
     "path_text",
     "read_file",
     "replace_file",
     "reported",
 ]
+
+
+#: Metadata of a dataclass field that came after the first release: documents leave it out where it
+#: has its default, so that old files are read, and what does not use it is written as ever.
+YOUNGER: Final = {"younger": True}
 
 
 class Refused(Exception):
@@ -47,12 +54,18 @@ def reported(source: str, failure: str) -> Iterator[None]:
         raise SolutionFileError(source, f"{failure} ({detail})") from error
 
 
-def key_complaint(data: Any, expected: Iterable[str]) -> str | None:
+def left_out(field: Any, value: Any) -> bool:
+    """Whether a document leaves out the field of a dataclass that has this value."""
+    return bool(field.metadata == YOUNGER and value == field.default)
+
+
+def key_complaint(data: Any, expected: Iterable[str], optional: Iterable[str] = ()) -> str | None:
     """Return what is wrong with the keys of an object; None if they are those expected."""
     if not isinstance(data, Mapping):
         return f"an object was expected, not {shown(data)}"
     names = list(expected)
     missing = [key for key in names if key not in data]
+    names += optional
     unknown = [shown(key) for key in data if key not in names]
     complaints = [
         f"{kind} {', '.join(keys)}"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.kernels import normal_kernel, tangential_kernel
 
-__all__ = ["load", "normal_displacement", "tangential_displacement"]
+__all__ = ["load", "normal_displacement", "shear_lift", "tangential_displacement"]
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
@@ -92,6 +92,26 @@ def tangential_displacement(
     outward = _potential(traction, tangential_kernel, from_edge, breaks)
     inward = kappa * load(pressure, inside=from_edge, breaks=breaks) / (1.0 - from_edge)
     return outward, inward
+
+
+def shear_lift(
+    traction: Field, kappa: float, from_edge: float, breaks: Sequence[float] = ()
+) -> float:
+    """Return ``kappa int_s^1 q deta``, by how much less the surface gives way under a traction.
+
+    Parameters
+    ----------
+    traction : callable
+        ``q*`` as a function of an array of distances from the edge.
+    kappa : float
+        ``(1 - 2 nu)/(4 (1 - nu))``.
+    from_edge : float
+        The field point, in (0, 1].
+    breaks : sequence of float
+        Distances from the edge at which the field is not smooth.
+    """
+    cuts = sorted({0.0, from_edge, *(b for b in breaks if 0.0 < b < from_edge)})
+    return kappa * sum(_integral(lambda d, _: traction(d), *pair) for pair in pairwise(cuts))
 
 
 def _integral(function: Integrand, near: float, far: float) -> float:

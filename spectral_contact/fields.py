@@ -7,11 +7,12 @@ relative accuracy at the edge and at both ends of every zone.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.documents import YOUNGER
 from spectral_contact.legendre import legendre_sum, legendre_sums
 
 __all__ = [
@@ -86,6 +87,9 @@ class LogSeries:
         Endpoint weight.
     root_tail : bool
         The tail is a series in ``sqrt(d)``.
+    oscillation : float
+        If not zero, the tail is ``a cos(oscillation u) + b sin(oscillation u)`` instead, in the
+        depth ``u`` in ``x`` beyond the panels: it has no limit at ``d = 0``, where it is NaN.
     """
 
     coefficients: Array
@@ -93,6 +97,7 @@ class LogSeries:
     width: float
     power: float = 0.0
     root_tail: bool = False
+    oscillation: float = field(default=0.0, metadata=YOUNGER)
 
     def __call__(self, d: Array) -> Array:
         """Evaluate at distances `d` in [0, 1], any shape."""
@@ -110,18 +115,29 @@ class LogSeries:
         result = legendre_sums(local, self.coefficients, own)
         deep = d < end
         if deep.any():
-            ratio = np.sqrt(d[deep] / end) if self.root_tail else d[deep] / end
-            result[deep] = legendre_sums(2.0 * ratio - 1.0, self.tail[None, :])
+            result[deep] = self._deep(d[deep], end)
         if self.power != 0.0:
             with np.errstate(divide="ignore"):
                 result *= d**self.power
         return np.asarray(result.reshape(shape))
 
+    def _deep(self, d: Array, end: float) -> Array:
+        """Evaluate the tail."""
+        if self.oscillation == 0.0:
+            ratio = np.sqrt(d / end) if self.root_tail else d / end
+            return legendre_sums(2.0 * ratio - 1.0, self.tail[None, :])
+        inside = d > 0.0
+        phase = -self.oscillation * np.log(np.where(inside, d, end) / end)
+        wave = self.tail[0] * np.cos(phase) + self.tail[1] * np.sin(phase)
+        return np.where(inside, wave, np.nan)
+
     def _one(self, d: float) -> float:
         """Evaluate at one distance."""
         panels = len(self.coefficients)
         end = math.exp(-panels * self.width)
-        if d < end:
+        if d < end and self.oscillation != 0.0:
+            value = float(self._deep(np.array([d]), end)[0])
+        elif d < end:
             ratio = math.sqrt(d / end) if self.root_tail else d / end
             value = legendre_sum(2.0 * ratio - 1.0, self.tail.tolist())
         else:
@@ -129,13 +145,15 @@ class LogSeries:
             own = min(max(int(x), 0), panels - 1)
             local = min(max(2.0 * (x - own) - 1.0, -1.0), 1.0)
             value = legendre_sum(local, self.coefficients[own].tolist())
-        if self.power == 0.0:
+        if self.power == 0.0 or math.isnan(value):
             return value
         return value * d**self.power if d > 0.0 else math.copysign(math.inf, value)
 
     @property
     def limit(self) -> float:
-        """Value at ``d = 0``; infinite where the tail is singular."""
+        """Value at ``d = 0``; infinite where the tail is singular, NaN where it oscillates."""
+        if self.oscillation != 0.0:
+            return np.nan
         return np.inf if self.power < 0.0 else legendre_sum(-1.0, self.tail.tolist())
 
     def at_ends(self) -> Array:
@@ -231,11 +249,15 @@ class PressureField:
 
 @dataclass(frozen=True, slots=True)
 class DiskSeries:
-    """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone."""
+    """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone.
+
+    With the `power` 0 instead of 1 it is without the factor ``s / outer``: a pressure.
+    """
 
     outer: Radius
     series: LogSeries | None
     weight: EdgeWeight | None = None
+    power: int = field(default=1, metadata=YOUNGER)
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate inside the disk."""
@@ -246,13 +268,13 @@ class DiskSeries:
             value = value + self.series(d)
         if self.weight is not None:
             value = value + self.weight(d)
-        return np.asarray(scaled * value)
+        return np.asarray(scaled**self.power * value)
 
     def times(self, factor: float) -> DiskSeries:
         """Return the field multiplied by a number."""
         series = None if self.series is None else self.series.times(factor)
         weight = None if self.weight is None else self.weight.times(factor)
-        return DiskSeries(self.outer, series, weight)
+        return DiskSeries(self.outer, series, weight, self.power)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
+    COUPLING,
     FULL_STICK,
     NORMAL,
     PARTIAL_SLIP,
@@ -57,6 +58,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
             missing[name] = _NO_FRICTION
     present = tuple(name for name in QUANTITIES if name not in missing)
     steps = (
+        *_coupling(scene, present),
         _normal(scene, present),
         _full_stick(scene, present),
         *_partial_slip(scene, present),
@@ -88,11 +90,34 @@ def asked_quantities(quantities: Iterable[str] | None) -> frozenset[str]:
     return frozenset(asked)
 
 
+def _affected(scene: Scene) -> frozenset[str]:
+    """Return the quantities that depend on the traction."""
+    return frozenset(QUANTITIES) if scene.couples else _TANGENTIAL
+
+
+def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
+    """Say whether the traction acts back on the pressure; without a word in the paper's model."""
+    if not scene.coupling:
+        return ()
+    state = StepState.SKIPPED
+    if scene.friction is None:
+        reason = f"{_NO_FRICTION}: no traction acts back on the pressure"
+    elif scene.poisson_ratio == 0.5:
+        reason = "at nu = 0.5 pressure and traction do not move each other"
+    elif scene.friction == 0.0 and not _STICK_ONLY.intersection(present):
+        reason = "at friction 0 no traction acts back on the pressure"
+    elif not _needs_tangential(scene, present):
+        reason = "nothing asked for depends on the traction"
+    else:
+        state, reason = StepState.RUN, "the scene asks for it: pressure and traction are one system"
+    return (PlannedStep(COUPLING, state, reason),)
+
+
 def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
     """Whether anything asked depends on a traction that is not zero by definition."""
     if scene.friction is None or scene.poisson_ratio == 0.5:
         return False
-    asked = _TANGENTIAL.intersection(present)
+    asked = _affected(scene).intersection(present)
     if scene.friction == 0.0:
         return bool(asked & (_STICK_ONLY | {"slip"}))
     if scene.friction == math.inf:
@@ -102,6 +127,8 @@ def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
 
 def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
     smooth = "; closed form, the surface is smooth" if scene.normal_compliance == 0.0 else ""
+    if scene.couples and _needs_tangential(scene, present):
+        return PlannedStep(NORMAL, StepState.SKIPPED, "the pressure is found with the traction")
     if "pressure" in present:
         return PlannedStep(NORMAL, StepState.RUN, "the pressure is asked for" + smooth)
     if _needs_tangential(scene, present):
@@ -115,7 +142,7 @@ def _full_stick(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
     def step(state: StepState, reason: str) -> PlannedStep:
         return PlannedStep(FULL_STICK, state, reason)
 
-    asked = _TANGENTIAL.intersection(present)
+    asked = _affected(scene).intersection(present)
     if scene.friction is None:
         return step(StepState.SKIPPED, _NO_FRICTION)
     if scene.poisson_ratio == 0.5:
@@ -132,7 +159,7 @@ def _full_stick(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
 
 
 def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
-    friction, asked = scene.friction, _TANGENTIAL.intersection(present)
+    friction, asked = scene.friction, _affected(scene).intersection(present)
 
     def skipped(reason: str) -> tuple[PlannedStep, ...]:
         names = (PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

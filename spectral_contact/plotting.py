@@ -206,7 +206,7 @@ def scene_title(scene: Scene) -> str:
         rf"$\alpha^* = {_power(scene.normal_compliance)}$",
         rf"$\beta^* = {_power(scene.tangential_compliance)}$",
     )
-    return ",   ".join((*numbers, friction))
+    return ",   ".join((*numbers, friction, *["coupled"] * scene.coupling))
 
 
 def _power(number: float) -> str:
@@ -255,7 +255,8 @@ def _draw_over_radius(axes: Axes, radii: Radii, curves: list[_Curve], solution: 
     values = np.concatenate([curve.values for curve in curves])
     bulk = np.concatenate([curve.values[radii.from_edge >= 0.02] for curve in curves])
     # an edge much higher than the rest, or infinite, is left to the other panel
-    top = bulk.max() if values.max() > 2.5 * bulk.max() else values.max()
+    highest = np.nanmax(values)  # with coupling there may be no limit at the edge
+    top = bulk.max() if highest > 2.5 * bulk.max() else highest
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(*_from_zero(bulk.min(), top))
     axes.legend(

@@ -8,6 +8,7 @@ from enum import Enum
 from spectral_contact.fields import Radius
 
 __all__ = [
+    "COUPLING",
     "FULL_STICK",
     "NORMAL",
     "PARTIAL_SLIP",
@@ -39,6 +40,7 @@ QUANTITIES = (
 )
 
 #: Names of the steps, in plans and in records of work.
+COUPLING = "elastic coupling"
 NORMAL = "normal contact"
 FULL_STICK = "full stick"
 PARTIAL_SLIP = "partial slip"
@@ -133,8 +135,9 @@ class ErrorEstimates:
     """Estimates of relative errors; None where the quantity was not computed.
 
     `pressure` is pointwise, the edge included; `traction` is that of q/s,
-    pointwise, at places fixed by the zone boundaries, whose own errors are in `zones`; `slip` is
-    relative to its largest modulus; `zones` bounds the relative error of every boundary measured
+    pointwise, at places fixed by the zone boundaries, whose own errors are in `zones`; where
+    coupling makes p or q change sign both are relative to the two together (docs/coupling); `slip`
+    is relative to its largest modulus; `zones` bounds the relative error of every boundary measured
     from the centre and from the edge; `violation` is by how much the friction law is broken:
     the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
     the largest slip, whichever is larger.

@@ -80,6 +80,8 @@ class _Row:
 def _rows(solution: Solution) -> list[_Row]:
     """Return the dimensionless scalars of a solution."""
     rows = _scalars(solution, solution, {})
+    if solution.values.get("opening") is not None:
+        rows.append(_Row("contact would open within", solution.opening, "", None))
     if solution.error.violation is not None:
         rows.append(_Row("friction law, violation", solution.error.violation, "", None))
     return rows
@@ -134,7 +136,7 @@ def scene_text(scene: Scene) -> str:
         friction = "full stick"
     return (
         f"nu = {scene.poisson_ratio!r}, alpha* = {scene.normal_compliance!r}, "
-        f"beta* = {scene.tangential_compliance!r}, {friction}"
+        f"beta* = {scene.tangential_compliance!r}, {friction}{', coupled' * scene.coupling}"
     )
 
 

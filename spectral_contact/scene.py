@@ -10,13 +10,13 @@ import decimal
 import json
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from fractions import Fraction
 from typing import Any, Final, Self
 
-from spectral_contact.checks import exactly_one, real
-from spectral_contact.documents import key_complaint
+from spectral_contact.checks import exactly_one, flag, real
+from spectral_contact.documents import YOUNGER, key_complaint, left_out
 from spectral_contact.errors import SceneError, SolutionFileError, shown
 
 __all__ = ["PhysicalData", "Scene"]
@@ -175,6 +175,9 @@ class Scene:
         Coulomb coefficient f >= 0; ``math.inf`` is full stick, None (default) no friction at all.
     physical : PhysicalData or None
         SI data that the compliances come from; keyword only. Use `from_physical` to set it.
+    coupling : bool
+        Whether the traction acts back on the pressure, as it does in an elastic body; keyword
+        only. False, the default, is the paper's model.
 
     Raises
     ------
@@ -194,6 +197,7 @@ class Scene:
     tangential_compliance: float = 0.0
     friction: float | None = None
     physical: PhysicalData | None = field(default=None, kw_only=True)
+    coupling: bool = field(default=False, kw_only=True, metadata=YOUNGER)
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
@@ -208,6 +212,7 @@ class Scene:
             allowed = ">= 0 (math.inf is full stick, None no friction)"
             friction = real("friction", self.friction, allowed=allowed, low=0.0, infinite_ok=True)
             put(self, "friction", friction)
+        put(self, "coupling", flag("coupling", self.coupling))
         if self.physical is not None:
             self._check_physical()
 
@@ -223,6 +228,7 @@ class Scene:
         normal_compliance: float = 0.0,
         tangential_compliance: float = 0.0,
         friction: float | None = None,
+        coupling: bool = False,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
 
@@ -244,6 +250,8 @@ class Scene:
             β of the roughness [m/Pa], 0 or such that β* = βE/(4(1−ν²)a) is in [1e-14, 1e14].
         friction : float or None
             Coulomb coefficient f >= 0; ``math.inf`` is full stick, None (default) no friction.
+        coupling : bool
+            Whether the traction acts back on the pressure.
 
         Raises
         ------
@@ -261,7 +269,7 @@ class Scene:
             tangential_compliance=tangential_compliance,
         )
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
-        return cls(poisson_ratio, alpha, beta, friction, physical=physical)
+        return cls(poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling)
 
     @property
     def kappa(self) -> float:
@@ -272,10 +280,22 @@ class Scene:
         """
         return (1.0 - 2.0 * self.poisson_ratio) / (4.0 * (1.0 - self.poisson_ratio))
 
+    @property
+    def couples(self) -> bool:
+        """Whether pressure and traction act on each other: asked for, and neither is idle.
+
+        Without friction there is no traction, and at ν = 0.5 the one does not move the other.
+        """
+        return self.coupling and bool(self.friction) and self.poisson_ratio != 0.5
+
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as a dictionary that strict JSON can hold, infinity being ``"inf"``."""
         friction = "inf" if self.friction == math.inf else self.friction
-        return {"schema": _SCHEMA, "version": _VERSION, **asdict(self), "friction": friction}
+        values = {**asdict(self), "friction": friction}
+        for one in fields(self):
+            if left_out(one, values[one.name]):
+                del values[one.name]
+        return {"schema": _SCHEMA, "version": _VERSION, **values}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
@@ -289,7 +309,7 @@ class Scene:
             If a value is out of range.
         """
         _check_schema(data)
-        values = {key: data[key] for key in _names(cls)}
+        values = {key: data[key] for key in _names(cls) if key in data}
         friction = values["friction"]
         if isinstance(friction, str) and friction == "inf":
             values["friction"] = math.inf
@@ -385,10 +405,12 @@ def _check_schema(data: Any) -> None:
     if type(version) is not int or version != _VERSION:
         reason = f"version {shown(version)} is not known to this release, which reads {_VERSION}"
         raise SolutionFileError("scene", reason)
-    _check_keys(data, ["schema", "version", *_names(Scene)], "")
+    younger = [one.name for one in fields(Scene) if one.metadata == YOUNGER]
+    required = [name for name in _names(Scene) if name not in younger]
+    _check_keys(data, ["schema", "version", *required], "", younger)
 
 
-def _check_keys(data: Any, expected: list[str], where: str) -> None:
-    complaint = key_complaint(data, expected)
+def _check_keys(data: Any, expected: list[str], where: str, optional: Iterable[str] = ()) -> None:
+    complaint = key_complaint(data, expected, optional)
     if complaint:
         raise SolutionFileError("scene", f"{where}{complaint}")

@@ -16,6 +16,7 @@ from spectral_contact import checks
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import DiskSeries, PressureField, ZonalField
 from spectral_contact.records import (
+    COUPLING,
     FULL_STICK,
     NORMAL,
     PARTIAL_SLIP,
@@ -35,6 +36,7 @@ from spectral_contact.records import (
 from spectral_contact.scene import Scene
 
 __all__ = [
+    "COUPLING",
     "FULL_STICK",
     "NORMAL",
     "PARTIAL_SLIP",
@@ -120,9 +122,11 @@ class Solution:
         Raises
         ------
         NotComputedError
-            If the pressure was not asked for.
+            If the pressure was not asked for, or with elastic coupling.
         """
         self._require("pressure")
+        if self.scene.couples:
+            raise NotComputedError("approach_bounds", "with elastic coupling none are known")
         if self.scene.normal_compliance == 0.0:  # known exactly
             return self.approach, self.approach
         from spectral_contact.bounds import approach_bounds
@@ -146,6 +150,24 @@ class Solution:
     def total_shear(self) -> float:
         """Measure of shear ``Q* = 2 pi int q* s ds``, (4.3) and (5.8)."""
         return float(self._value("total_shear"))
+
+    @property
+    def opening(self) -> float | None:
+        """Distance from the edge, dimensionless, within which the contact would open.
+
+        With elastic coupling the shear may pull on the edge so much that the pressure of the
+        equations is negative in places closer than this, and the surfaces would part there. The
+        solution is that of the equations, in which they cannot. None where the pressure is positive
+        all over, as it is without coupling.
+
+        Raises
+        ------
+        NotComputedError
+            If the pressure was not asked for.
+        """
+        self._require("pressure")
+        value = self.values.get("opening")
+        return None if value is None else float(value)
 
     @property
     def edge_ratio(self) -> float:
@@ -183,7 +205,8 @@ class Solution:
         Returns
         -------
         float or ndarray
-            Of the shape of the input; ``inf`` at the edge of a smooth surface.
+            Of the shape of the input; ``inf`` at the edge of a smooth surface, and NaN with
+            coupling, where it oscillates without a limit.
 
         Raises
         ------
@@ -285,7 +308,9 @@ class Solution:
             for name in ("approach", "total_shear", "stick_radius")
             if isinstance(self.values.get(name), float)
         )
-        return f"<Solution {known} converged={self.converged}>"
+        opening = self.values.get("opening")
+        opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
+        return f"<Solution {known}{opens} converged={self.converged}>"
 
 
 @dataclass(frozen=True, slots=True)
@@ -339,6 +364,12 @@ class PhysicalSolution:
     def total_shear(self) -> float:
         """Measure of shear Q [N]."""
         return self.solution.total_shear * self.load
+
+    @property
+    def opening(self) -> float | None:
+        """Distance from the edge within which the contact would open [m]; None if it would not."""
+        value = self.solution.opening
+        return None if value is None else value * self.radius
 
     @property
     def edge_ratio(self) -> float:

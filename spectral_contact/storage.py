@@ -32,7 +32,15 @@ from spectral_contact import fields as field_classes
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
-from spectral_contact.documents import Refused, check_schema, path_text, replace_file, reported
+from spectral_contact.documents import (
+    YOUNGER,
+    Refused,
+    check_schema,
+    left_out,
+    path_text,
+    replace_file,
+    reported,
+)
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
@@ -65,6 +73,7 @@ _VALUES: Final[dict[str, Any]] = {
     **dict.fromkeys(("approach", "total_shear", "edge_ratio", "critical_friction"), float),
     "zones": tuple[Zone, ...],
     "stick_radius": float | None,
+    "opening": float | None,
 }
 
 
@@ -243,7 +252,11 @@ def _encode(value: Any, arrays: Arrays, place: str) -> Any:
         raise Refused(f"{place}: {value!r:.40} ({name}) does not belong into a solution")
     if isinstance(value, Enum):
         return {name: value.name}
-    body = {one.name: getattr(value, one.name) for one in fields(value)}
+    body = {
+        one.name: getattr(value, one.name)
+        for one in fields(value)
+        if not left_out(one, getattr(value, one.name))
+    }
     wrong = [key for key, item in body.items() if not _fits(item, _HINTS[cls][key])]
     if cls is Solution and not wrong:
         wrong = [k for k, item in value.values.items() if not _fits(item, _VALUES.get(k))]
@@ -273,12 +286,13 @@ def _decode(tree: Any, arrays: Arrays) -> Any:
         raise Refused(f"{tag!r} is not a class of which solutions are made")
     if issubclass(cls, Enum):
         return cls[body]
-    _check_names(tag, body, _HINTS[cls])
+    younger = [one.name for one in fields(cls) if one.metadata == YOUNGER]
+    _check_names(tag, body, _HINTS[cls].keys() - set(younger), younger)
     return cls(**{key: _decode(item, arrays) for key, item in body.items()})
 
 
-def _check_names(what: str, body: Any, expected: Any) -> None:
-    if not isinstance(body, dict) or body.keys() != set(expected):
+def _check_names(what: str, body: Any, expected: Any, optional: Any = ()) -> None:
+    if not isinstance(body, dict) or body.keys() - set(optional) != set(expected):
         raise Refused(f"{what} must have {', '.join(expected)}, and has {shown(body)}")
 
 

@@ -245,7 +245,7 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     ):
         yield found
     for kind, factored in last.items():
-        matrix = factored.compliance * factored.space._mass + factored.space._gram
+        matrix = factored.compliance * factored.space.mass + factored.space.gram
         found[kind] = float(np.linalg.cond(matrix * factored.scale * factored.scale[:, None]))
     if systems:
         scale = 1.0 / np.sqrt(np.abs(systems[-1].diagonal()))

@@ -48,6 +48,13 @@ CASES: list[
 
 _DENSE = np.random.default_rng(0).standard_normal((1000, 1000))
 
+#: Elastic coupling, likewise; `bench_coupled` runs them.
+COUPLED = [
+    ("full stick, coupled", 0.5, float("inf"), 1e-12, None, 3.0, 0.5),
+    ("full stick, coupled", 1e-6, float("inf"), 1e-12, None, 3.0, 0.5),
+    ("full stick, coupled", 0.0, float("inf"), 1e-12, None, None, None),
+]
+
 _COLD = """
 import os
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
@@ -56,7 +63,7 @@ from time import perf_counter
 from spectral_contact import Scene, solve
 import scipy.linalg, scipy.special
 begin = perf_counter()
-solve(Scene(0.1, {c}, {b}, {f}), {rtol}, {q})
+solve(Scene(0.1, {c}, {b}, {f}, **{more}), {rtol}, {q})
 cold = perf_counter() - begin
 a = np.random.default_rng(0).standard_normal((1000, 1000))
 np.linalg.solve(a, a[0])
@@ -89,9 +96,14 @@ def _scene(case: tuple, i: int):
     nu = 0.1
     if ratio is None:
         return Scene(nu, c * shift)
-    return Scene(
-        nu, c * shift, c * shift, ratio if ratio == float("inf") else ratio * KAPPA * shift
-    )
+    friction = ratio if ratio == float("inf") else ratio * KAPPA * shift
+    # a smooth surface has nothing else to vary
+    return Scene(nu * (shift if c == 0.0 else 1.0), c * shift, c * shift, friction, **_more(case))
+
+
+def _more(case: tuple) -> dict[str, bool]:
+    """Return what the scenes of a case have beside numbers."""
+    return {"coupling": True} if "coupled" in case[0] else {}
 
 
 def warm(case: tuple) -> tuple[float, float, int]:
@@ -119,7 +131,9 @@ def cold(case: tuple) -> float:
     friction = (
         "None" if ratio is None else f'float("{ratio}") * {1.0 if ratio == float("inf") else KAPPA}'
     )
-    code = _COLD.format(c=c, b=0.0 if ratio is None else c, f=friction, rtol=rtol, q=quantities)
+    code = _COLD.format(
+        c=c, b=0.0 if ratio is None else c, f=friction, rtol=rtol, q=quantities, more=_more(case)
+    )
     return median(float(_fresh(code)) for _ in range(5))
 
 
@@ -145,13 +159,18 @@ def import_time() -> tuple[float, float]:
 
 def main() -> None:
     """Measure, print and store."""
+    run("bench_solve", CASES)
+
+
+def run(name: str, cases: list[tuple]) -> None:
+    """Measure cases, print and store under a name."""
     import scipy
 
     import spectral_contact
 
     numpy_import, own_import = import_time()
     rows = []
-    for case in CASES:
+    for case in cases:
         time, ratio, unknowns = warm(case)
         rows.append(
             {
@@ -168,7 +187,7 @@ def main() -> None:
             }
         )
     record = {
-        "schema": "spectral_contact.validation.bench_solve",
+        "schema": f"spectral_contact.validation.{name}",
         "version": 1,
         "library": spectral_contact.__version__,
         "python": platform.python_version(),
@@ -181,9 +200,9 @@ def main() -> None:
         "rows": rows,
     }
     RESULTS.mkdir(exist_ok=True)
-    (RESULTS / "bench_solve.json").write_text(json.dumps(record, indent=1) + "\n")
+    (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
     text = table(record)
-    (RESULTS / "bench_solve.md").write_text(text)
+    (RESULTS / f"{name}.md").write_text(text)
     print(text)
 
 

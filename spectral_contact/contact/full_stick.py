@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
 from spectral_contact.contact.resolution import (
     ROUNDING,
     SAFETY,
@@ -34,12 +35,6 @@ from spectral_contact.spectral.galerkin import disk_operators
 __all__ = ["FullStick", "solve_full_stick"]
 
 Array = NDArray[np.float64]
-
-
-#: A share bounds the change on its whole panel by moduli of coefficients. At the place of the
-#: largest q/p that is too much by far: without this factor the estimate was 34 times the error at
-#: the least, over 45 random scenes whose error exceeds rounding.
-_AT_ONE_PLACE = 1.0 / 6.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,13 +116,14 @@ class _StickProblem:
 
             both = factored.solve(interpolate(panels, lost_targets)[0], correct=False)
             moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both
-        shares = expected_error(share_of_change(panels, change.coefficients, series), rates)
+        size = series.at_ends()
+        shares = expected_error(share_of_change(panels, change.coefficients, size), rates)
         propagated = SAFETY * normal.rate**2
         rounding = 20.0 * ROUNDING
         # under a pressure that is infinite at the edge q/s at the centre is off by up to 2.5e-13
         centre = 5.0 if normal.compliance == 0.0 else 1.0
         traction_error = float(shares.max()) + centre * TRACTION_ROUNDING
-        traction_error += propagated * float(share_of_change(panels, moved, series).max())
+        traction_error += propagated * float(share_of_change(panels, moved, size).max())
         shear_error = functional_error(factored, moments, change, rates, resolution) / shear
         shear_error += propagated * float(np.abs(swayed).max()) / shear + 4.0 * ROUNDING
         if self.pointwise:
@@ -135,9 +131,11 @@ class _StickProblem:
         else:
             moved_by = np.abs(panel_table(panels, moments * change.coefficients)).sum(axis=1)
             indicators, error = expected_error(moved_by / shear, rates), shear_error
-        edge, critical, where = _ratios(self.drive, traction, panels.panels * panels.width)
+        edge, critical, where = largest_ratio(
+            self.drive.pressure, traction, panels.panels * panels.width
+        )
 
-        parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, series))]
+        parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, size))]
         at_edge = 0.0
         if self.power == 0.0:
             lesser = factored.change(solution, degrees=1)
@@ -145,14 +143,14 @@ class _StickProblem:
             at_edge = max(map(abs, limits)) / abs(series.limit)
         if normal.panels is not None and normal.change is not None:
             lost = normal.change.coefficients
-            pressure = share_of_change(normal.panels, lost, self.drive.pressure)
+            pressure = share_of_change(normal.panels, lost, self.drive.pressure.at_ends())
             parts.append((normal.panels, propagated * pressure))
             edge_pressure = float(self.drive.pressure.at(np.array(0.0)))
             at_edge += abs(series_of(normal.panels, lost).limit / edge_pressure)
 
         def ratio_error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""
-            places = _AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
+            places = AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
             # the tail sheds one function of few: at the edge the change is as large as the error
             return rounding + places + (at_edge if y == 0.0 else 0.0)
 
@@ -208,34 +206,3 @@ def _smooth_shear(drive: Drive) -> float:
     disk = disk_operators(starting_resolution(0.0, 1e-16).panels)
     t = np.sqrt(disk.nodes.rest)
     return 2.0 * pi * float((disk.nodes.weights * t) @ drive.target(disk.nodes.d))
-
-
-def _ratios(drive: Drive, traction: DiskSeries, depth: float) -> tuple[float, float, float]:
-    """Return q/p at the edge, its largest modulus, and ``y`` where that is reached."""
-
-    def ratio(x: Array) -> Array:
-        y = np.exp(-x)
-        s = np.sqrt(-np.expm1(-x))
-        assert traction.series is not None
-        return np.abs(s * traction.series(y) / drive.pressure.at(y))
-
-    pressure = drive.pressure
-    if drive.contact.compliance == 0.0:
-        edge = 0.0
-    else:
-        assert traction.series is not None
-        edge = traction.series.limit / float(pressure.at(np.array(0.0)))
-        if edge == inf:
-            return inf, inf, 0.0
-    low, high = 1e-3, depth
-    best, where = abs(edge), inf
-    for _ in range(6):  # zoom on the maximum; its value is right to the square of the spacing
-        x = np.linspace(low, high, 33 if low > 1e-3 else 129)
-        values = ratio(x)
-        i = int(np.argmax(values))
-        if values[i] <= best * (1.0 + 4e-16) and where == inf:
-            return edge, abs(edge), 0.0
-        if values[i] >= best:
-            best, where = float(values[i]), float(x[i])
-        low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, len(x) - 1)])
-    return edge, best, float(np.exp(-where))

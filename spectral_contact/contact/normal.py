@@ -130,7 +130,7 @@ class _NormalProblem:
         moved: NormalContact | None = None
         lesser: NormalContact | None = None
         if self.pointwise:
-            shares = share_of_change(panels, change.coefficients * approach, pressure)
+            shares = share_of_change(panels, change.coefficients * approach, pressure.at_ends())
             indicators = expected_error(shares, rates)
             pressure_error = float(indicators.max()) + 20.0 * ROUNDING
             error = pressure_error

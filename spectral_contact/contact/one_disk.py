@@ -280,7 +280,7 @@ class _OneDiskProblem:
         if trial.response is not None:  # the rim value follows; that there is taken by the radius
             limit = series_of(panels, change).limit
             continuous = change - limit / trial.unit * trial.response
-        indicators = expected_error(share_of_change(panels, continuous, series), rates)
+        indicators = expected_error(share_of_change(panels, continuous, series.at_ends()), rates)
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
         # with little friction the target is a small difference
         at_rim = float(self.drive.target(np.array(radius.rest)))
@@ -304,7 +304,7 @@ class _OneDiskProblem:
         if changes:
             trials = self._at(changes, resolution, radius, trial.factored, 1e-3)
             moved = trials[0]
-            share = float(share_of_change(panels, moved.coefficients, series).max())
+            share = float(share_of_change(panels, moved.coefficients, series.at_ends()).max())
             error += propagated * share
             # of signed parts any one may be small by accident, hardly of both changes
             swayed, swept = [], []

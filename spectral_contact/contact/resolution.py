@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.fields import LogSeries, PressureField, Radius
+from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
@@ -253,17 +253,25 @@ def panel_of(panels: LogPanels, y: float) -> int:
     return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
 
 
-def share_of_change(panels: LogPanels, change: Array, field: LogSeries | PressureField) -> Array:
-    """Return the change on every panel relative to the least `field` there, tail included last.
+def share_of_change(panels: LogPanels, change: Array, size: Array) -> Array:
+    """Return the change on every panel relative to what it changes there, tail included last.
 
     The sum of the moduli of Legendre coefficients bounds the change on the whole panel.
+
+    Parameters
+    ----------
+    panels : LogPanels
+    change : ndarray, shape (panels.size,)
+        Coefficients.
+    size : ndarray, shape (panels.panels + 1,)
+        Values at the ends of the panels, as `LogSeries.at_ends`; the lesser one of two counts.
     """
     total = np.abs(panel_table(panels, change)).sum(axis=1)
     tail = float(np.abs(change[-panels.tail_terms :]).sum())
     if panels.power != 0.0:
         d = np.exp(-panels.width * np.arange(1, panels.panels + 1))
         total, tail = total * d**panels.power, tail * panels.end**panels.power
-    size = np.maximum(np.abs(field.at_ends()), _TINY)
+    size = np.maximum(np.abs(size), _TINY)
     share = total / np.minimum(size[1:], size[:-1])
     share[-1] = max(share[-1], tail / size[-1])
     return np.asarray(share)

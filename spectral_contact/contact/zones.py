@@ -208,7 +208,7 @@ class _ZonesProblem:
         coarse = problem._coarser(resolution)
         full, full_coarse = (t.sticks.full(t.outer) for t in (trial, coarse))
         rates = [decay_rates(disk_space, trial.disk)]
-        shares = [share_of_change(panels, trial.disk - coarse.disk, series)]
+        shares = [share_of_change(panels, trial.disk - coarse.disk, series.at_ends())]
         flat = [d for pair in degrees for d in pair]
         halves, beyond = [], 0.0
         for (family, part), degree in zip(trial.sticks.parts(), flat, strict=True):

@@ -50,7 +50,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     SceneError
         For an argument out of its range.
     NotComputedError
-        If `solve` does not resolve the zones, or has slip everywhere as the stick disk is so small.
+        With elastic coupling; if `solve` does not resolve the zones, or has slip everywhere as the
+        stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 
@@ -69,6 +70,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
+    if scene.couples:
+        raise NotComputedError("the reference", "it is without elastic coupling")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")

@@ -135,7 +135,9 @@ def deeper_blocks(
     return blocks
 
 
-def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> Array:
+def outer_blocks(
+    from_start: Array, panels: int, width: float, degree: int, power: float = 0.0
+) -> Array:
     """Return blocks of the `outer` integral for points inside one panel.
 
     Parameters
@@ -149,11 +151,14 @@ def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> A
         Panel width in ``x``.
     degree : int
         Highest Legendre degree.
+    power : float
+        Endpoint weight, as in `deeper_blocks`.
 
     Returns
     -------
     ndarray, shape (n, panels, degree + 1)
-        To be multiplied by ``exp(-x_j / 2)`` of the shallow end ``x_j`` of the source panel.
+        To be multiplied by ``exp(-(1/2 + power) x_j)`` of the shallow end ``x_j`` of the source
+        panel.
     """
     g, w = gauss_rule(degree + _EXTRA)
     blocks = np.empty((len(from_start), panels, degree + 1))
@@ -163,14 +168,14 @@ def outer_blocks(from_start: Array, panels: int, width: float, degree: int) -> A
         u, end, offset, weights = _root_rule(lower, upper, g, w)
         if k == 0:  # the panel ends before the point in the tail, or beyond it
             end += np.maximum(width - from_start, 0.0)[:, None]
-        values = np.exp(-offset / 2.0) * _smooth(u) * weights
+        values = np.exp(-(0.5 + power) * offset) * _smooth(u) * weights
         blocks[:, k] = _near_panel(values, offset, end, width, degree)
         lower, upper = upper, upper + width
     if panels > 2:
         offset = width * (1.0 + g) / 2.0
         start = from_start[:, None] + width * np.arange(2, panels)
         u = start[:, :, None] - offset
-        values = (0.25 * width) * np.exp(-offset / 2.0) / np.sqrt(-np.expm1(-u))
+        values = (0.25 * width) * np.exp(-(0.5 + power) * offset) / np.sqrt(-np.expm1(-u))
         blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
 
@@ -196,22 +201,30 @@ def deeper_tail(
     return np.asarray((values[:, None, :] @ tail_values(source, end, terms, root))[:, 0, :])
 
 
-def _outer_tail(d: Array, end: float) -> Array:
-    """Return the `outer` integral of the tail polynomials, shape (n, TAIL_TERMS); exact."""
+def _outer_tail(d: Array, end: float, power: float) -> Array:
+    """Return the `outer` integral of ``d**power`` times the tail polynomials, (n, TAIL_TERMS)."""
+    if power != 0.0:  # d' = d cosh(phi)**2: with the power -1/2 the integral has a logarithm
+        g, w = gauss_rule(TAIL_TERMS + 24)
+        phi = np.arccosh(np.sqrt(np.maximum(end / d, 1.0)))[:, None]
+        root = np.sqrt(d)[:, None] * np.cosh(phi * (1.0 + g) / 2.0)
+        source = np.minimum(root**2, end)
+        return _panel(
+            w * phi / 2.0 * root ** (1.0 + 2.0 * power), 2.0 * source / end - 1.0, TAIL_TERMS - 1
+        )
     g, w = gauss_rule(TAIL_TERMS + 1)
     span = np.sqrt(np.maximum(end - d, 0.0))[:, None]
     source = d[:, None] + (span * (1.0 + g) / 2.0) ** 2
     return _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
 
 
-def deeper(d: Array, panels: int, width: float, degree: int) -> Array:
+def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return the matrix of the `deeper` integral at arbitrary distances.
 
     Parameters
     ----------
     d : ndarray, shape (n,)
         Positive distances; above 1 is allowed (points past the first panel).
-    panels, width, degree
+    panels, width, degree, power
         The panels, as in `deeper_blocks`.
 
     Returns
@@ -223,41 +236,45 @@ def deeper(d: Array, panels: int, width: float, degree: int) -> Array:
     matrix = np.zeros((len(d), panels, degree + 1))
     clear = np.flatnonzero(own < -1)
     if len(clear):
-        matrix[clear] = _plain(-d[clear], panels, width, degree)
+        matrix[clear] = _plain(-d[clear], panels, width, degree, power)
     for i in np.unique(own[(own < panels) & (own >= -1)]):
         rows = np.flatnonzero(own == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
-        blocks = deeper_blocks(to_end, panels - i, width, degree)
-        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * np.sqrt(d[rows])[:, None, None]
-    tail = deeper_tail(d, np.exp(-panels * width))
+        blocks = deeper_blocks(to_end, panels - i, width, degree, power)
+        root = np.sqrt(d[rows]) * (d[rows] ** power if power else 1.0)
+        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * root[:, None, None]
+    tail = deeper_tail(d, np.exp(-panels * width), power=power)
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), tail])
 
 
-def outer(d: Array, panels: int, width: float, degree: int) -> Array:
+def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return the matrix of the `outer` integral at arbitrary distances in [0, 1].
 
-    Shapes are those of `deeper`.
+    Shapes are those of `deeper`; `power` is the endpoint weight, with which d must be positive.
     """
     end = np.exp(-panels * width)
     x = -np.log(np.maximum(d, 1e-300))
     own = np.clip(np.floor(x / width).astype(int), 0, panels - 1)
     matrix = np.zeros((len(d), panels, degree + 1))
-    scale = np.exp(-0.5 * width * np.arange(panels))
+    scale = np.exp(-(0.5 + power) * width * np.arange(panels))
     # far below the panels the plain rule keeps the distance itself
     clear = x > (panels + 1) * width
-    matrix[clear] = _plain(-d[clear], panels, width, degree)
+    matrix[clear] = _plain(-d[clear], panels, width, degree, power)
     for i in np.unique(own[~clear]):
         rows = np.flatnonzero((own == i) & ~clear)
-        blocks = outer_blocks(np.maximum(x[rows] - i * width, 0.0), i + 1, width, degree)
+        offset = np.maximum(x[rows] - i * width, 0.0)
+        blocks = outer_blocks(offset, i + 1, width, degree, power)
         matrix[rows, : i + 1] = blocks[:, ::-1] * scale[: i + 1, None]
-    return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end)])
+    return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end, power)])
 
 
-def _plain(e: Array, panels: int, width: float, degree: int) -> Array:
-    """Return ``1/2 int psi dd' / sqrt(|d' + e|)`` on the panels, for e clear of ``-d'``."""
+def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+    """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` on the panels, e clear of ``-d'``."""
     g, _ = gauss_rule(degree + _EXTRA)
     source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
     values = (0.25 * width) * source / np.sqrt(np.abs(source + e[:, None, None]))
+    if power != 0.0:
+        values *= source**power
     return np.asarray(values @ legendre_projection_matrix(len(g), degree))
 
 

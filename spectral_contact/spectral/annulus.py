@@ -84,6 +84,7 @@ class Family:
     reach : float
         Extent in ``s**2``.
     panels : LogPanels
+        With an endpoint weight only below the boundary.
     """
 
     boundary: Radius
@@ -111,7 +112,7 @@ class Family:
         matrix = np.zeros((len(e), p.size))
         if self.sign < 0:
             rows = e > 0.0
-            matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree)
+            matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree, p.power)
         else:
             rows = e >= 0.0
             matrix[rows] = beyond(e[rows], p.panels, p.width, p.degree)
@@ -127,7 +128,7 @@ class Family:
             rows = e <= 0.0
             matrix[rows] = beyond(-e[rows], p.panels, p.width, p.degree)
             rows = (e > 0.0) & (e <= 1.0)
-            matrix[rows] = outer(e[rows], p.panels, p.width, p.degree)
+            matrix[rows] = outer(e[rows], p.panels, p.width, p.degree, p.power)
         else:
             rows = e < 0.0
             matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)

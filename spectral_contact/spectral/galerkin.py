@@ -21,13 +21,16 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh, lapack
+from scipy.linalg import eigh
 
 from spectral_contact.spectral.abel import (
     deeper_blocks,
     deeper_tail,
+    outer,
+    outer_blocks,
 )
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cholesky import ScaledCholesky
 from spectral_contact.spectral.jacobi import (
     legendre_expansion_matrix,
     legendre_values,
@@ -112,6 +115,27 @@ class DiskOperators:
             for x in self._offsets
         )
         return first, other
+
+    def outer(self, coefficients: Array) -> Array:
+        """Return the `outer` integral of a function at the nodes, (nodes,); no root tail."""
+        panels, (first, other, tail) = self.panels, self._outer
+        count, terms = panels.panels, panels.degree + 1
+        fall = np.exp(-(0.5 + panels.power) * panels.width * np.arange(count))
+        scaled = coefficients[: count * terms].reshape(count, terms) * fall[:, None]
+        values = np.zeros((count - 1, other.shape[-1]))
+        for k in range(count):
+            start = max(k, 1)
+            values[start - 1 :] += scaled[start - k : count - k] @ other[k]
+        return np.concatenate([scaled[0] @ first, values.ravel(), tail @ coefficients])
+
+    @cached_property
+    def _outer(self) -> tuple[Array, Array, Array]:
+        """Blocks of the `outer` integral: on the first panel, on any other one, on the tail."""
+        p, (start, begin) = self.panels, self._offsets
+        form = p.width, p.degree, p.power
+        blocks = outer_blocks(begin, p.panels, *form).transpose(1, 2, 0).copy()
+        tail = self.nodes.d[-p.node_counts[1] :]
+        return outer_blocks(start, 1, *form)[:, 0].T, blocks, outer(tail, p.panels, *form)
 
     @cached_property
     def normal(self) -> GalerkinOperator:
@@ -264,8 +288,8 @@ class Space:
         columns = self.index[self._sorted]
         order = np.ix_(self._place, self._place)
         self._strips = operator.disk.strips(columns)
-        self._gram = operator.gram_of(self._strips)[order]
-        self._mass = operator.mass_of(columns)[order]
+        self.gram = operator.gram_of(self._strips)[order]
+        self.mass = operator.mass_of(columns)[order]
 
     @property
     def unknowns(self) -> int:
@@ -318,9 +342,9 @@ class Space:
             Coefficients, zero outside the space.
         """
         # the mass of a panel falls like its width: with unit diagonal it is well conditioned
-        scale = 1.0 / np.sqrt(self._mass.diagonal())
+        scale = 1.0 / np.sqrt(self.mass.diagonal())
         square = np.outer(scale, scale)
-        values, vectors = eigh(self._gram * square, self._mass * square)
+        values, vectors = eigh(self.gram * square, self.mass * square)
         modes = np.zeros((self.operator.panels.size, len(values)))
         modes[self.index] = vectors * scale[:, None]
         return np.maximum(values, 0.0), modes
@@ -342,16 +366,14 @@ class Factored:
     def __init__(self, space: Space, compliance: float) -> None:
         self.space = space
         self.compliance = compliance
-        matrix = compliance * space._mass
-        matrix += space._gram
-        self.scale = 1.0 / np.sqrt(matrix.diagonal())
-        matrix *= self.scale
-        matrix *= self.scale[:, None]
-        # The transposed view is Fortran-ordered, which LAPACK takes without a copy. The factor
-        # replaces the lower triangle; the upper one stays as it is, and `change` needs it.
-        self._factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
-        if info != 0:
-            raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
+        matrix = compliance * space.mass
+        matrix += space.gram
+        self._cholesky = ScaledCholesky(matrix)
+
+    @property
+    def scale(self) -> Array:
+        """One over the square roots of the matrix's diagonal."""
+        return self._cholesky.scale
 
     def solve(
         self, target: Array | float, load: Array | None = None, *, correct: bool = True
@@ -374,7 +396,7 @@ class Factored:
         ndarray, shape (size,) or (size, k)
             Coefficients, zero outside the space.
         """
-        space, scale = self.space, self.scale
+        space = self.space
         fixed = 0.0 if load is None else self.compliance * load[space.index]
         coefficients = np.zeros((space.operator.panels.size, *np.shape(target)[1:]))
         misfit = target
@@ -385,9 +407,8 @@ class Factored:
             else:
                 residual = space.moments(misfit.T) - fixed
             if correction and self.compliance != 0.0:
-                residual -= self.compliance * (space._mass @ coefficients[space.index]).T
-            step, _ = lapack.dpotrs(self._factor, (residual * scale).T, lower=1)
-            coefficients[space.index] += (step.T * scale).T
+                residual -= self.compliance * (space.mass @ coefficients[space.index]).T
+            coefficients[space.index] += self._cholesky.solve(residual).T
             if correction + 1 < rounds:
                 misfit = target - space.half_integral(coefficients)
         return coefficients
@@ -395,7 +416,7 @@ class Factored:
     def compliance_energy(self, left: Array, right: Array) -> Array:
         """Return the compliance times the inner products of functions of the space, as columns."""
         index = self.space.index
-        product: Array = left[index].T @ (self.space._mass @ right[index])
+        product: Array = left[index].T @ (self.space.mass @ right[index])
         return self.compliance * product
 
     def dual(self, functional: Array) -> Array:
@@ -407,9 +428,8 @@ class Factored:
             Values of the functional on the basis.
         """
         index = self.space.index
-        values, _ = lapack.dpotrs(self._factor, functional[index] * self.scale, lower=1)
         coefficients = np.zeros_like(functional)
-        coefficients[index] = values * self.scale
+        coefficients[index] = self._cholesky.solve(functional[index])
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
@@ -418,19 +438,12 @@ class Factored:
         It is the difference to the Galerkin solution without them, from the same factorisation
         and without cancellation.
         """
-        index, scale = self.space.index, self.scale
-        k = self.space.kept if degrees == 2 else self.space.kept_but_one
-        shed = coefficients[index[k:]] / scale[k:]
-        # with the whole factor, as the leading block would have to be copied
-        step = np.zeros(len(index))
-        step[:k] = self._factor[:k, k:] @ shed
-        step, _ = lapack.dtrtrs(self._factor, step, lower=1)
-        step[k:] = 0.0
-        step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1)
+        index = self.space.index
+        kept = self.space.kept if degrees == 2 else self.space.kept_but_one
+        shed = self._cholesky.shed(coefficients[index], kept)
         change = np.zeros_like(coefficients)
-        change[index[:k]] = step[:k] * scale[:k]
-        change[index[k:]] = -shed * scale[k:]
+        change[index] = shed
         panels = self.space.operator.panels
         panel = np.minimum(index // (panels.degree + 1), panels.panels)
-        energies = np.bincount(panel, (change[index] / scale) ** 2, panels.panels + 1)
+        energies = np.bincount(panel, (shed / self.scale) ** 2, panels.panels + 1)
         return Change(change, np.asarray(energies, dtype=float))

@@ -15,6 +15,7 @@ from spectral_contact.checks import real
 from spectral_contact.equations import (
     load,
     normal_displacement,
+    shear_lift,
     tangential_displacement,
 )
 from spectral_contact.errors import SceneError
@@ -94,7 +95,8 @@ def check_solution(
     """Check a solution against the equations of its scene.
 
     The fields are put into (3.5), (4.2) and the friction law with the elliptic kernels, by
-    quadrature that shares nothing with any solver. A field that is right to a relative `rtol`
+    quadrature that shares nothing with any solver; with elastic coupling (3.5) has what the
+    traction lifts. A field that is right to a relative `rtol`
     everywhere passes.
 
     Parameters
@@ -104,6 +106,7 @@ def check_solution(
         arrays of ``s`` in [0, 1], dimensionless as in `Solution`. If they take ``from_edge``, it is
         used; without it layers thinner than 1e-8 cannot be seen. ``approach`` and
         ``total_shear`` are checked where they exist; ``zones`` give their boundaries to `breaks`.
+        Closer to the edge than its ``opening``, if it has one, the pressure may be negative.
     scene : Scene
         What the solution claims to solve.
     rtol : float
@@ -146,9 +149,9 @@ def check_solution(
     finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
     cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0]
     pressure = field_of(solution, "pressure")
-    checks = _normal_checks(solution, scene, pressure, rtol + _FLOOR, cuts)
-    if scene.friction is not None:
-        traction = field_of(solution, "traction")
+    traction = None if scene.friction is None else field_of(solution, "traction")
+    checks = _normal_checks(solution, scene, pressure, traction, rtol + _FLOOR, cuts)
+    if traction is not None:
         checks += _friction_checks(solution, scene, pressure, traction, rtol + _FLOOR, cuts)
     report = CheckReport(tuple(checks))
     if strict and not report.passed:
@@ -200,19 +203,37 @@ def _worst(name: str, errors: Array, allowed: float, places: Array) -> Check:
 
 
 def _normal_checks(
-    solution: Any, scene: Scene, pressure: Field, rtol: float, cuts: list[float]
+    solution: Any,
+    scene: Scene,
+    pressure: Field,
+    traction: Field | None,
+    rtol: float,
+    cuts: list[float],
 ) -> list[Check]:
     alpha, p = scene.normal_compliance, pressure(_PLACES)
     deflections = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
     under = alpha * p + deflections
-    approach = float(getattr(solution, "approach", np.mean(under)))
     excess = alpha * load(lambda d: pressure(d) / np.sqrt(d * (2.0 - d)), breaks=cuts)
+    if scene.couples and traction is not None:
+        lifts = [shear_lift(traction, scene.kappa, float(d), cuts) for d in _PLACES]
+        under -= np.array(lifts)
+        # what the smooth pressure does on the lift; 1 - sqrt(1 - s^2), without cancellation
+        excess -= scene.kappa * load(lambda d: _smooth_share(traction, d), breaks=cuts)
+    approach = float(getattr(solution, "approach", np.mean(under)))
+    opening = getattr(solution, "opening", None) or 0.0
+    negative = np.where(opening > _PLACES, 0.0, np.maximum(-p, 0.0)) / np.mean(np.abs(p))
     return [
-        _worst("pressure is not negative", np.maximum(-p, 0.0) / np.mean(np.abs(p)), 0.0, _PLACES),
+        _worst("pressure is not negative", negative, 0.0, _PLACES),
         Check("pressure bears the load", abs(2.0 * pi * load(pressure, breaks=cuts) - 1.0), rtol),
         _worst("normal equation (3.5)", np.abs(under / approach - 1.0), rtol, _PLACES),
         Check("approach, by reciprocity", abs(approach / (0.125 + excess) - 1.0), rtol),
     ]
+
+
+def _smooth_share(traction: Field, d: Array) -> Array:
+    """Return ``q (1 - sqrt(1 - s^2))/s`` at distances from the edge."""
+    y, s = d * (2.0 - d), 1.0 - d
+    return traction(d) * s / (1.0 + np.sqrt(y))
 
 
 def _friction_checks(

@@ -302,7 +302,7 @@ def test_a_plot(capsys, tmp_path):
     ],
 )
 def test_bad_input_is_one_line_before_any_work(capsys, monkeypatch, options, words):
-    monkeypatch.setattr(spectral_contact.solver, "_Run", None)
+    monkeypatch.setattr(spectral_contact.solver, "_run", None)
     assert words in complaint(capsys, *options)
 
 
@@ -426,3 +426,22 @@ def test_a_full_disk_behind_stdout_is_one_line():
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr == "spectral-contact: standard output: No space left on device\n"
+
+
+def test_coupling_is_an_option(capsys, solved):
+    assert run(capsys, *STUCK, "--coupling")[0] == 0
+    assert solved[0][0][0] == Scene(0.1, 0.5, 0.5, np.inf, coupling=True)
+
+
+def test_the_report_says_where_the_contact_would_open(capsys, tmp_path):
+    smooth = ("--normal-compliance", "0", "--tangential-compliance", "0", "--poisson-ratio", "0")
+    status, out, _ = run(
+        capsys, *STUCK, *smooth, "--coupling", "--plot", str(tmp_path / "coupled.png")
+    )
+    assert status == 0
+    assert out.splitlines()[0].startswith(
+        "nu = 0.0, alpha* = 0.0, beta* = 0.0, full stick, coupled"
+    )
+    assert value_of(out, "contact would open within") == "6.7e-05"
+    assert "would open within 6.71e-05 of the edge" in out
+    assert (tmp_path / "coupled.png").stat().st_size > 10_000

@@ -202,3 +202,18 @@ def test_hardly_any_compliance_changes_no_digit_beyond_the_error(scene):
     # delta - 1/8 = (alpha/4 pi)(ln(1/alpha) + gamma + 1), 2.7e-14 at alpha = 1e-14
     assert abs(rough.approach - smooth.approach) <= 3e-14
     assert abs(rough.total_shear - smooth.total_shear) <= 1e-12
+
+
+def test_coupling_alone_imports_what_couples():
+    coupled = imported_by("Scene(0.1, 0.5, 0.5, inf, coupling=True)")
+    assert "coupled_stick" in coupled
+    assert coupled.isdisjoint({"drive", "full_stick", *SLIDING})
+    for scene in ("Scene(0.1, 0.5, 0.5, inf)", "Scene(0.5, 0.5, 0.5, inf, coupling=True)"):
+        assert "coupled_stick" not in imported_by(scene)
+
+
+@pytest.mark.parametrize("friction", [None, 0.05, math.inf])
+def test_without_coupling_no_coupled_operator_is_assembled(friction):
+    clear_caches()
+    solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
+    assert cache_sizes().get("coupled spaces", 0) == 0

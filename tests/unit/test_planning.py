@@ -235,3 +235,51 @@ def test_solution_holds_what_was_planned(name):
         assert after.state is not IF
         if before.state is not IF:
             assert after.state is before.state
+
+
+# --- elastic coupling -----------------------------------------------------------------------------
+
+STUCK = Scene(0.1, 0.5, 0.5, math.inf, coupling=True)
+COUPLED = Scene(0.1, 0.5, 0.5, 0.1, coupling=True)
+
+
+@pytest.mark.parametrize(
+    ("scene", "quantities", "expected"),
+    [
+        (STUCK, None, (RUN, NO, RUN, NO, NO, NO)),
+        (STUCK, ("approach",), (RUN, NO, RUN, NO, NO, NO)),
+        (STUCK, ("zones", "stick_radius", "slip"), (NO, NO, NO, NO, NO, NO)),
+        (COUPLED, None, (RUN, NO, RUN, IF, IF, IF)),
+        (COUPLED, ("approach",), (RUN, NO, RUN, IF, IF, IF)),
+        (COUPLED, ("critical_friction",), (RUN, NO, RUN, NO, NO, NO)),
+        (COUPLED, (), (NO, NO, NO, NO, NO, NO)),
+        (Scene(0.1, 0.5, coupling=True), None, (NO, RUN, NO, NO, NO, NO)),
+        (Scene(0.5, 0.5, 0.5, 0.1, coupling=True), None, (NO, RUN, NO, NO, NO, NO)),
+        (Scene(0.1, 0.5, 0.5, 0.0, coupling=True), None, (RUN, RUN, RUN, NO, NO, RUN)),
+        (Scene(0.1, 0.5, 0.5, 0.0, coupling=True), ("slip",), (NO, RUN, NO, NO, NO, RUN)),
+    ],
+)
+def test_steps_with_coupling(scene, quantities, expected):
+    steps = plan(scene, quantities).steps
+    assert tuple(step.name for step in steps) == ("elastic coupling", *STEPS)
+    assert tuple(step.state for step in steps) == expected
+    assert all(step.reason for step in steps)
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (STUCK, "one system"),
+        (Scene(0.1, 0.5, coupling=True), "no friction coefficient"),
+        (Scene(0.5, 0.5, 0.5, 0.1, coupling=True), "nu = 0.5"),
+    ],
+)
+def test_the_plan_says_which_model_runs_and_why(scene, words):
+    assert words in plan(scene).steps[0].reason
+
+
+def test_slip_with_coupling_has_no_fields():
+    solution = solve(COUPLED, 1e-3)
+    missing = dict(solution.plan.missing)
+    assert set(missing) == {"pressure", "traction", "slip"}
+    assert all("with coupling and slip" in reason for reason in missing.values())

@@ -576,3 +576,46 @@ def test_all_is_complete():
         if isinstance(thing, type) and thing.__module__ == scene_module.__name__
     }
     assert set(scene_module.__all__) == classes
+
+
+# --- elastic coupling -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bad", [1, 0, "no", None, 1.0, [True]])
+def test_coupling_is_true_or_false(bad):
+    with pytest.raises(SceneError, match=r"^coupling = .*: must be True or False"):
+        Scene(0.3, coupling=bad)
+
+
+def test_a_coupled_scene_is_another_scene_and_survives_json():
+    coupled = Scene(0.1, 0.5, 0.25, math.inf, coupling=np.True_)
+    assert coupled.coupling is True
+    assert coupled != Scene(0.1, 0.5, 0.25, math.inf)
+    assert coupled.to_dict()["coupling"] is True
+    for again in (Scene.from_json(coupled.to_json()), pickle.loads(pickle.dumps(coupled))):
+        assert again == coupled
+        assert again.coupling is True
+    with pytest.raises(SceneError, match="coupling"):
+        Scene.from_dict(coupled.to_dict() | {"coupling": 1})
+
+
+def test_coupling_in_si_units():
+    scene = Scene.from_physical(**STEEL, load=1.0, friction=0.1, coupling=True)
+    assert scene.coupling
+    assert scene.couples
+    assert Scene.from_json(scene.to_json()) == scene
+
+
+@pytest.mark.parametrize(
+    ("scene", "couples"),
+    [
+        (Scene(0.3, friction=0.1, coupling=True), True),
+        (Scene(0.3, friction=math.inf, coupling=True), True),
+        (Scene(0.3, friction=math.inf), False),
+        (Scene(0.5, friction=math.inf, coupling=True), False),
+        (Scene(0.3, friction=0.0, coupling=True), False),
+        (Scene(0.3, coupling=True), False),
+    ],
+)
+def test_what_couples(scene, couples):
+    assert scene.couples is couples

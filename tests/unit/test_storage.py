@@ -603,3 +603,22 @@ def test_junk_is_refused(suffix, junk, tmp_path_factory):
     path.write_bytes(junk)
     with pytest.raises(SolutionFileError):
         Solution.load(path)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".json"])
+@pytest.mark.parametrize("compliances", [(0.0, 0.0), (0.2, 0.5), (0.0, 0.5)])
+def test_coupled_solutions_are_stored_whole(tmp_path, suffix, compliances):
+    solution = solve(Scene(0.0, *compliances, math.inf, coupling=True), 1e-6)
+    path = tmp_path / f"coupled{suffix}"
+    solution.save(path)
+    again = Solution.load(path)
+    assert again == solution
+    assert again.opening == solution.opening
+    depths = [1e-300, 1e-20, 1e-3, 0.5]
+    assert np.array_equal(again.pressure(from_edge=depths), solution.pressure(from_edge=depths))
+
+
+def test_files_know_nothing_of_what_a_solution_does_not_use():
+    text = solve(Scene(0.1, 0.5, 0.5, math.inf), 1e-4).to_json()
+    assert "coupling" not in text
+    assert "oscillation" not in text

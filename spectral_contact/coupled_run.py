@@ -1,0 +1,182 @@
+"""One solve with elastic coupling: pressure and traction are one system."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from spectral_contact.contact.coupled_stick import CoupledStick, solve_coupled_stick
+from spectral_contact.contact.normal import NormalContact
+from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Radius
+from spectral_contact.planning import plan
+from spectral_contact.run import CENTRE, EDGE, Run
+from spectral_contact.solution import (
+    COUPLING,
+    FULL_STICK,
+    PARTIAL_SLIP,
+    SLIP_FIELD,
+    ZONE_SEARCH,
+    PlannedStep,
+    StepState,
+    Zone,
+)
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
+
+__all__ = ["CoupledRun"]
+
+
+class CoupledRun(Run):
+    """The steps of a plan with elastic coupling; at friction 0 the traction is idle.
+
+    Parameters are those of `Run`.
+    """
+
+    def tangential(self, states: dict[str, StepState], contact: NormalContact | None) -> None:
+        """Solve for pressure and traction together."""
+        if self.scene.friction == 0.0:
+            super().tangential(states, contact)
+            return
+        self.together(states)
+
+    def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
+        """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
+        self._take_ratios(self._coupled_stick())
+
+    def together(self, states: dict[str, StepState]) -> None:
+        """Solve full stick, and what it decides."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction == math.inf:
+            self.all_stick()
+            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
+        if states[COUPLING] is not StepState.RUN:
+            return
+        stick = self._coupled_stick()
+        self._take_ratios(stick)
+        self.pressure, self.traction = stick.pressure, stick.traction
+        self.values.update(approach=stick.approach, total_shear=stick.total_shear)
+        self.errors.update(
+            approach=stick.approach_error,
+            pressure=stick.pressure_error,
+            traction=stick.traction_error,
+            total_shear=stick.shear_error,
+        )
+        if "pressure" in self.plan.quantities:
+            self.values["opening"] = stick.opening
+        if stick.opening is not None:
+            self.outcome[COUPLING] = PlannedStep(
+                COUPLING,
+                StepState.RUN,
+                f"one system; the contact would open within {stick.opening:.3g} of the edge",
+            )
+        if states[PARTIAL_SLIP] is not StepState.SKIPPED:
+            self._coupled_slip(stick)
+
+    def _coupled_stick(self) -> CoupledStick:
+        scene, begin = self.scene, perf_counter()
+        asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
+        integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
+        stick: CoupledStick = self.record(
+            FULL_STICK,
+            solve_coupled_stick(
+                scene.normal_compliance,
+                scene.tangential_compliance,
+                scene.kappa,
+                self.rtol,
+                self.max_unknowns,
+                pointwise=not integrals,
+            ),
+            begin,
+        )
+        return stick
+
+    def _take_ratios(self, stick: CoupledStick) -> None:
+        """Copy q/p of full stick, which has no meaning where the pressure is not positive."""
+        self.values.update(edge_ratio=stick.edge_ratio, critical_friction=stick.critical)
+        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+        if stick.edge_ratio is None and "edge_ratio" in self.plan.quantities:
+            self.lacking["edge_ratio"] = (
+                "the traction and the pressure oscillate at the edge of a smooth surface"
+                if stick.opening is None
+                else f"the contact would open within {stick.opening:.3g} of the edge"
+            )
+
+    def _coupled_slip(self, stick: CoupledStick) -> None:
+        """Stop at full stick above the critical friction; else find the stick disk."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction < stick.critical:
+            self._slipping(friction, stick.critical)
+            return
+        self.all_stick()
+        # only the errors may say that there is slip
+        safe = friction * (1.0 - stick.critical_error) >= stick.critical
+        error = 0.0 if safe else 1.0
+        self.errors.update(stick_radius=error, zones=error, slip=error, violation=0.0)
+        reason = f"friction is not below the critical {stick.critical:.6g}"
+        self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+
+    def _slipping(self, friction: float, critical: float) -> None:
+        """Take over the integrals and the zones of partial slip; its fields are not offered."""
+        from spectral_contact.contact.coupled_slip import NoCoupledDiskError, solve_coupled_slip
+
+        scene, begin = self.scene, perf_counter()
+        try:
+            solved = solve_coupled_slip(
+                scene.normal_compliance,
+                scene.tangential_compliance,
+                scene.kappa,
+                friction,
+                self._guess(),
+                self.rtol,
+            )
+        except NoCoupledDiskError as missing:
+            raise NotComputedError(
+                "coupled partial slip",
+                f"{missing}; with coupling one stick disk is solved for, and slip from it to the "
+                "edge; pass friction=math.inf, or coupling=False",
+            ) from missing
+        self.record(PARTIAL_SLIP, solved, begin)
+        self.work[-1] = replace(self.work[-1], unknowns=solved.unknowns)
+        self.exceeded |= solved.unknowns > self.max_unknowns
+        self.pressure = self.traction = None
+        self.values.pop("opening", None)
+        for name in ("pressure", "traction", "slip"):
+            self.errors.pop(name, None)
+            if name in self.plan.quantities:
+                self.lacking[name] = "with coupling and slip the fields are not accurate enough"
+        rim = solved.radius
+        zones = Zone.between("stick", CENTRE, rim), Zone.between("slip", rim, EDGE)
+        self.values.update(
+            approach=solved.approach,
+            total_shear=solved.total_shear,
+            stick_radius=rim.value,
+            zones=zones,
+        )
+        self.errors.update(
+            approach=solved.approach_error,
+            total_shear=solved.shear_error,
+            stick_radius=solved.radius_error,
+            zones=max(solved.radius_error, solved.edge_error),
+        )
+        below = f"friction is below the critical {critical:.6g}"
+        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
+        one = PlannedStep(COUPLING, StepState.RUN, "pressure and traction are one system")
+        self.outcome[COUPLING] = one
+        self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
+        self.skip("its sense was checked; the field is not offered with coupling", SLIP_FIELD)
+
+    def _guess(self) -> float:
+        """Return the stick radius without coupling, as a logit."""
+        plain = replace(self.scene, coupling=False)
+        todo = plan(plain, ("zones",))
+        rim = Run(plain, todo, 1e-4, self.max_unknowns, self.shared).solution().zones[0]
+        if rim.kind == "slip" or rim.outer < 1e-3:
+            raise NotComputedError("coupled partial slip", "its stick disk is smaller than 1e-3")
+        # where the paper's model sticks all over, slip is narrow
+        return 3.0 if rim.outer == 1.0 else Radius(rim.outer, rim.outer_from_edge).logit
