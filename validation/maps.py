@@ -68,7 +68,7 @@ def draw_stick_radius(found, critical) -> Figure:
             axes.plot(
                 COARSE[where[:, 1]], COARSE[where[:, 0]], "o", color="#D55E00", ms=3.5, mew=0.0
             )
-            axes.text(0.0012, 0.009, "slip inside,\nthe edge sticks", color="#D55E00")
+            axes.text(0.0012, 0.007, "slip inside,\nthe edge sticks", color="#D55E00")
         whole = critical.critical_friction.transpose(*values.dims)
         axes.contour(FINE, FINE, whole, [FRICTION], colors="black", linewidths=1.4)
         axes.text(0.05, 1.0, "full stick")
