@@ -20,7 +20,7 @@ from spectral_contact.threads import keep_one_thread
 
 __all__ = ["Outcome", "process", "solve_chunk"]
 
-_FAILED: Final = ENDINGS.index("failed")
+_CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")
 #: Codes of the kinds of zones; 0 is none.
 _KINDS: Final = {"stick": 1, "slip": 2}
 
@@ -116,7 +116,7 @@ class _Rows:
 
     def put(self, known: Served) -> None:
         """Keep what the spectra know."""
-        self._endings[known.mask] = 0
+        self._endings[known.mask] = _CONVERGED
         for name in known.values:
             self._values[name][known.mask] = known.values[name]
             self._values[f"{name}_error"][known.mask] = known.errors[name]

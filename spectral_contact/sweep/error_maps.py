@@ -42,7 +42,13 @@ _STICKS: BoundedCache[int, CertifiedStick] = BoundedCache("full-stick spectra", 
 
 
 class CertifiedNormal:
-    """Normal contact for every compliance, with estimates of relative errors."""
+    """Normal contact for every compliance, with estimates of relative errors.
+
+    Parameters
+    ----------
+    degree : int
+        On every panel, at least 4.
+    """
 
     def __init__(self, degree: int) -> None:
         self.spectrum = NormalSpectrum(degree)
@@ -58,21 +64,27 @@ class CertifiedNormal:
 
 
 class CertifiedStick:
-    """Full stick for every pair of compliances, with estimates of relative errors; kappa is 1."""
+    """Full stick for every pair of compliances, with estimates of relative errors; kappa is 1.
+
+    Parameters
+    ----------
+    degree : int
+        On every panel, at least 4.
+    """
 
     def __init__(self, degree: int) -> None:
         self.spectrum = StickSpectrum(degree)
-        self._rough: StickSpectrum | None = StickSpectrum(degree - 2)
+        lesser = StickSpectrum(degree - 2)
         alpha, beta = (grid.ravel() for grid in np.meshgrid(_lattice(), _lattice(), indexing="ij"))
         self._shape = len(_lattice()), len(_lattice())
         (shear, edge), (rough_shear, rough_edge) = (
-            one.shear_and_edge(alpha, beta) for one in (self.spectrum, self._rough)
+            one.shear_and_edge(alpha, beta) for one in (self.spectrum, lesser)
         )
         self._shear_map = self._widened(shear, rough_shear) + 4.0 * ROUNDING
         self._edge_map = _RATIO_SAFETY * self._widened(edge, rough_edge) + _EDGE_ROUNDING
         fine, rough = (
             one.critical(alpha, beta, ratio)
-            for one, ratio in ((self.spectrum, edge), (self._rough, rough_edge))
+            for one, ratio in ((self.spectrum, edge), (lesser, rough_edge))
         )
         self._critical_map = _RATIO_SAFETY * self._widened(fine, rough) + _CRITICAL_ROUNDING
 

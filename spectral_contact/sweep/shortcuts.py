@@ -48,8 +48,11 @@ def eligible(columns: Columns, request: Request) -> Mask:
     asked = frozenset(request.quantities)
     nu, alpha, beta, friction = columns.values
     mask: Mask = alpha > 0.0
-    if asked & _RATIOS or (asked & _STICKING and not (friction == np.inf).all()):
-        mask &= np.minimum(alpha, beta) >= _LEAST_POINTWISE
+    thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
+    if asked & _RATIOS:
+        mask &= ~thin
+    elif asked & _STICKING:  # whether there is slip hangs on the ratios, too
+        mask &= ~thin | (friction == np.inf)
     if not asked <= _NORMAL | _RATIOS | _STICKING:
         mask[:] = False
     if "pressure" in asked and not request.at_edge_alone:
