@@ -325,7 +325,7 @@ class _OneDiskProblem:
         # rounding, and what the quadrature of the source and interpolation of the target leave out
         noise = 8.0 * ROUNDING + 0.05 * self.quadrature
         shift += noise * at_rim + trial.unresolved
-        shift = shift / abs(self.slope) + np.finfo(float).eps * abs(radius.logit)
+        shift = float(shift / abs(self.slope) + np.finfo(float).eps * abs(radius.logit))
         misfit = trial.target - space.half_integral(coefficients)
         weights = radius.value**3 * nodes.weights * nodes.rest
         lost_misfit = (

@@ -159,6 +159,16 @@ class _Search:
     near: tuple[float, float] | None
 
     def outcome(self) -> PartialSlip:
+        """Return the best outcome; full stick where it fails and the errors decide on slip."""
+        best = self._best()
+        error = max(best.traction_error, best.shear_error)
+        failed = not best.consistent or error > self.tolerance
+        critical = self.stick.critical * (1.0 - self.stick.critical_error)
+        if failed and self.friction > critical:
+            return _no_slip(self.drive, self.stick, self.beta, self.friction)
+        return best
+
+    def _best(self) -> PartialSlip:
         """Return the first outcome that satisfies the friction law."""
         found: list[PartialSlip] = []
         # on a smooth surface with tangential compliance p is infinite at the edge and q is not:

@@ -298,6 +298,15 @@ def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
         assert a.outer_from_edge == pytest.approx(b.outer_from_edge, rel=1e-9)
 
 
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize("lack", [0.0, 4e-16, 1e-14, 1e-13, 1e-12, 1e-10])
+def test_any_tolerance_is_met_next_to_the_critical_friction(rtol, lack):
+    critical = solve(Scene(0.3, 0.5, 0.5, math.inf), 1e-12).critical_friction
+    for friction in (critical * (1.0 - lack), critical * (1.0 + lack)):
+        solution = solve(Scene(0.3, 0.5, 0.5, friction), rtol)
+        assert 1.0 - solution.stick_radius <= max(1e-9, solution.error.stick_radius)
+
+
 def test_slip_is_unknown_where_the_zones_are():
     scene = Scene(-0.740184063168095, 1.445440324847735, 55599165508.699425, 2.992425260385888e-12)
     solution = solve(scene, 1e-8, strict=False)
