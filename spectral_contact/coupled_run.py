@@ -41,13 +41,13 @@ class CoupledRun(Run):
         if self.scene.friction == 0.0:
             super().tangential(states, contact)
             return
-        self.together(states)
+        self._together(states)
 
     def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
         """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
         self._take_ratios(self._coupled_stick())
 
-    def together(self, states: dict[str, StepState]) -> None:
+    def _together(self, states: dict[str, StepState]) -> None:
         """Solve full stick, and what it decides."""
         friction = self.scene.friction
         assert friction is not None

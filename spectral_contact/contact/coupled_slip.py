@@ -45,6 +45,8 @@ _FALL = 0.1
 _AT_RIM = 32.0
 #: Most steps to the friction of a radius, and to a radius.
 _STEPS, _TRIALS = 6, 8
+#: Relative change of the friction of a radius at which it is settled.
+_SETTLED = 1e-11
 #: Rounding error of the logit of a radius, measured.
 _LOGIT_ROUNDING = 1e-13
 #: Depth in ``-ln d`` down to which the friction law is checked, and what may be missed there.
@@ -85,11 +87,21 @@ class CoupledSlip:
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
-    """The contact solved at one radius."""
+    """The contact at one radius, with the friction that belongs to it and how unsettled that is."""
 
     disk: SlidingDisk
     solution: Sliding
     friction: float
+    unsettled: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Root:
+    """The contact at the radius of the scene, as a logit, and by how much that may be off."""
+
+    trial: _Trial
+    logit: float
+    off: float
 
 
 class _Problem:
@@ -117,14 +129,18 @@ class _Problem:
 
         near, far = start, start * (1.0 + 1e-3)
         first, second = at(near), at(far)
-        for _ in range(_STEPS):
+        for step in range(_STEPS + 1):
+            if first[1] == second[1]:
+                raise NoCoupledDiskError("no friction makes the traction continuous")
             share = first[1] / (first[1] - second[1])
             place = near + share * (far - near)
-            if abs(place - far) <= 1e-11 * abs(far):
+            unsettled = abs(place / far - 1.0)
+            if unsettled <= _SETTLED or step == _STEPS:
                 break
             near, first, far, second = far, second, place, at(place)
-        solution = first[0].toward(second[0], share)
-        return _Trial(disk, solution, place)
+        # the last step of the secant method wins as many digits as the one before it
+        left = unsettled if unsettled > _SETTLED else 0.0
+        return _Trial(disk, first[0].toward(second[0], share), place, left)
 
     def _jump(self, disk: SlidingDisk, solution: Sliding, friction: float) -> float:
         """Return ``q/f - p`` at the deepest place inside the rim."""
@@ -172,8 +188,8 @@ class _Problem:
         own, inner, outer = disk.panels
         d = np.exp(-np.linspace(0.02, _CHECKED, 200))
         q = disk.radius.value * np.sqrt(1.0 - d) * series_of(own, found.traction)(d)
-        share = np.abs(q) / (self.friction * series_of(own, found.disk)(d))
-        if not float(share.max()) <= 1.0 + _ALLOWED:
+        most = self.friction * series_of(own, found.disk)(d)
+        if not (np.abs(q) <= most + _ALLOWED * np.abs(most)).all():
             raise NoCoupledDiskError("the traction in stick exceeds friction")
         pressures = series_of(inner, found.inner)(d), series_of(outer, found.outer)(d)
         if not min(float(p.min()) for p in pressures) > 0.0:
@@ -212,24 +228,26 @@ class _Problem:
                 break
         return b
 
-    def root(self, logit: float, tolerance: float) -> tuple[_Trial, float]:
-        """Return the solution at the radius, and that radius as a logit."""
-        points: list[tuple[float, float]] = []
-        place = logit
+    def root(self, logit: float, tolerance: float) -> _Root:
+        """Return the solution at the radius."""
+        trial = self.trial(logit, tolerance, self.friction)
+        before, place = logit, logit + 1e-3
+        excess = trial.friction / self.friction - 1.0
         for _ in range(_TRIALS):
-            trial = self.trial(place, tolerance, self.friction)
-            off = trial.friction / self.friction - 1.0
-            points.append((place, off))
-            if abs(off) < 4.0 * ROUNDING:
+            last, trial = excess, self.trial(place, tolerance, self.friction)
+            excess = trial.friction / self.friction - 1.0
+            if excess == last:
+                raise NoCoupledDiskError("the friction does not depend on the radius")
+            slope = (place - before) / (excess - last)
+            off = abs(slope) * (abs(excess) + trial.unsettled)
+            if off < _LOGIT_ROUNDING * (1.0 + abs(place)) / 5.0:
                 break
-            if len(points) == 1:
-                place += 1e-3
-                continue
-            (a, fa), (b, fb) = points[-2:]
-            place = b - fb * (b - a) / (fb - fa)
-            if abs(place - b) < 1e-15 * (1.0 + abs(b)):
+            found, before, place = place, place, place - slope * excess
+            if place == before:
                 break
-        return trial, points[-1][0]
+        else:
+            place = found
+        return _Root(trial, place, off)
 
 
 def solve_coupled_slip(
@@ -269,14 +287,14 @@ def solve_coupled_slip(
         found = []
         for level in range(_LEVELS):
             found.append(problem.root(logit, aim * 0.1**level))
-            logit = found[-1][1]
+            logit = found[-1].logit
         solved = _compared(found)
         if best is None or _worst(solved) < _worst(best):
             best = solved
         if _worst(best) <= tolerance or aim <= _TIGHTEST:
             break
         aim = max(0.1 * aim, _TIGHTEST)
-    problem.check(found[-1][0])
+    problem.check(found[-1].trial)
     return best
 
 
@@ -284,20 +302,21 @@ def _worst(solved: CoupledSlip) -> float:
     return max(solved.approach_error, solved.shear_error)
 
 
-def _compared(found: list[tuple[_Trial, float]]) -> CoupledSlip:
+def _compared(found: list[_Root]) -> CoupledSlip:
     """Return the last of solutions in growing spaces, with its distance to the others as error."""
-    fine = found[-1][0]
+    fine = found[-1].trial
     radius, new = fine.disk.radius, fine.solution
-    values = np.array([[s.approach, s.total_shear] for s in (one.solution for one, _ in found)])
+    values = np.array([[s.approach, s.total_shear] for s in (one.trial.solution for one in found)])
     approach, shear = (_left(column / column[-1]) for column in values.T)
-    shift = _left(np.array([logit for _, logit in found]))
+    off = max(one.off for one in found)
+    shift = off + _left(np.array([one.logit for one in found]))
     return CoupledSlip(
         radius,
         new.approach,
         new.total_shear,
         fine.disk.unknowns,
-        approach + 4.0 * ROUNDING,
-        shear + 20.0 * ROUNDING,
+        approach + off + 4.0 * ROUNDING,
+        shear + off + 20.0 * ROUNDING,
         *boundary_error(shift + _LOGIT_ROUNDING, radius),
     )
 

@@ -33,7 +33,7 @@ ROUGH = [
 
 
 @functools.cache
-def slipping(scene, rtol=1e-8):
+def slipping(scene, rtol=1e-6):
     return solve(scene, rtol)
 
 
@@ -51,7 +51,7 @@ def test_smooth_limit_to_twelve_digits(nu, friction, known, approach, shear):
 @pytest.mark.parametrize("scene", [*ROUGH, Scene(0.0, friction=0.3, coupling=True)])
 @pytest.mark.parametrize("rtol", [1e-4])
 def test_estimates_bound_the_errors(scene, rtol):
-    solution, truth = slipping(scene, rtol), slipping(scene, 1e-9)
+    solution, truth = slipping(scene, rtol), slipping(scene, 1e-8)
     for name in ("approach", "total_shear", "stick_radius"):
         error = abs(getattr(solution, name) / getattr(truth, name) - 1.0)
         assert error <= getattr(solution.error, name) + getattr(truth.error, name)

@@ -32,6 +32,7 @@ def record(study):
         ("bad_inputs", "cases", 10_000),
         ("bounds", "count", 30),
         ("costs", "count", 198),
+        ("coupling", "count", 450),
         ("hard_cases", "count", 14),
         ("honesty", "scenes", 4400),
         ("naive", "count", 60),
