@@ -130,7 +130,7 @@ def slip_displacement(
     largest : float
         Largest modulus.
     unresolved : float
-        What the last coefficients of the sampled series leave out, five times it to be safe.
+        What the last coefficients of the sampled series leave out, eight times it to be safe.
     """
     fields, samples, unresolved = [], [], 0.0
     for zone in zones:
@@ -158,7 +158,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * np.concatenate(parts))
     largest = max(float(np.abs(v).max()) for v in samples)
-    return fields, samples, largest, 5.0 * unresolved
+    return fields, samples, largest, 8.0 * unresolved
 
 
 def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:

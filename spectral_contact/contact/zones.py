@@ -83,6 +83,9 @@ class ZonesSolution:
     stray: float
 
 
+#: What the estimates of one disk are multiplied by, and what functionals have of the square of the
+#: error at least: over 10,000 random scenes that is 1.3 and 1.4 times what is needed.
+_ANNULI, _SQUARED = 1.5, 50.0
 #: Accuracy of the space in which the boundaries are found first, and their sensitivity.
 _COARSE = 1e-4
 
@@ -224,7 +227,7 @@ class _ZonesProblem:
             for i, a in enumerate(trial.sticks.annuli)
         ]
         rate = np.concatenate(rates)
-        indicators = expected_error(np.concatenate(shares), rate)
+        indicators = _ANNULI * expected_error(np.concatenate(shares), rate)
         worst = 2.0 * SAFETY * max(float(rate[np.argmax(indicators)]), LEAST_RATE)
         error = max(float(indicators.max()), beyond) + TRACTION_ROUNDING
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
@@ -238,6 +241,8 @@ class _ZonesProblem:
         propagated = SAFETY * self.system.drive.contact.rate**2
         shear_lost = worst * float(lost_parts[:sticking].sum())
         shear_lost += propagated * float(lost_parts[sticking:].sum())
+        # what is lost may be small by accident, but hardly against the square of the error
+        squared = _SQUARED * error**2
         value = ZonesSolution(
             trial.radii,
             self.system.states,
@@ -248,10 +253,9 @@ class _ZonesProblem:
             self._slipping(trial, full),
             panels.panels * panels.width,
             error,
-            shear_lost / shear + 0.1 * self.quadrature + 16.0 * ROUNDING,
-            # what is lost may be small by accident, but hardly against the square of the error
+            shear_lost / shear + squared + 0.1 * self.quadrature + 16.0 * ROUNDING,
             self._boundary_errors(
-                trial, worst * np.abs(coarse.mismatch - trial.mismatch) + 20.0 * error**2
+                trial, worst * np.abs(coarse.mismatch - trial.mismatch) + squared
             ),
             worst * stray,
         )
