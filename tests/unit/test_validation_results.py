@@ -34,7 +34,7 @@ def record(study):
         ("costs", "count", 198),
         ("coupling", "count", 450),
         ("hard_cases", "count", 14),
-        ("honesty", "scenes", 4400),
+        ("honesty", "scenes", 10_000),
         ("naive", "count", 60),
         ("projections", "count", 300),
         ("roughness_fit", "count", 40),
@@ -51,6 +51,10 @@ def test_results_are_fresh_and_of_full_size(study, counted, least):
 
 
 # groups are parts of all cases, quantities are seen in the same scenes
+def test_some_truths_of_the_honesty_study_have_twenty_digits():
+    assert record("honesty")["by_reference"] >= 190
+
+
 @pytest.mark.parametrize(
     ("study", "counted", "total"), [("bad_inputs", "cases", sum), ("honesty", "scenes", max)]
 )
