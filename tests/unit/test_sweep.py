@@ -22,6 +22,19 @@ def always_shared(monkeypatch):
     monkeypatch.setattr(run, "_MANY", 1)
 
 
+@pytest.fixture
+def asked(monkeypatch):
+    """Return the list of the scenes that are solved one by one, which grows as they are."""
+    scenes = []
+    original = chunk.Continuation.solve
+    monkeypatch.setattr(
+        chunk.Continuation,
+        "solve",
+        lambda self, scene: scenes.append(scene) or original(self, scene),
+    )
+    return scenes
+
+
 def test_a_grid_has_the_numbers_of_solve_and_their_estimates():
     found = sweep(BASE, normal_compliance=ALPHAS, friction=FRICTIONS)
     assert found.sizes == {"normal_compliance": 3, "friction": 3}
@@ -248,14 +261,7 @@ def test_the_spectra_agree_with_the_gold_tables():
     assert min(served.values()) >= 3
 
 
-def test_what_the_spectra_cannot_do_to_the_tolerance_is_solved(always_shared, monkeypatch):
-    asked = []
-    original = chunk.Continuation.solve
-    monkeypatch.setattr(
-        chunk.Continuation,
-        "solve",
-        lambda self, scene: asked.append(scene) or original(self, scene),
-    )
+def test_what_the_spectra_cannot_do_to_the_tolerance_is_solved(always_shared, asked):
     alphas = [0.0, 1e-9, 0.5]
     found = sweep(BASE, normal_compliance=alphas, quantities=["edge_ratio"], rtol=1e-12)
     assert [scene.normal_compliance for scene in asked] == [0.0, 1e-9]
@@ -264,14 +270,7 @@ def test_what_the_spectra_cannot_do_to_the_tolerance_is_solved(always_shared, mo
     assert np.allclose(found.edge_ratio, expected, rtol=1e-12)
 
 
-def test_above_the_critical_friction_there_is_nothing_to_solve(always_shared, monkeypatch):
-    asked = []
-    original = chunk.Continuation.solve
-    monkeypatch.setattr(
-        chunk.Continuation,
-        "solve",
-        lambda self, scene: asked.append(scene) or original(self, scene),
-    )
+def test_above_the_critical_friction_there_is_nothing_to_solve(always_shared, asked):
     critical = solve(BASE, 1e-12).critical_friction
     frictions = critical * np.array([0.5, 1.0 - 1e-14, 1.0 + 1e-14, 2.0, math.inf])
     found = sweep(BASE, friction=frictions, quantities=["stick_radius", "total_shear"])
