@@ -98,8 +98,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Study:
         Whatever is wrong with the options.
     """
     if arguments.plot is not None:
-        with plotting.style():  # matplotlib is missed before the work, not after it
-            pass
+        plotting.require()
     if arguments.solver and os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
     common: dict[str, Any] = {

@@ -100,8 +100,7 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
         Whatever is wrong with the options.
     """
     if arguments.plot is not None:
-        with plotting.style():  # matplotlib is missed before the work, not after it
-            pass
+        plotting.require()
     single, axes = {}, {}
     for name in _PARAMETERS:
         values = getattr(arguments, name)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from spectral_contact.contact.coupled_stick import CoupledStick, solve_coupled_stick
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.errors import NotComputedError
-from spectral_contact.fields import Radius
+from spectral_contact.fields import CENTRE, EDGE, Radius
 from spectral_contact.planning import plan
-from spectral_contact.run import CENTRE, EDGE, Run
+from spectral_contact.run import Run
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,

@@ -16,6 +16,8 @@ from spectral_contact.documents import YOUNGER
 from spectral_contact.legendre import legendre_sum, legendre_sums
 
 __all__ = [
+    "CENTRE",
+    "EDGE",
     "AnnulusSeries",
     "DiskSeries",
     "EdgeWeight",
@@ -69,6 +71,9 @@ class Radius:
         """Return ``b**2 - s**2`` without cancellation beyond the rounding of the inputs."""
         gap = np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)
         return np.asarray(gap * (self.value + s))
+
+
+CENTRE, EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -31,6 +31,7 @@ __all__ = [
     "graded_radii",
     "plot_coefficients",
     "plot_solution",
+    "require",
     "save",
     "scene_title",
     "style",
@@ -71,6 +72,17 @@ def check(plan: Plan) -> None:
     if not {"pressure", "traction"}.intersection(plan.quantities):
         reason = dict(plan.missing)["pressure"]
         raise NotComputedError("a field to plot (pressure or traction)", reason)
+    require()
+
+
+def require() -> None:
+    """Check, before the work, that there is matplotlib.
+
+    Raises
+    ------
+    MissingDependencyError
+        If it is not installed.
+    """
     _matplotlib()
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.normal import NormalContact, solve_normal
-from spectral_contact.fields import PressureField, Radius
+from spectral_contact.fields import CENTRE, EDGE, PressureField
 from spectral_contact.scene import Scene
 from spectral_contact.sharing import DiskPath, Shared
 from spectral_contact.solution import (
@@ -35,11 +35,10 @@ if TYPE_CHECKING:
     from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.partial_slip import PartialSlip
 
-__all__ = ["CENTRE", "EDGE", "Run"]
+__all__ = ["Run"]
 
 _LOG = logging.getLogger("spectral_contact.solver")
 
-CENTRE, EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)
 #: What follows from the pressure for everything tangential; no step of its own.
 _DRIVE = "drive"
 #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.

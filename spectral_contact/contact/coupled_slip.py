@@ -24,7 +24,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields import Radius
+from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.sliding import Sliding, SlidingDisk
 
@@ -32,7 +32,6 @@ __all__ = ["CoupledSlip", "NoCoupledDiskError", "solve_coupled_slip"]
 
 Array = NDArray[np.float64]
 
-_EDGE = Radius(1.0, 0.0)
 #: Rims are looked for between 1e-3 and 1 - 4e-7 of the radius.
 _LEAST_LOGIT, _LARGEST_LOGIT = -14.0, 14.0
 #: Tolerance of the spaces in which the radius is bracketed.
@@ -156,7 +155,7 @@ class _Problem:
 
     def _spaces(self, radius: Radius, tolerance: float) -> tuple[Resolution, ...]:
         """Return the spaces on the disk, above its rim, and below the edge."""
-        half = gap(radius, _EDGE) / 2.0
+        half = gap(radius, EDGE) / 2.0
         rate = 0.5 if self.beta == 0.0 else 1.0
         layer = max(self._layer(radius.square), -log(min(half / radius.square, 1.0)))
         if self.beta > 0.0:  # where the traction is seen to be continuous, up to d ln d

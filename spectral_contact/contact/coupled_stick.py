@@ -28,14 +28,13 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields import DiskSeries, LogSeries, PressureField, Radius
+from spectral_contact.fields import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.coupled import CoupledFactored, CoupledSpace, Pair, coupled_space
 
 __all__ = ["CoupledStick", "solve_coupled_stick"]
 
 Array = NDArray[np.float64]
 
-_EDGE = Radius(1.0, 0.0)
 #: Above this compliance the equations as assembled lose no more than rounding.
 _HARMLESS = 1e-3
 #: Most corrections, and what share of its step the first one leaves; measured.
@@ -134,7 +133,7 @@ class _CoupledProblem:
         solved = replace(
             solved,
             pressure=PressureField(None, pressure),
-            traction=DiskSeries(_EDGE, traction),
+            traction=DiskSeries(EDGE, traction),
             opening=_opening(pressure),
             pressure_error=float(expected[0].max()) + left + 20.0 * ROUNDING,
             traction_error=float(expected[1].max()) + left + centre * TRACTION_ROUNDING,

@@ -23,11 +23,9 @@ from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 
-__all__ = ["EDGE", "Drive", "rise_reach"]
+__all__ = ["Drive", "rise_reach"]
 
 Array = NDArray[np.float64]
-
-EDGE = Radius(1.0, 0.0)
 
 _NODES, _FIT = chebyshev_interpolation(14)
 

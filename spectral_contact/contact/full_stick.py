@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
 from spectral_contact.contact.resolution import (
     ROUNDING,
@@ -29,7 +29,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields import DiskSeries, EdgeWeight
+from spectral_contact.fields import EDGE, DiskSeries, EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators
 
 __all__ = ["FullStick", "solve_full_stick"]

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -52,7 +52,7 @@ from spectral_contact.contact.stick_radius import (
     polished_root,
     root_near,
 )
-from spectral_contact.fields import DiskSeries, Radius
+from spectral_contact.fields import EDGE, DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 

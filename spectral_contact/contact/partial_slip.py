@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
     displacement_error,
     obeys,
@@ -36,7 +36,15 @@ from spectral_contact.contact.slip_displacement import (
     slip_misfit,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
-from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius, ZonalField, ZonePiece
+from spectral_contact.fields import (
+    CENTRE,
+    EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, Zone
 from spectral_contact.spectral.annulus import Annulus
 
@@ -47,8 +55,6 @@ __all__ = ["UNRESOLVED_SLIP", "PartialSlip", "solve_partial_slip", "unresolved_s
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
-
-_CENTRE = Radius(0.0, 1.0)
 
 #: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
 #: square root of what the friction lacks, 1e-13 at best.
@@ -273,7 +279,7 @@ def _no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> Pa
     radius_error = unresolved_slip(drive, stick, beta, friction)
     error = max(stick.traction_error, drive.contact.pressure_error)
     return PartialSlip(
-        (Zone.between("stick", _CENTRE, EDGE),),
+        (Zone.between("stick", CENTRE, EDGE),),
         ZonalField((ZonePiece(EDGE, stick.traction),)),
         ZonalField((ZonePiece(EDGE, None),)),
         stick.total_shear,
@@ -301,7 +307,7 @@ def _all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> P
     slip_error = displacement_error(drive, EDGE, stray, beta, friction, largest)
     wrong = float(samples[0].max()) / largest
     return PartialSlip(
-        (Zone.between("slip", _CENTRE, EDGE),),
+        (Zone.between("slip", CENTRE, EDGE),),
         ZonalField((ZonePiece(EDGE, drive.pressure, friction),)),
         ZonalField((ZonePiece(centre, None), ZonePiece(EDGE, fields[0]))),
         friction,
@@ -338,13 +344,13 @@ def _one_disk_outcome(
     )
     traction = ZonalField((ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction)))
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
-    excess = stick_excess(disk.traction, pressure, friction, _CENTRE, radius, disk.depth)
+    excess = stick_excess(disk.traction, pressure, friction, CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
     slip_error = displacement_error(drive, EDGE, disk.stray + unresolved, beta, friction, largest)
     violation = max(excess, float(samples[0].max()) / largest, 0.0)
     consistent = obeys(excess, error, float(samples[0].max()) / largest, slip_error)
     return PartialSlip(
-        (Zone.between("stick", _CENTRE, radius), Zone.between("slip", radius, EDGE)),
+        (Zone.between("stick", CENTRE, radius), Zone.between("slip", radius, EDGE)),
         traction,
         slip,
         disk.total_shear,
@@ -369,7 +375,7 @@ def _zones_outcome(
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, solved.slipping, pressure, beta, friction
     )
-    bounds = (_CENTRE, *solved.radii, EDGE)
+    bounds = (CENTRE, *solved.radii, EDGE)
     sticks: Iterator[DiskSeries | AnnulusSeries] = iter((solved.disk, *solved.annuli))
     slips = iter(fields)
     traction, displacement, zones, excess = [], [], [], 0.0

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
-from spectral_contact.fields import AnnulusSeries, DiskSeries, PressureField, Radius
+from spectral_contact.fields import EDGE, AnnulusSeries, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import (
     FAR_FIT,

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.contact.drive import EDGE, Drive
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, interpolate, series_of
 from spectral_contact.contact.rim import SlipSource, rim_target
 from spectral_contact.contact.slip_displacement import annulus_between, pressure_expansion
 from spectral_contact.contact.stick_annuli import StickAnnuli
-from spectral_contact.fields import Radius
+from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus, Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 from spectral_contact.spectral.panels import LogPanels

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from spectral_contact.contact.drive import EDGE
-from spectral_contact.fields import Radius
+from spectral_contact.fields import EDGE, Radius
 from spectral_contact.precise.disk import Disk, Mesh
 from spectral_contact.precise.drive import Drive, RoughDrive, SmoothDrive
 from spectral_contact.precise.fixed import Fixed

@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from spectral_contact.contact.drive import EDGE
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.fields import Radius
+from spectral_contact.fields import EDGE, Radius
 from spectral_contact.precise.annulus import AnnulusMesh, AnnulusSeries, Blocks
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.drive import Drive

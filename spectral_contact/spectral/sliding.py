@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.fields import EDGE, LogSeries, Radius
 from spectral_contact.spectral.abel import beyond
 from spectral_contact.spectral.annulus import Annulus, Family, Points, gap, sampled_series
 from spectral_contact.spectral.coupled import inner_moments, moments
@@ -35,7 +35,6 @@ __all__ = ["Sliding", "SlidingDisk"]
 
 Array = NDArray[np.float64]
 
-_EDGE = Radius(1.0, 0.0)
 #: Degrees that the panels have beyond those used, for the factor 1/s.
 _SPARE = 4
 _CORRECTIONS = 6
@@ -98,10 +97,10 @@ class SlidingDisk:
             for one, used in zip(panels, degrees, strict=True)
         )
         self.panels = own, *rest
-        self.half = gap(radius, _EDGE) / 2.0
+        self.half = gap(radius, EDGE) / 2.0
         self.families = (
             Family(radius, 1, self.half, rest[0]),
-            Family(_EDGE, -1, self.half, rest[1]),
+            Family(EDGE, -1, self.half, rest[1]),
         )
         self._index = [_index(one, used) for one, used in zip(self.panels, degrees, strict=True)]
         self.count, self._inside = sum(map(len, self._index)), len(self._index[0])
@@ -282,7 +281,7 @@ class SlidingDisk:
 
         With ``E = kappa R - G`` it is ``beta s q - (1/pi) int_0^s t^2 E dt / sqrt(s^2 - t^2)``.
         """
-        plain = Annulus(self.radius, _EDGE, *(replace(one, power=0.0) for one in self.panels[1:]))
+        plain = Annulus(self.radius, EDGE, *(replace(one, power=0.0) for one in self.panels[1:]))
         own, lacking, slipping = self.panels[0], [], []
         for family in plain.families:
             points = family.sampling()

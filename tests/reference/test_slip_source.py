@@ -4,9 +4,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from spectral_contact.contact.drive import EDGE
 from spectral_contact.contact.rim import SlipSource
-from spectral_contact.fields import EdgeWeight, PressureField, Radius
+from spectral_contact.fields import EDGE, EdgeWeight, PressureField, Radius
 
 
 def integral(radius, alpha, kernel):
