@@ -152,8 +152,8 @@ class Zones:
         self.space = trial.factored.space
         rim, disk = trial.radii[0], self.space.operator.disk
         self.disk = Resolution(disk.panels, self.space.degrees)
-        falls, at_rim = self.sticks.falls(disk.panels, rim)
-        functions = at_rim - falls
+        falls, shares, at_rim = self.sticks.falls(disk.panels, rim)
+        functions = at_rim - falls @ shares
         # the solver adds what is inside the rim to the rest when it eliminates the disk
         system = replace(problem.system, beta=0.0)
         self.gram, _ = system._annulus_system(self.sticks, trial.grid)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from math import ceil, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from spectral_contact.contact.resolution import interpolate
 from spectral_contact.fields import Radius
-from spectral_contact.spectral.annulus import Annulus, Family, Points
+from spectral_contact.spectral.annulus import Annulus, Family, Points, gap
+from spectral_contact.spectral.annulus_space import annulus_space, log_interpolation
 from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
 __all__ = ["StickAnnuli"]
 
@@ -36,14 +40,13 @@ class StickAnnuli:
 
     def __init__(self, annuli: list[Annulus], degrees: list[list[tuple[int, ...]]]) -> None:
         self.annuli = annuli
-        self.total = sum(a.size for a in annuli)
-        used: list[NDArray[np.int_]] = []
-        flat = [d for pair in degrees for d in pair]
-        for (family, part), chosen in zip(self.parts(), flat, strict=True):
-            terms = family.panels.degree + 1
-            starts = part.start + terms * np.arange(family.panels.panels)
-            used += [np.arange(i, i + n + 1) for i, n in zip(starts, chosen, strict=True)]
-            used.append(np.arange(part.start + terms * family.panels.panels, part.stop))
+        self.spaces = [
+            annulus_space(a.toward_inner, a.toward_outer, (first, second))
+            for a, (first, second) in zip(annuli, degrees, strict=True)
+        ]
+        starts = np.cumsum([0, *(a.size for a in annuli)])
+        self.total = int(starts[-1])
+        used = [s.columns + i for s, i in zip(self.spaces, starts[:-1], strict=True)]
         self.columns = np.concatenate(used) if used else np.zeros(0, dtype=int)
 
     def parts(self) -> Iterator[tuple[Family, slice]]:
@@ -60,49 +63,121 @@ class StickAnnuli:
         full[self.columns] = values
         return full
 
-    def half_integral(self, points: Points, own: tuple[Annulus, int] | None = None) -> Array:
-        """Return the half-integrals of the functions in use, shape (points, columns).
+    def _half_integral(self, points: Points, own: int, block: Array) -> Array:
+        """Return the half-integrals at points where those of the annulus `own` are known.
 
-        The points may be nodes of an annulus of these, `own`: of its inner half (0) or outer (1).
+        They are inside of the annuli farther out, and outside of those before.
         """
-        blocks = [
-            a.half_integral_at_nodes(own[1]) if own and a is own[0] else a.half_integral(points)
-            for a in self.annuli
-        ]
-        return np.hstack(blocks)[:, self.columns]
+        blocks = [np.zeros((len(block), len(s.columns))) for s in self.spaces[:own]]
+        blocks.append(_extent(self.annuli[own]) * block)
+        for annulus, space in zip(self.annuli[own + 1 :], self.spaces[own + 1 :], strict=True):
+            blocks.append(annulus.half_integral(points)[:, space.columns])
+        return np.hstack(blocks) if len(blocks) > 1 else blocks[0]
+
+    def at_own_nodes(self, own: int, half: int) -> tuple[Points, Array, Array]:
+        """Return the nodes on half an annulus, the weights of ``ds**2`` and the half-integrals."""
+        points, weights = self.annuli[own].families[half].nodes()
+        return points, weights, self._half_integral(points, own, self.spaces[own].at_nodes[half])
+
+    def inside(self, own: int, inner: Radius) -> tuple[Points, Array, Array]:
+        """Return the same between a radius and the inner end of an annulus.
+
+        Near the end panels are equal in the logarithm of the distance to it, near the centre in
+        that of ``s**2``.
+        """
+        annulus, space = self.annuli[own], self.spaces[own]
+        end, half = annulus.inner, gap(annulus.inner, annulus.outer) / 2.0
+        width = gap(inner, end)
+        e, weights, block = space.outside_rule(min(width, end.square / 2.0) / half)
+        if width > end.square / 2.0:
+            g, w = gauss_rule(SAMPLES)
+            length = log(end.square / (2.0 * inner.square))
+            count = ceil(length / 2.0)
+            x = length / count * (np.arange(count)[:, None] + (1.0 + g) / 2.0)
+            z = end.square / 2.0 * np.exp(-x)
+            near = ((end.square - z) / half).ravel()
+            e = np.concatenate([e, near])
+            weights = np.concatenate(
+                [weights, (z * (length / (2.0 * half * count) * w)).ravel()]
+            )
+            block = np.concatenate([block, space.outside(near)])
+        points = Points(end, -half * e)
+        return points, half * weights, self._half_integral(points, own, block)
+
+    def field_inside(self, values: Array) -> Callable[[Points], Array]:
+        """Return the half-integral of a traction as a function of points outside all annuli."""
+        parts = []
+        start = 0
+        for annulus, space in zip(self.annuli, self.spaces, strict=True):
+            own = _extent(annulus) * values[start : start + len(space.columns)]
+            start += len(space.columns)
+            half = gap(annulus.inner, annulus.outer) / 2.0
+            function = space.outside_function(own, annulus.inner.square / half)
+            parts.append((annulus.inner, half, function))
+
+        def field(points: Points) -> Array:
+            total = np.zeros(len(points.offset))
+            for end, half, function in parts:
+                e = points.before(end) / half
+                below = e > 0.0
+                total[below] += function(e[below])
+            return total
+
+        return field
 
     def mass(self) -> Array:
         """Return the mass matrix of the functions in use."""
-        matrix = np.zeros((len(self.columns), len(self.columns)))
-        for family, part in self.parts():
-            used = slice(*np.searchsorted(self.columns, [part.start, part.stop]))
-            matrix[used, used] = family.mass(self.columns[used] - part.start)
-        return matrix
+        blocks = [s.mass(a) for s, a in zip(self.spaces, self.annuli, strict=True)]
+        return np.asarray(block_diag(*blocks)) if len(blocks) > 1 else blocks[0]
 
-    def falls(self, panels: LogPanels, rim: Radius) -> tuple[Array, Array]:
+    def falls(self, panels: LogPanels, rim: Radius) -> tuple[Array, Array, Array]:
         """Return by how much the half-integrals fall from the rim of the disk inward.
+
+        They are sums over sources, and analytic in the logarithm of the distance of these from
+        the rim: few places there stand for all.
 
         Returns
         -------
-        falls : ndarray, shape (nodes, columns)
-            At the Galerkin nodes of the disk.
+        falls : ndarray, shape (nodes, places)
+            Of point sources at the places, at the Galerkin nodes of the disk.
+        shares : ndarray, shape (places, columns)
+            What a function has at the places: its half-integrals fall by the product.
         at_rim : ndarray, shape (columns,)
             The half-integrals at the rim.
         """
         if not self.annuli:
-            return np.zeros((len(disk_operators(panels).nodes.d), 0)), np.zeros(0)
-        sources = [family.sources() for family, _ in self.parts()]
-        above = [-points.before(rim) for points, _ in sources]
+            return np.zeros((len(disk_operators(panels).nodes.d), 0)), np.zeros((0, 0)), np.zeros(0)
+        pairs = [self._gathered(i, rim) for i in range(len(self.annuli))]
+        above = np.concatenate([places for places, _ in pairs])
+        shares = np.asarray(block_diag(*(share for _, share in pairs)))
 
         def function(d: Array) -> Array:
             below = rim.square * d[:, None]
-            blocks = []
-            for (_, matrix), a in zip(sources, above, strict=True):
-                root = np.sqrt(below + a)
-                kernel = below / (root * (root + np.sqrt(a)))
-                blocks.append(kernel @ (matrix / np.sqrt(a)[:, None]))
-            return np.hstack(blocks)[:, self.columns]
+            root = np.sqrt(below + above)
+            return np.asarray(below / (root * (root + np.sqrt(above)) * np.sqrt(above)))
 
-        at_rim = [(1.0 / np.sqrt(a)) @ m for (_, m), a in zip(sources, above, strict=True)]
         values, _ = interpolate(panels, function)
-        return values, np.concatenate(at_rim)[self.columns]
+        return values, shares, (1.0 / np.sqrt(above)) @ shares
+
+    def _gathered(self, own: int, rim: Radius) -> tuple[Array, Array]:
+        """Return few places, as distances from the rim, and the weights of an annulus there."""
+        annulus, space = self.annuli[own], self.spaces[own]
+        nearest, half = gap(rim, annulus.inner), gap(annulus.inner, annulus.outer) / 2.0
+        distances, matrix = space.sources
+        x = np.log(nearest + half * distances)
+        count = max(ceil((log(nearest + 2.0 * half) - log(nearest)) / 2.0), 1)
+        ends = np.linspace(log(nearest), log(nearest + 2.0 * half), count + 1)
+        g, _ = gauss_rule(SAMPLES)
+        places, shares = [], []
+        panel = np.clip(np.searchsorted(ends, x) - 1, 0, count - 1)
+        for i in range(count):
+            rows = panel == i
+            fit = log_interpolation(x[rows], ends[i], ends[i + 1])
+            places.append(np.exp(ends[i] + (ends[i + 1] - ends[i]) * (1.0 + g) / 2.0))
+            shares.append(half * (fit.T @ matrix[rows]))
+        return np.concatenate(places), np.concatenate(shares)
+
+
+def _extent(annulus: Annulus) -> float:
+    """Return the root of half an annulus's extent in ``s**2``, the unit of half-integrals."""
+    return sqrt(gap(annulus.inner, annulus.outer) / 2.0)

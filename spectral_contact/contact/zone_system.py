@@ -31,24 +31,24 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Galerkin nodes on half a zone outside the disk.
+    """Galerkin nodes on a slip zone or half a stick zone outside the disk.
 
     Attributes
     ----------
     zone : int
-    own : tuple of (Annulus, int)
-        The zone and its half.
     points : Points
     weights : ndarray
         Of ``t^2 dt / pi``.
     target : ndarray
+    half_integral : ndarray, shape (points, columns)
+        Of the functions on the stick annuli.
     """
 
     zone: int
-    own: tuple[Annulus, int]
     points: Points
     weights: Array
     target: Array
+    half_integral: Array
 
 
 @dataclass(slots=True)
@@ -158,35 +158,35 @@ class ZoneSystem:
         sources = self._sources(radii, quadrature, rim.square * float(disk.nodes.d.min()))
         _, function = rim_target([self.drive], rim, sources, keep=True)
         fixed, unresolved = interpolate(panels, function)
-        falls, at_rim = sticks.falls(panels, rim)
+        falls, shares, at_rim = sticks.falls(panels, rim)
         targets = np.hstack([fixed, np.ones_like(fixed), falls])
         responses = factored.solve(targets)
         misfits = targets - factored.space.half_integral(responses)
         slips = self._slip_annuli(radii, quadrature)
-        grid = self._outer_grid(sticks, slips)
+        grid = self._outer_grid(radii, sticks, slips)
         weights = rim.value**3 * disk.tangential.weights
         matrix, right = self._annulus_system(sticks, grid)
         # The functions' half-integrals on the disk, at_rim - falls, against the misfits. By
         # Galerkin orthogonality that is a product of misfits and one of responses: the first
         # form loses eps/sqrt(beta), as the misfits are rounded at the size of the targets.
-        own, own_misfits = (at_rim * m[:, 1:2] - m[:, 2:] for m in (responses, misfits))
-        coupling = own_misfits.T @ (weights[:, None] * misfits)
-        coupling += rim.value**3 * factored.compliance_energy(own, responses)
+        products = misfits[:, 1:].T @ (weights[:, None] * misfits)
+        products += rim.value**3 * factored.compliance_energy(responses[:, 1:], responses)
+        coupling = np.vstack([at_rim, -shares]).T @ products
         limits = np.array(
             [series_of(panels, responses[:, i]).limit for i in range(responses.shape[1])]
         )
         size = len(sticks.columns)
         system = np.zeros((size + 1, size + 1))
-        system[:size, :size] = matrix - coupling[:, 2:]
+        system[:size, :size] = matrix - coupling[:, 2:] @ shares
         system[:size, size] = -coupling[:, 1]
-        system[size, :size], system[size, size] = limits[2:], limits[1]
+        system[size, :size], system[size, size] = limits[2:] @ shares, limits[1]
         slipping = (
             self.states[1] * self.friction * float(self.drive.pressure.at(np.array(rim.rest)))
         )
         vector = np.concatenate([right + coupling[:, 0], [slipping - limits[0]]])
         unknown = scaled_solve(system, vector)
         outer, m = unknown[:size], unknown[size]
-        combination = np.concatenate([[1.0, m], outer])
+        combination = np.concatenate([[1.0, m], shares @ outer])
         balance = -float(at_rim @ outer) - m
         mismatch = self._mismatch(radii, sticks, sticks.full(outer), balance)
         return ZoneTractions(
@@ -240,25 +240,26 @@ class ZoneSystem:
             if state != 0
         ]
 
-    def _outer_grid(self, sticks: StickAnnuli, slips: list[Annulus]) -> list[Part]:
+    def _outer_grid(
+        self, radii: tuple[Radius, ...], sticks: StickAnnuli, slips: list[Annulus]
+    ) -> list[Part]:
         """Return nodes and targets, up to the last stick zone."""
-        last = self.stick_annuli()[-1]
-        inside, others = iter(sticks.annuli), iter(slips)
+        numbers = [k for k, state in enumerate(self.states) if state != 0]
         expansions = [pressure_expansion(a, self.drive.pressure) for a in slips]
-        signs = [s for s in self.states if s != 0]
         grid = []
-        for k, state in enumerate(self.states[1:], start=1):
-            zone = next(inside) if state == 0 else next(others)
-            if k > last:
-                break
-            for half, family in enumerate(zone.families):
-                points, weights = family.nodes()
+        for own, stick in enumerate(self.stick_annuli()):
+            slip = numbers.index(stick - 1)
+            pieces = [(stick - 1, sticks.inside(own, radii[stick - 2]))]
+            pieces += [(stick, sticks.at_own_nodes(own, half)) for half in (0, 1)]
+            for zone, (points, weights, block) in pieces:
                 target = self.drive.target(points.y)
-                for a, sign, c in zip(slips, signs, expansions, strict=True):
-                    own = a.half_integral_at_nodes(half) if a is zone else a.half_integral(points)
-                    target = target - sign * self.friction * (own @ c)
+                if zone == stick - 1:
+                    load = slips[slip].own_half_integral_at(expansions[slip], points)
+                    target -= self.states[zone] * self.friction * load
+                for k, a, c in list(zip(numbers, slips, expansions, strict=True))[slip + 1 :]:
+                    target -= self.states[k] * self.friction * (a.half_integral(points) @ c)
                 weights = np.sqrt(points.z) * weights / (2.0 * pi)
-                grid.append(Part(k, (zone, half), points, weights, target))
+                grid.append(Part(zone, points, weights, target, block))
         return grid
 
     def _annulus_system(self, sticks: StickAnnuli, grid: list[Part]) -> tuple[Array, Array]:
@@ -267,8 +268,7 @@ class ZoneSystem:
         right = np.zeros(len(sticks.columns))
         for part in grid:
             root = np.sqrt(part.weights)
-            h = sticks.half_integral(part.points, part.own)
-            h *= root[:, None]
+            h = part.half_integral * root[:, None]
             # of a matrix and its own transpose NumPy computes one triangle, in half the time
             matrix += h.T @ h
             right += h.T @ (root * part.target)

@@ -35,7 +35,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_misfit,
 )
 from spectral_contact.contact.zone_search import Layout
-from spectral_contact.contact.zone_system import Part, ZoneSystem, ZoneTractions
+from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
 
@@ -276,7 +276,8 @@ class _ZonesProblem:
     def _misfit(self, trial: ZoneTractions, full: Array) -> list[Array]:
         """Return E at the disk nodes, then on the outer grid."""
         inner = trial.target - trial.factored.space.half_integral(trial.disk)
-        return [inner, *(p.target - self._at_nodes(trial, p, full) for p in trial.grid)]
+        outer = full[trial.sticks.columns]
+        return [inner, *(p.target - p.half_integral @ outer for p in trial.grid)]
 
     def _shear(self, trial: ZoneTractions, full: Array) -> Array:
         """Return ``2 pi int q s ds`` over every zone; a stick annulus has two halves."""
@@ -291,12 +292,6 @@ class _ZonesProblem:
                 load = [float(self.system.drive.load_outside(np.array(r.rest))) for r in ends]
                 moments.append(state * self.system.friction * (load[0] - load[1]))
         return np.array(moments) * (2.0 * pi)
-
-    @staticmethod
-    def _at_nodes(trial: ZoneTractions, part: Part, full: Array) -> Array:
-        """Return the half-integral of the stick annuli's tractions at the nodes of a zone."""
-        used = full[trial.sticks.columns]
-        return np.asarray(trial.sticks.half_integral(part.points, part.own) @ used)
 
     def _stuck(self, trial: ZoneTractions, misfit: list[Array]) -> list[Stuck]:
         rim = trial.radii[0]
@@ -327,7 +322,7 @@ class _ZonesProblem:
             trial.slips,
             signs,
             self.system.friction,
-            [lambda points: trial.sticks.half_integral(points) @ full[trial.sticks.columns]],
+            [trial.sticks.field_inside(full[trial.sticks.columns])],
         )
         return [Slipping(a, s, e) for a, s, e in zip(trial.slips, signs, misfit, strict=True)]
 

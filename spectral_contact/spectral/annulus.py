@@ -17,7 +17,6 @@ from spectral_contact.spectral.abel import (
     outer,
     tail_values,
 )
-from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     chebyshev_interpolation,
     gauss_rule,
@@ -27,7 +26,16 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import Transforms, transforms
 
-__all__ = ["FAR_FIT", "FAR_NODES", "Annulus", "Family", "Points", "gap", "sampled_series"]
+__all__ = [
+    "FAR_FIT",
+    "FAR_NODES",
+    "UNIT",
+    "Annulus",
+    "Family",
+    "Points",
+    "gap",
+    "sampled_series",
+]
 
 Array = NDArray[np.float64]
 
@@ -64,12 +72,7 @@ class Points:
 
 
 #: An annulus whose halves have unit extent in ``s**2``.
-_UNIT = Radius(0.0, 1.0), Radius(sqrt(2.0), 1.0 - sqrt(2.0))
-
-_AT_NODES: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache(
-    "half-integrals of an annulus", 8
-)
-
+UNIT = Radius(0.0, 1.0), Radius(sqrt(2.0), 1.0 - sqrt(2.0))
 
 @dataclass(frozen=True, slots=True)
 class Family:
@@ -220,19 +223,6 @@ class Annulus:
         """Return the half-integrals of both families, shape (points, size)."""
         return np.hstack([f.half_integral(points) for f in self.families])
 
-    def half_integral_at_nodes(self, half: int) -> Array:
-        """Return the half-integrals of both families at the nodes of the inner (0) or outer one.
-
-        In scaled distances they depend on the panels alone, for which they are kept.
-        """
-
-        def matrix() -> Array:
-            unit = Annulus(*_UNIT, self.toward_inner, self.toward_outer)
-            return unit.half_integral(unit.families[half].nodes()[0]) / unit._scale
-
-        key = self.toward_inner, self.toward_outer, half
-        return self._scale * _AT_NODES.get(key, matrix)
-
     def inner_integral(self, points: Points) -> Array:
         """Return the `inner_integral` of both families, shape (points, size)."""
         return np.hstack([f.inner_integral(points) for f in self.families])
@@ -252,6 +242,18 @@ class Annulus:
         inner, outer, a, b = self._split(coefficients)
         above = inner.outer(a) + outer.across(b, self.toward_inner)
         return self._scale * np.concatenate([above, outer.deeper(b)])
+
+    def own_half_integral_at(self, coefficients: Array, points: Points) -> Array:
+        """Return the same at points of the annulus, interpolated."""
+        values, split = self.own_half_integral(coefficients), self.sampling_split
+        above, below = -points.before(self.inner), points.before(self.outer)
+        half, total = gap(self.inner, self.outer) / 2.0, np.empty(len(above))
+        near = above < below
+        first = sampled_series(self.toward_inner, values[:split])
+        second = sampled_series(self.toward_outer, values[split:])
+        total[near] = first(np.clip(above[near] / half, 0.0, 1.0))
+        total[~near] = second(np.clip(below[~near] / half, 0.0, 1.0))
+        return total
 
     def own_inner_integral(self, coefficients: Array) -> Array:
         """Return the inner integral of a function at the annulus's own sampling points."""
