@@ -11,7 +11,7 @@ from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.fields import CENTRE, EDGE, PressureField
 from spectral_contact.scene import Scene
-from spectral_contact.sharing import DiskPath, Shared
+from spectral_contact.sharing import Shared, ZonePath
 from spectral_contact.solution import (
     FULL_STICK,
     NORMAL,
@@ -278,9 +278,9 @@ class Run:
         from spectral_contact.contact.partial_slip import solve_partial_slip
 
         ratio = scene.friction / scene.kappa
-        path = self.shared.get(
-            PARTIAL_SLIP, (*self.normal_key, scene.tangential_compliance), DiskPath
-        )
+        path = self.shared.get(PARTIAL_SLIP, (), ZonePath)
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        alpha, beta, along = (math.log(x) if x > 0.0 else -math.inf for x in (*compliances, ratio))
         solved: PartialSlip = solve_partial_slip(
             drive,
             stick,
@@ -289,9 +289,10 @@ class Run:
             self.rtol,
             self.max_unknowns,
             record=self.record,
-            near=path.near(ratio),
+            near=path.near((alpha, beta, along)),
+            pointwise=not {"traction", "slip"}.isdisjoint(self.plan.quantities),
         )
-        path.add(ratio, solved.disk)
+        path.add((alpha, beta, along), solved.layout)
         self._take(solved)
 
     def _take(self, solved: PartialSlip) -> None:

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-__all__ = ["DiskPath", "Shared"]
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.layout import Layout
+
+__all__ = ["Shared", "ZonePath"]
 
 _T = TypeVar("_T")
+Array = NDArray[np.float64]
+Place: TypeAlias = tuple[float, float, float]
+
+#: Scenes that are extrapolated from, and how far in a logarithm.
+_POINTS, _FARTHEST = 4, 1.0
 
 
 class Shared:
@@ -26,27 +37,59 @@ class Shared:
         return outcome
 
 
-class DiskPath:
-    """How the stick disk moves with friction, from the last two scenes with the same compliances.
+class ZonePath:
+    """How the zones move from scene to scene, from the last ones with zones of the same kinds.
 
-    Between neighbours the logarithm of the friction moves the logit of the radius linearly.
+    Between neighbours the logarithms of compliances and friction move the logits of the
+    boundaries smoothly: a polynomial in them goes through up to `_POINTS` scenes on a line.
     """
 
     def __init__(self) -> None:
-        self._known: list[tuple[float, float, float]] = []
+        self._known: list[tuple[Place, Layout]] = []
 
-    def near(self, ratio: float) -> tuple[float, float] | None:
-        """Return where to look for the disk at another friction, and the slope there."""
+    def near(self, place: Place) -> Layout | None:
+        """Return where the zones may be: at ``(ln alpha, ln beta, ln f/kappa)``."""
         if not self._known:
             return None
-        *before, (last, logit, slope) = self._known
-        if abs(math.log(ratio / last)) > 1.0:
-            return None
-        if before and before[0][0] != last:
-            other, start, _ = before[0]
-            logit += (logit - start) * math.log(ratio / last) / math.log(last / other)
-        return logit, slope
+        last, layout = self._known[-1]
+        ahead = _way(last, place)
+        along = max(ahead, key=abs)
+        if not 0.0 < abs(along) <= _FARTHEST:
+            return layout if along == 0.0 else None
+        times, logits = [0.0], [np.array(layout.logits)]
+        for other, one in reversed(self._known[:-1]):
+            back = _way(last, other)
+            time = back[ahead.index(along)] / along
+            off = max(abs(b - time * a) for a, b in zip(ahead, back, strict=True))
+            if off > 1e-6 * max(map(abs, back)) or time >= times[-1]:
+                break
+            times.append(time)
+            logits.append(np.array(one.logits))
+        guess = _extrapolated(times, logits)
+        if (np.diff(guess) <= 0.0).any():
+            return layout
+        return replace(layout, logits=tuple(guess.tolist()))
 
-    def add(self, ratio: float, disk: tuple[float, float] | None) -> None:
+    def add(self, place: Place, layout: Layout | None) -> None:
         """Keep what a scene has found."""
-        self._known = [] if disk is None else [*self._known[-1:], (ratio, *disk)]
+        if layout is None:
+            self._known = []
+            return
+        alike = [known for known in self._known if known[1].states == layout.states]
+        self._known = [*alike, (place, layout)][-_POINTS:]
+
+
+def _way(start: Place, end: Place) -> Place:
+    """Return the difference of two places; a compliance that stays zero is no way."""
+    a, b, c = (0.0 if one == two else two - one for one, two in zip(start, end, strict=True))
+    return a, b, c
+
+
+def _extrapolated(times: list[float], values: list[Array]) -> Array:
+    """Return the polynomial through values at these times, at the time 1 (Neville)."""
+    values = list(values)
+    for order in range(1, len(values)):
+        for i in range(len(values) - order):
+            s, t = times[i], times[i + order]
+            values[i] = ((1.0 - t) * values[i] - (1.0 - s) * values[i + 1]) / (s - t)
+    return values[0]

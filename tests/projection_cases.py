@@ -16,7 +16,7 @@ from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
 from spectral_contact.contact.resolution import load_vector
-from spectral_contact.contact.zone_search import Layout
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zones import _ZonesProblem
 from spectral_contact.fields import EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
     displacement_error,
@@ -26,6 +27,7 @@ from spectral_contact.contact.friction_law import (
     wrong_intervals,
 )
 from spectral_contact.contact.full_stick import FullStick
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import (
@@ -64,6 +66,8 @@ UNRESOLVED_SLIP = 1e-6
 _WIDENED = 4.0
 #: The same where no digit of the slip is known: zones that follow from less are made of noise.
 _DOUBTFUL = 0.1
+#: What tolerance of the traction a tolerance of shear and boundaries takes, as a power of it.
+_SUPERCONVERGENCE = 0.8
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 
@@ -86,8 +90,8 @@ class PartialSlip:
         Whether one stick disk was not enough.
     wrong : tuple of (float, float)
         Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense.
-    disk : tuple of float or None
-        Of one stick disk ``ln(c**2/(1 - c**2))`` and the slope of its condition, for a like scene.
+    layout : Layout or None
+        Where a like scene may begin, if these zones were solved for.
     """
 
     zones: tuple[Zone, ...]
@@ -103,7 +107,7 @@ class PartialSlip:
     consistent: bool
     searched: bool
     wrong: tuple[tuple[float, float], ...] = ()
-    disk: tuple[float, float] | None = None
+    layout: Layout | None = None
 
     @property
     def settled(self) -> bool:
@@ -120,7 +124,8 @@ def solve_partial_slip(
     max_unknowns: int,
     *,
     record: Record,
-    near: tuple[float, float] | None = None,
+    near: Layout | None = None,
+    pointwise: bool = True,
 ) -> PartialSlip:
     """Find traction and zones below the critical friction.
 
@@ -140,14 +145,17 @@ def solve_partial_slip(
         Most unknowns of a space.
     record : callable
         Takes the name of a step, its outcome and its beginning, returns the value.
-    near : tuple of float, optional
-        Where the search for one stick disk begins, as `PartialSlip.disk` of a like scene has it.
+    near : Layout, optional
+        Where the search begins, as `PartialSlip.layout` of a like scene has it.
+    pointwise : bool
+        Whether the tolerance bounds q/s. If not, and slip is inside, it bounds the total shear
+        and the relative errors of the boundaries, which need less.
 
     Returns
     -------
     PartialSlip
     """
-    run = _Search(drive, stick, beta, friction, tolerance, max_unknowns, record, near)
+    run = _Search(drive, stick, beta, friction, tolerance, max_unknowns, record, near, pointwise)
     return run.outcome()
 
 
@@ -162,12 +170,13 @@ class _Search:
     tolerance: float
     max_unknowns: int
     record: Record
-    near: tuple[float, float] | None
+    near: Layout | None
+    pointwise: bool
 
     def outcome(self) -> PartialSlip:
         """Return the best outcome; full stick where it fails and the errors decide on slip."""
         best = self._best()
-        error = max(best.traction_error, best.shear_error)
+        error = max(best.traction_error if self.pointwise else 0.0, best.shear_error)
         failed = not best.consistent or error > self.tolerance
         critical = self.stick.critical * (1.0 - self.stick.critical_error)
         if failed and self.friction > critical:
@@ -176,13 +185,20 @@ class _Search:
 
     def _best(self) -> PartialSlip:
         """Return the first outcome that satisfies the friction law."""
+        if self.near is not None and len(self.near.states) > 2:
+            handed = self._handed_on(self.near)
+            if handed is not None:
+                return handed
         found: list[PartialSlip] = []
         # on a smooth surface with tangential compliance p is infinite at the edge and q is not:
         # it sticks for y < (f beta/kappa)^2, as long as that is a number
         smooth = self.drive.contact.compliance == 0.0 and self.beta > 0.0
+        near = None
+        if self.near is not None and self.near.states == (0, 1) and self.near.slopes is not None:
+            near = self.near.logits[0], float(self.near.slopes[0, 0])
         if not smooth or (self.friction * self.beta) ** 2 < 1e-80:
             try:
-                found.append(self._one_disk(None, self.near))
+                found.append(self._one_disk(None, near))
             except NoStickDiskError as missing:
                 if missing.at_centre:
                     return _all_slip(self.drive, self.beta, self.friction, self.tolerance)
@@ -219,8 +235,7 @@ class _Search:
 
     def _searched(self, first: PartialSlip | None) -> list[PartialSlip]:
         """Solve on the zones of the active set; nothing if it finds nothing new."""
-        from spectral_contact.contact.zone_search import Layout, logit_of_rest, search_zones
-        from spectral_contact.contact.zones import solve_zones
+        from spectral_contact.contact.zone_search import logit_of_rest, search_zones
 
         begin = perf_counter()
         radius = None if first is None else first.zones[0].outer
@@ -244,13 +259,44 @@ class _Search:
         if layout.states == (0,) or len(layout.states) > _MOST_ZONES:
             return []
         try:
-            refinement = solve_zones(
-                self.drive, self.beta, self.friction, layout, self.tolerance, self.max_unknowns
-            )
+            refinement = self._zones(layout)
         except np.linalg.LinAlgError:  # a zone about to vanish: its ends coincide
             return []
         zones: ZonesSolution = self.record(ZONE_SEARCH, refinement, begin)
         return [_zones_outcome(self.drive, zones, self.beta, self.friction)]
+
+    def _zones(self, layout: Layout) -> Refinement[ZonesSolution]:
+        """Solve on zones like these."""
+        from spectral_contact.contact.zones import solve_zones
+
+        problem = self.drive, self.beta, self.friction
+        if self.pointwise:
+            return solve_zones(*problem, layout, self.tolerance, self.max_unknowns)
+        # shear and boundaries are more accurate than the traction
+        looser = self.tolerance**_SUPERCONVERGENCE
+        loose = solve_zones(*problem, layout, looser, self.max_unknowns)
+        solved = loose.best.value
+        if max(solved.shear_error, *map(max, solved.boundary_errors)) <= self.tolerance:
+            return loose
+        return solve_zones(*problem, solved.layout, self.tolerance, self.max_unknowns)
+
+    def _handed_on(self, layout: Layout) -> PartialSlip | None:
+        """Solve on the zones of a like scene, and return it if the friction law holds on them.
+
+        There is one solution, so that it does not matter where these zones are from.
+        """
+        begin = perf_counter()
+        try:
+            refinement = self._zones(layout)
+        except (np.linalg.LinAlgError, ArithmeticError):  # they have other zones
+            return None
+        zones = refinement.best.value
+        outcome = _zones_outcome(self.drive, zones, self.beta, self.friction)
+        error = max(zones.traction_error if self.pointwise else 0.0, zones.shear_error)
+        if not outcome.settled or outcome.slip_error == inf or error > self.tolerance:
+            return None
+        self.record(ZONE_SEARCH, refinement, begin)
+        return outcome
 
 
 def unresolved_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> float:
@@ -363,7 +409,7 @@ def _one_disk_outcome(
         consistent,
         False,
         wrong_intervals(annulus, samples[0]),
-        (radius.logit, disk.slope),
+        Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
     )
 
 
@@ -412,4 +458,5 @@ def _zones_outcome(
         max(excess, wrong / largest, 0.0),
         obeys(excess, error, wrong / largest, slip_error),
         True,
+        layout=solved.layout,
     )

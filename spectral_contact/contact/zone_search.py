@@ -6,7 +6,6 @@ is imposed at their centres. The result only starts the solution on fitted zones
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log
 
 import numpy as np
@@ -15,37 +14,17 @@ from scipy import linalg
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import FullStick
+from spectral_contact.contact.layout import Layout
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Layout", "depth_of", "full_stick_violations", "logit_of_rest", "search_zones"]
+__all__ = ["depth_of", "full_stick_violations", "logit_of_rest", "search_zones"]
 
 Array = NDArray[np.float64]
 
 _CELLS = 480
 _MAX_ROUNDS = 60
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """Boundaries between zones, and what every zone does: 0 stick, +1 or -1 slip with that sign.
-
-    Attributes
-    ----------
-    logits : tuple of float
-        ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
-    states : tuple of int
-        One more than boundaries; the first is 0.
-    """
-
-    logits: tuple[float, ...]
-    states: tuple[int, ...]
-
-    @property
-    def radii(self) -> tuple[Radius, ...]:
-        """The boundaries."""
-        return tuple(Radius.from_logit(x) for x in self.logits)
 
 
 def search_zones(

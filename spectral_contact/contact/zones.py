@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass, replace
-from math import ceil, pi
+from math import ceil, inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from spectral_contact.contact.slip_displacement import (
     largest_displacement,
     slip_misfit,
 )
-from spectral_contact.contact.zone_search import Layout
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
@@ -67,6 +67,8 @@ class ZonesSolution:
         Relative errors of every boundary from the centre and from the edge.
     stray : float
         Estimate of the largest error of E.
+    layout : Layout
+        The zones, for a like scene.
     """
 
     radii: tuple[Radius, ...]
@@ -81,6 +83,7 @@ class ZonesSolution:
     shear_error: float
     boundary_errors: tuple[tuple[float, float], ...]
     stray: float
+    layout: Layout
 
 
 #: What the estimates of one disk are multiplied by, and what functionals have of the square of the
@@ -88,6 +91,10 @@ class ZonesSolution:
 _ANNULI, _SQUARED = 1.5, 50.0
 #: Accuracy of the space in which the boundaries are found first, and their sensitivity.
 _COARSE = 1e-4
+#: How far boundaries may move, of the narrowest zone, before their sensitivity is found anew.
+_STALE = 0.3
+#: A step is at most so much of the one before where zones of a like scene fit.
+_SHRINKS = 0.5
 
 
 class _ZonesProblem:
@@ -100,9 +107,19 @@ class _ZonesProblem:
         self.tolerance = tolerance
         self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
-        coarse = self._resolution(_COARSE)
-        self._find(coarse, None, _COARSE, 1e-7)
-        self.jacobian = self._differences(coarse, self.logits, _COARSE)
+        self.handed_on = layout.slopes is not None
+        if layout.slopes is None:
+            coarse = self._resolution(_COARSE)
+            self._find(coarse, None, _COARSE, 1e-7)
+            self.jacobian = self._differences(coarse, self.logits, _COARSE)
+            self.slopes_at = self.logits
+            return
+        self.jacobian, self.slopes_at = layout.slopes, np.array(layout.slopes_at)
+        narrowest = min(1.0, *np.diff(self.logits))
+        if np.abs(self.logits - self.slopes_at).max() > _STALE * narrowest:
+            coarse = self._resolution(_COARSE)
+            self.jacobian = self._differences(coarse, self.logits, _COARSE)
+            self.slopes_at = self.logits
 
     # spaces
 
@@ -156,13 +173,16 @@ class _ZonesProblem:
         self, resolution: Resolution, jacobian: Array | None, quadrature: float, settle: float
     ) -> ZoneTractions:
         """Newton with a difference Jacobian, kept up by Broyden's update."""
-        x = self.logits
+        x, before = self.logits, inf
         trial = self._trial(resolution, x, quadrature)
         if jacobian is None:
             jacobian = self._differences(resolution, x, quadrature)
         for _ in range(25):
             step: Array = -np.asarray(np.linalg.solve(jacobian, trial.mismatch), dtype=float)
             size = float(np.abs(step).max())
+            if self.handed_on and not size < _SHRINKS * before:
+                raise ArithmeticError("no zones like these")
+            before = size
             if size <= 1e-2 * settle:  # nothing to be won
                 break
             step *= min(1.0, self._longest(x, step))
@@ -174,6 +194,8 @@ class _ZonesProblem:
             if size <= settle:
                 break
         self.logits = x
+        if self.handed_on:
+            self.jacobian = jacobian
         return trial
 
     def _differences(self, resolution: Resolution, x: Array, quadrature: float) -> Array:
@@ -258,6 +280,12 @@ class _ZonesProblem:
                 trial, worst * np.abs(coarse.mismatch - trial.mismatch) + squared
             ),
             worst * stray,
+            Layout(
+                tuple(self.logits.tolist()),
+                self.system.states,
+                self.jacobian,
+                tuple(self.slopes_at.tolist()),
+            ),
         )
         unknowns = len(trial.outer) + len(trial.factored.scale)
         return Attempt(value, error, indicators, rate, unknowns)

@@ -1,0 +1,39 @@
+"""Where zones stick and slip: what searches find and like scenes hand on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields import Radius
+
+__all__ = ["Layout"]
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Boundaries between zones, and what every zone does: 0 stick, +1 or -1 slip with that sign.
+
+    Attributes
+    ----------
+    logits : tuple of float
+        ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
+    states : tuple of int
+        One more than boundaries; the first is 0.
+    slopes : ndarray, shape (boundaries, boundaries), optional
+        By what the conditions at the boundaries rise with the logits, if known.
+    slopes_at : tuple of float
+        The logits for which they are.
+    """
+
+    logits: tuple[float, ...]
+    states: tuple[int, ...]
+    slopes: NDArray[np.float64] | None = None
+    slopes_at: tuple[float, ...] = ()
+
+    @property
+    def radii(self) -> tuple[Radius, ...]:
+        """The boundaries."""
+        return tuple(Radius.from_logit(x) for x in self.logits)
