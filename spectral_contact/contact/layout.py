@@ -34,6 +34,11 @@ class Layout:
     slopes_at: tuple[float, ...] = ()
 
     @property
+    def fresh(self) -> bool:
+        """Whether the slopes are those at these boundaries."""
+        return self.slopes is not None and self.slopes_at == self.logits
+
+    @property
     def radii(self) -> tuple[Radius, ...]:
         """The boundaries."""
         return tuple(Radius.from_logit(x) for x in self.logits)

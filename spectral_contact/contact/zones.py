@@ -6,14 +6,16 @@ zone; `zone_system` solves for the tractions between them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from math import ceil, inf, pi
+from math import ceil, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.boundaries import differences, find_boundaries
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -93,8 +95,6 @@ _ANNULI, _SQUARED = 1.5, 50.0
 _COARSE = 1e-4
 #: How far boundaries may move, of the narrowest zone, before their sensitivity is found anew.
 _STALE = 0.3
-#: A step is at most so much of the one before where zones of a like scene fit.
-_SHRINKS = 0.5
 
 
 class _ZonesProblem:
@@ -105,21 +105,22 @@ class _ZonesProblem:
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
+        self.aim = tolerance
         self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
-        self.handed_on = layout.slopes is not None
+        self.near = layout.slopes is not None
         if layout.slopes is None:
-            coarse = self._resolution(_COARSE)
-            self._find(coarse, None, _COARSE, 1e-7)
-            self.jacobian = self._differences(coarse, self.logits, _COARSE)
-            self.slopes_at = self.logits
-            return
-        self.jacobian, self.slopes_at = layout.slopes, np.array(layout.slopes_at)
-        narrowest = min(1.0, *np.diff(self.logits))
-        if np.abs(self.logits - self.slopes_at).max() > _STALE * narrowest:
-            coarse = self._resolution(_COARSE)
-            self.jacobian = self._differences(coarse, self.logits, _COARSE)
-            self.slopes_at = self.logits
+            coarse = self._at(self._resolution(_COARSE), _COARSE)
+            start = differences(coarse, self.logits)
+            found = find_boundaries(coarse, self.logits, start, 1e-7, 1e-9, near=False)
+            self.logits = found.logits
+        else:
+            self.slopes, self.slopes_at = layout.slopes, np.array(layout.slopes_at)
+            moved = float(np.abs(self.logits - self.slopes_at).max())
+            if moved <= _STALE * min(1.0, *np.diff(self.logits)):
+                return
+        coarse = self._at(self._resolution(_COARSE), _COARSE)
+        self.slopes, self.slopes_at = differences(coarse, self.logits), self.logits
 
     # spaces
 
@@ -162,67 +163,27 @@ class _ZonesProblem:
     def _radii(logits: Array) -> tuple[Radius, ...]:
         return tuple(Radius.from_logit(float(x)) for x in logits)
 
-    def _trial(self, resolution: Resolution, logits: Array, quadrature: float) -> ZoneTractions:
-        """Solve with these boundaries."""
+    def _at(self, resolution: Resolution, quadrature: float) -> Callable[[Array], ZoneTractions]:
+        """Return what solves with given boundaries."""
         disk, degrees = self._split(resolution)
-        return self.system.solve(self._radii(logits), disk, degrees, quadrature)
 
-    # the boundaries
+        def trial_at(logits: Array) -> ZoneTractions:
+            return self.system.solve(self._radii(logits), disk, degrees, quadrature)
 
-    def _find(
-        self, resolution: Resolution, jacobian: Array | None, quadrature: float, settle: float
-    ) -> ZoneTractions:
-        """Newton with a difference Jacobian, kept up by Broyden's update."""
-        x, before = self.logits, inf
-        trial = self._trial(resolution, x, quadrature)
-        if jacobian is None:
-            jacobian = self._differences(resolution, x, quadrature)
-        for _ in range(25):
-            step: Array = -np.asarray(np.linalg.solve(jacobian, trial.mismatch), dtype=float)
-            size = float(np.abs(step).max())
-            if self.handed_on and not size < _SHRINKS * before:
-                raise ArithmeticError("no zones like these")
-            before = size
-            if size <= 1e-2 * settle:  # nothing to be won
-                break
-            step *= min(1.0, self._longest(x, step))
-            x = x + step
-            fresh = self._trial(resolution, x, quadrature)
-            change = fresh.mismatch - trial.mismatch - jacobian @ step
-            jacobian = jacobian + np.outer(change, step) / float(step @ step)
-            trial = fresh
-            if size <= settle:
-                break
-        self.logits = x
-        if self.handed_on:
-            self.jacobian = jacobian
-        return trial
-
-    def _differences(self, resolution: Resolution, x: Array, quadrature: float) -> Array:
-        """Return the Jacobian by central differences, a small share of the narrowest zone apart."""
-        jacobian = np.zeros((len(x), len(x)))
-        spacing = np.diff(x)
-        for i in range(len(x)):
-            near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-            h = 1e-3 * near * np.eye(len(x))[i]
-            ahead, behind = (self._trial(resolution, x + d, quadrature).mismatch for d in (h, -h))
-            jacobian[:, i] = (ahead - behind) / (2e-3 * near)
-        return jacobian
-
-    @staticmethod
-    def _longest(x: Array, step: Array) -> float:
-        """Return the factor that keeps the boundaries in order and the step moderate."""
-        factor = 1.5 / max(float(np.abs(step).max()), 1e-300)
-        for width, change in zip(np.diff(x), np.diff(step), strict=True):
-            if change < 0.0:
-                factor = min(factor, 0.6 * width / -change)
-        return factor
+        return trial_at
 
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
-        trial = self._find(resolution, self.jacobian, self.quadrature, 1e-11)
-        return self._assess(resolution, trial)
+        trial_at = self._at(resolution, self.quadrature)
+        enough = max(1e-3 * self.aim, 1e-13) if self.near else 1e-13
+        found = find_boundaries(
+            trial_at, self.logits, self.slopes, 1e-11, enough, near=self.near
+        )
+        self.logits, self.slopes = found.logits, found.slopes
+        if found.fresh:
+            self.slopes_at = self.logits
+        return self._assess(resolution, found.trial)
 
     def _assess(self, resolution: Resolution, trial: ZoneTractions) -> Attempt[ZonesSolution]:
         """Turn the final trial into a solution; the next coarser one shows its errors."""
@@ -283,7 +244,7 @@ class _ZonesProblem:
             Layout(
                 tuple(self.logits.tolist()),
                 self.system.states,
-                self.jacobian,
+                self.slopes,
                 tuple(self.slopes_at.tolist()),
             ),
         )
@@ -299,7 +260,7 @@ class _ZonesProblem:
     def _coarser(self, resolution: Resolution) -> ZoneTractions:
         """Solve at the same boundaries with two degrees less everywhere."""
         degrees = tuple(n - 2 if n > 3 else max(n - 1, 1) for n in resolution.degrees)
-        return self._trial(replace(resolution, degrees=degrees), self.logits, self.quadrature)
+        return self._at(replace(resolution, degrees=degrees), self.quadrature)(self.logits)
 
     def _misfit(self, trial: ZoneTractions, full: Array) -> list[Array]:
         """Return E at the disk nodes, then on the outer grid."""
@@ -360,7 +321,7 @@ class _ZonesProblem:
         """Return what errors of the conditions move the boundaries by."""
         # the conditions themselves hold to rounding and to the source quadrature
         errors = errors + 20.0 * ROUNDING + 1e-3 * self.quadrature + trial.unresolved
-        shift = np.abs(np.linalg.inv(self.jacobian)) @ (errors + 2.0 * np.abs(trial.mismatch))
+        shift = np.abs(np.linalg.inv(self.slopes)) @ (errors + 2.0 * np.abs(trial.mismatch))
         return tuple(boundary_error(float(d), r) for d, r in zip(shift, trial.radii, strict=True))
 
 

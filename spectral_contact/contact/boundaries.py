@@ -1,0 +1,152 @@
+"""Newton's method for the boundaries of the zones, with slopes kept up by secants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Boundaries", "NoBoundariesError", "differences", "find_boundaries"]
+
+Array = NDArray[np.float64]
+
+#: Steps shorter than this show more of the noise than of the slopes.
+_LEAST_STEP = 1e-9
+#: Two steps point in different ways if they span at least this angle.
+_LEAST_ANGLE = 0.1
+#: Slopes are as good as new where a step is at most so much of the one before.
+_FRESH = 1e-3
+#: Where zones of a like scene fit, a step is at most so much of the one before.
+_SHRINKS = 0.5
+_MAX_STEPS = 25
+
+
+class Mismatched(Protocol):
+    """Everything at one set of boundaries."""
+
+    @property
+    def mismatch(self) -> Array:
+        """What the conditions lack."""
+        ...
+
+
+T = TypeVar("T", bound=Mismatched)
+
+
+class NoBoundariesError(ArithmeticError):
+    """There are no such boundaries near by."""
+
+
+@dataclass(frozen=True, slots=True)
+class Boundaries(Generic[T]):
+    """Boundaries that satisfy the conditions.
+
+    Attributes
+    ----------
+    logits : ndarray
+    trial : object
+        Everything there.
+    slopes : ndarray
+        By what the conditions rise with the logits.
+    fresh : bool
+        Whether the slopes are those here, and not those of where the search began.
+    """
+
+    logits: Array
+    trial: T
+    slopes: Array
+    fresh: bool
+
+
+def find_boundaries(
+    trial_at: Callable[[Array], T],
+    logits: Array,
+    slopes: Array,
+    settle: float,
+    enough: float,
+    *,
+    near: bool,
+) -> Boundaries[T]:
+    """Find the boundaries at which nothing is mismatched.
+
+    Parameters
+    ----------
+    trial_at : callable
+        Solves at given boundaries.
+    logits, slopes : ndarray
+        Where to begin, and the slopes of the conditions there.
+    settle : float
+        After a step as short as this the search ends.
+    enough : float
+        A step as short as this is not taken.
+    near : bool
+        The beginning is near, or else there are no such boundaries.
+
+    Raises
+    ------
+    NoBoundariesError
+        If steps from near by do not become shorter.
+    """
+    x, before, trial = logits, inf, trial_at(logits)
+    steps: list[Array] = []
+    changes: list[Array] = []
+    shrinking = inf
+    for _ in range(_MAX_STEPS):
+        step = -np.asarray(np.linalg.solve(slopes, trial.mismatch), dtype=float)
+        size = float(np.abs(step).max())
+        if near and not size <= _SHRINKS * before:
+            raise NoBoundariesError("no boundaries near by")
+        shrinking, before = size / before, size
+        if size <= enough:
+            break
+        step *= min(1.0, _longest(x, step))
+        x = x + step
+        following = trial_at(x)
+        change = following.mismatch - trial.mismatch
+        if float(np.abs(step).max()) >= _LEAST_STEP:
+            slopes = _through_secants(slopes, [step], [change])
+            steps, changes = [*steps, step][-len(x) :], [*changes, change][-len(x) :]
+        trial = following
+        if size <= settle:
+            break
+    if not steps:
+        return Boundaries(x, trial, slopes, False)
+    ways = np.array([step / np.linalg.norm(step) for step in steps])
+    spans = np.linalg.matrix_rank(ways, tol=_LEAST_ANGLE) == len(x)
+    slopes = _through_secants(slopes, steps, changes)
+    return Boundaries(x, trial, slopes, bool(spans) or shrinking <= _FRESH)
+
+
+def _through_secants(slopes: Array, steps: list[Array], changes: list[Array]) -> Array:
+    """Return the slopes nearest to these that give the changes; of one step: Broyden's update."""
+    lengths = [np.linalg.norm(step) for step in steps]
+    ways, found = (
+        np.array([one / n for one, n in zip(each, lengths, strict=True)]).T
+        for each in (steps, changes)
+    )
+    return np.asarray(slopes + (found - slopes @ ways) @ np.linalg.pinv(ways, rcond=_LEAST_ANGLE))
+
+
+def differences(trial_at: Callable[[Array], Mismatched], logits: Array) -> Array:
+    """Return the slopes by central differences, a small share of the narrowest zone apart."""
+    slopes = np.zeros((len(logits), len(logits)))
+    spacing = np.diff(logits)
+    for i in range(len(logits)):
+        near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
+        h = 1e-3 * near * np.eye(len(logits))[i]
+        ahead, behind = (trial_at(logits + d).mismatch for d in (h, -h))
+        slopes[:, i] = (ahead - behind) / (2e-3 * near)
+    return slopes
+
+
+def _longest(x: Array, step: Array) -> float:
+    """Return the factor that keeps the boundaries in order and the step moderate."""
+    factor = 1.5 / max(float(np.abs(step).max()), 1e-300)
+    for width, change in zip(np.diff(x), np.diff(step), strict=True):
+        if change < 0.0:
+            factor = min(factor, 0.6 * width / -change)
+    return factor
