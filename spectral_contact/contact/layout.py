@@ -7,9 +7,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import Radius
+from spectral_contact.adaptive import Resolution
 
-__all__ = ["Layout"]
+__all__ = ["Layout", "ZonesSpace"]
+
+
+@dataclass(frozen=True, slots=True)
+class ZonesSpace:
+    """A space that was enough for a tolerance.
+
+    Attributes
+    ----------
+    tolerance : float
+    counts : tuple of (int, int)
+        Panels of either half of the stick annuli.
+    resolution : Resolution
+        The disk's panels, with its degrees and then those of the annuli.
+    """
+
+    tolerance: float
+    counts: tuple[tuple[int, int], ...]
+    resolution: Resolution
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,19 +44,17 @@ class Layout:
         By what the conditions at the boundaries rise with the logits, if known.
     slopes_at : tuple of float
         The logits for which they are.
+    space : ZonesSpace, optional
+        What to begin with.
     """
 
     logits: tuple[float, ...]
     states: tuple[int, ...]
     slopes: NDArray[np.float64] | None = None
     slopes_at: tuple[float, ...] = ()
+    space: ZonesSpace | None = None
 
     @property
     def fresh(self) -> bool:
         """Whether the slopes are those at these boundaries."""
         return self.slopes is not None and self.slopes_at == self.logits
-
-    @property
-    def radii(self) -> tuple[Radius, ...]:
-        """The boundaries."""
-        return tuple(Radius.from_logit(x) for x in self.logits)

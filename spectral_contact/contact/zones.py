@@ -36,7 +36,7 @@ from spectral_contact.contact.slip_displacement import (
     largest_displacement,
     slip_misfit,
 )
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, ZonesSpace
 from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
@@ -93,6 +93,8 @@ class ZonesSolution:
 _ANNULI, _SQUARED = 1.5, 50.0
 #: Accuracy of the space in which the boundaries are found first, and their sensitivity.
 _COARSE = 1e-4
+#: Indicators may be so much of the tolerance in a space that is handed on.
+_SPARE = 0.02
 #: How far boundaries may move, of the narrowest zone, before their sensitivity is found anew.
 _STALE = 0.3
 
@@ -106,6 +108,7 @@ class _ZonesProblem:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
         self.aim = tolerance
+        self.kept = layout.space
         self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
         self.near = layout.slopes is not None
@@ -146,7 +149,26 @@ class _ZonesProblem:
         return Resolution(panels, tuple(degrees))
 
     def start(self) -> Resolution:
-        return self._resolution(self.tolerance)
+        own, kept = self._resolution(self.tolerance), self.kept
+        if kept is not None:
+            panels = replace(kept.resolution.panels, degree=own.panels.degree)
+            known = kept.tolerance, kept.counts, panels
+            if known == (self.tolerance, tuple(self._panel_counts), own.panels):
+                return kept.resolution
+            self.kept = None
+        return own
+
+    def _enough(self, resolution: Resolution, indicators: Array, rates: Array) -> ZonesSpace:
+        """Return the space without the degrees that a first one has too many."""
+        if self.kept is None:
+            spare = np.log(np.maximum(_SPARE * self.tolerance / indicators, 1.0)) / -np.log(rates)
+            degrees = np.array(resolution.degrees)
+            least = np.minimum(degrees, np.maximum(3, (degrees + 1) // 2))
+            degrees = np.maximum(degrees - np.floor(spare).astype(int), least)
+            capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
+            panels = replace(resolution.panels, degree=min(capacity, resolution.panels.degree))
+            resolution = Resolution(panels, tuple(degrees.tolist()))
+        return ZonesSpace(self.tolerance, tuple(self._panel_counts), resolution)
 
     def _split(self, resolution: Resolution) -> tuple[Resolution, list[list[tuple[int, ...]]]]:
         """Separate the degrees of the disk from those of the annuli."""
@@ -246,6 +268,7 @@ class _ZonesProblem:
                 self.system.states,
                 self.slopes,
                 tuple(self.slopes_at.tolist()),
+                self._enough(resolution, indicators, rate),
             ),
         )
         unknowns = len(trial.outer) + len(trial.factored.scale)
