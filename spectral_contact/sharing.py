@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Place: TypeAlias = tuple[float, float, float]
 
 #: Scenes that are extrapolated from, and how far in a logarithm.
-_POINTS, _FARTHEST = 4, 1.0
+_POINTS, _FARTHEST = 6, 1.0
 
 
 class Shared:

@@ -76,8 +76,9 @@ class StickAnnuli:
 
     def at_own_nodes(self, own: int, half: int) -> tuple[Points, Array, Array]:
         """Return the nodes on half an annulus, the weights of ``ds**2`` and the half-integrals."""
-        points, weights = self.annuli[own].families[half].nodes()
-        return points, weights, self._half_integral(points, own, self.spaces[own].at_nodes[half])
+        family, (d, weights, block) = self.annuli[own].families[half], self.spaces[own].nodes[half]
+        points = family.points(d)
+        return points, family.reach * weights, self._half_integral(points, own, block)
 
     def inside(self, own: int, inner: Radius) -> tuple[Points, Array, Array]:
         """Return the same between a radius and the inner end of an annulus.
@@ -124,6 +125,11 @@ class StickAnnuli:
             return total
 
         return field
+
+    def moments(self) -> Array:
+        """Return ``int q s ds`` of the functions in use, half annulus by half annulus."""
+        parts = [s.moments(a) for s, a in zip(self.spaces, self.annuli, strict=True)]
+        return np.asarray(block_diag(*parts)) if len(parts) > 1 else parts[0]
 
     def mass(self) -> Array:
         """Return the mass matrix of the functions in use."""

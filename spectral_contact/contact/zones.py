@@ -238,10 +238,10 @@ class _ZonesProblem:
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
         lost = [a - b for a, b in zip(misfit, misfit_coarse, strict=True)]
         stray = self._largest_displacement(trial, self._stuck(trial, lost))
-        parts = self._shear(trial, full)
+        parts = self._shear(trial)
         shear = float(parts.sum())
         # the changes of the zones may cancel by accident; in slip there is that of the load alone
-        lost_parts = np.abs(parts - problem._shear(coarse, full_coarse))
+        lost_parts = np.abs(parts - problem._shear(coarse))
         sticking = 1 + len(halves)
         propagated = SAFETY * self.system.drive.contact.rate**2
         shear_lost = worst * float(lost_parts[:sticking].sum())
@@ -291,13 +291,11 @@ class _ZonesProblem:
         outer = full[trial.sticks.columns]
         return [inner, *(p.target - p.half_integral @ outer for p in trial.grid)]
 
-    def _shear(self, trial: ZoneTractions, full: Array) -> Array:
+    def _shear(self, trial: ZoneTractions) -> Array:
         """Return ``2 pi int q s ds`` over every zone; a stick annulus has two halves."""
         shear = float(trial.factored.space.shear_moments @ trial.disk)
         moments = [trial.radii[0].square * shear / (2.0 * pi)]
-        for family, part in trial.sticks.parts():
-            points, matrix = family.sources()
-            moments.append(float(np.sqrt(points.z) @ (matrix @ full[part])))
+        moments += (trial.sticks.moments() @ trial.outer).tolist()
         for k, state in enumerate(self.system.states):
             if state != 0:
                 ends = (trial.radii[k - 1], self.system.outer(trial.radii, k))

@@ -84,12 +84,15 @@ class AnnulusSpace:
         self._split = int(np.searchsorted(self.columns, inner.size))
         self._bottom = inner.panels + _DEEPER
         self._outside: BoundedCache[int, Array] = BoundedCache("half-integrals past an annulus", 64)
+        self._deep: BoundedCache[int, tuple[Array, Array, Array]] = BoundedCache(
+            "rules past an annulus", 8
+        )
 
     @cached_property
-    def at_nodes(self) -> tuple[Array, Array]:
-        """Half-integrals at the Galerkin nodes of the inner and the outer half."""
-        first, second = (self._half_integral(f.nodes()[0]) for f in self._unit.families)
-        return first, second
+    def nodes(self) -> list[tuple[Array, Array, Array]]:
+        """Of either half distances of the Galerkin nodes, weights and half-integrals there."""
+        rules = [(*f.panels.distance_nodes(f.sign > 0), f) for f in self._unit.families]
+        return [(d, w, self._half_integral(f.points(d))) for d, w, f in rules]
 
     def _half_integral(self, points: Points) -> Array:
         return self._unit.half_integral(points)[:, self.columns]
@@ -123,6 +126,15 @@ class AnnulusSpace:
         matrix[: len(above), : first.shape[1]] = first
         matrix[len(above) :, first.shape[1] :] = second
         return np.concatenate([above, below]), matrix[:, self.columns]
+
+    def moments(self, annulus: Annulus) -> Array:
+        """Return ``int s psi s ds`` on an annulus with these panels, as (2, columns): halves."""
+        half, (distances, matrix) = annulus.families[0].reach, self.sources
+        weighted = half * np.sqrt(annulus.inner.square + half * distances)
+        parts = np.zeros((2, len(self.columns)))
+        for part, rows in zip(parts, (distances <= 1.0, distances > 1.0), strict=True):
+            part[:] = weighted[rows] @ matrix[rows]
+        return parts
 
     # past the inner end
 
@@ -174,14 +186,23 @@ class AnnulusSpace:
         first = ceil(start / _WIDTH)
         width = _WIDTH * first - start
         top = np.exp(-start - width * (1.0 + g) / 2.0)
-        x = _WIDTH * (np.arange(first, self._bottom)[:, None] + (1.0 + g) / 2.0)
-        panels = np.exp(-x)
-        e = np.concatenate([top, panels.ravel(), end * root**2])
-        weights = np.concatenate(
-            [top * w * width / 2.0, (panels * w * _WIDTH / 2.0).ravel(), end * root * tail_w]
+        e, weights, matrix = self._deep.get(first, lambda: self._kept_rule(first))
+        return (
+            np.concatenate([top, e]),
+            np.concatenate([top * w * width / 2.0, weights]),
+            np.concatenate([self.outside(top), matrix]),
         )
+
+    def _kept_rule(self, first: int) -> tuple[Array, Array, Array]:
+        """Return the rule from one of the panels that are kept down."""
+        g, w = gauss_rule(SAMPLES)
+        v, tail_w = gauss_rule(_ROOT_TERMS)
+        panels = np.exp(-_WIDTH * (np.arange(first, self._bottom)[:, None] + (1.0 + g) / 2.0))
+        root, end = (1.0 + v) / 2.0, exp(-_WIDTH * self._bottom)
+        e = np.concatenate([panels.ravel(), end * root**2])
+        weights = np.concatenate([(panels * w * _WIDTH / 2.0).ravel(), end * root * tail_w])
         kept = [self._on_panel(i) for i in range(first, self._bottom + 1)]
-        return e, weights, np.concatenate([self.outside(top), *kept])
+        return e, weights, np.concatenate(kept)
 
     def outside_function(self, values: Array, reach: float) -> Callable[[Array], Array]:
         """Return the half-integral of a function of the space at distances `e` up to `reach`."""
