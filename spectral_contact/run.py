@@ -290,7 +290,7 @@ class Run:
             self.max_unknowns,
             record=self.record,
             near=path.near((alpha, beta, along)),
-            pointwise=not {"traction", "slip"}.isdisjoint(self.plan.quantities),
+            pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
         )
         path.add((alpha, beta, along), solved.layout)
         self._take(solved)

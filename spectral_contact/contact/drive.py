@@ -71,6 +71,11 @@ class Drive:
         return None if self.contact.change is None else Drive(self.contact.change)
 
     @cached_property
+    def coarser(self) -> Drive:
+        """The drive of the pressure without its last change."""
+        return Drive(self.contact.coarser)
+
+    @cached_property
     def lesser(self) -> Drive | None:
         """The drive of what the pressure's top degree contributes."""
         return None if self.contact.lesser is None else Drive(self.contact.lesser)

@@ -66,7 +66,7 @@ UNRESOLVED_SLIP = 1e-6
 _WIDENED = 4.0
 #: The same where no digit of the slip is known: zones that follow from less are made of noise.
 _DOUBTFUL = 0.1
-#: What tolerance of the traction a tolerance of shear and boundaries takes, as a power of it.
+#: What tolerance of the traction one of shear and stick radius takes, as a power of it.
 _SUPERCONVERGENCE = 0.8
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
@@ -149,7 +149,7 @@ def solve_partial_slip(
         Where the search begins, as `PartialSlip.layout` of a like scene has it.
     pointwise : bool
         Whether the tolerance bounds q/s. If not, and slip is inside, it bounds the total shear
-        and the relative errors of the boundaries, which need less.
+        and the stick radius, which need less.
 
     Returns
     -------
@@ -272,11 +272,11 @@ class _Search:
         problem = self.drive, self.beta, self.friction
         if self.pointwise:
             return solve_zones(*problem, layout, self.tolerance, self.max_unknowns)
-        # shear and boundaries are more accurate than the traction
+        # both are more accurate than the traction
         looser = self.tolerance**_SUPERCONVERGENCE
         loose = solve_zones(*problem, layout, looser, self.max_unknowns)
         solved = loose.best.value
-        if max(solved.shear_error, *map(max, solved.boundary_errors)) <= self.tolerance:
+        if max(solved.shear_error, solved.boundary_errors[0][0]) <= self.tolerance:
             return loose
         return solve_zones(*problem, solved.layout, self.tolerance, self.max_unknowns)
 

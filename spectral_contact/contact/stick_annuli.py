@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 from spectral_contact.contact.resolution import interpolate
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.annulus import Annulus, Family, Points, gap
-from spectral_contact.spectral.annulus_space import annulus_space, log_interpolation
+from spectral_contact.spectral.annulus_space import AnnulusSpace, annulus_space, log_interpolation
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
@@ -36,6 +36,8 @@ class StickAnnuli:
     ----------
     columns : ndarray of int
         The functions in use, among those of the full bases of all annuli.
+    extents : ndarray, shape (columns,)
+        Roots of half the extents in ``s**2``, the units in which half-integrals are given.
     """
 
     def __init__(self, annuli: list[Annulus], degrees: list[list[tuple[int, ...]]]) -> None:
@@ -48,6 +50,12 @@ class StickAnnuli:
         self.total = int(starts[-1])
         used = [s.columns + i for s, i in zip(self.spaces, starts[:-1], strict=True)]
         self.columns = np.concatenate(used) if used else np.zeros(0, dtype=int)
+        units = [np.full(len(s.columns), _extent(a)) for s, a in self._pairs]
+        self.extents = np.concatenate(units) if units else np.zeros(0)
+
+    @property
+    def _pairs(self) -> Iterator[tuple[AnnulusSpace, Annulus]]:
+        return zip(self.spaces, self.annuli, strict=True)
 
     def parts(self) -> Iterator[tuple[Family, slice]]:
         """Yield every family with its place in the full basis."""
@@ -68,11 +76,13 @@ class StickAnnuli:
 
         They are inside of the annuli farther out, and outside of those before.
         """
+        if len(self.spaces) == 1:
+            return block
         blocks = [np.zeros((len(block), len(s.columns))) for s in self.spaces[:own]]
-        blocks.append(_extent(self.annuli[own]) * block)
-        for annulus, space in zip(self.annuli[own + 1 :], self.spaces[own + 1 :], strict=True):
-            blocks.append(annulus.half_integral(points)[:, space.columns])
-        return np.hstack(blocks) if len(blocks) > 1 else blocks[0]
+        blocks.append(block)
+        for space, annulus in list(self._pairs)[own + 1 :]:
+            blocks.append(annulus.half_integral(points)[:, space.columns] / _extent(annulus))
+        return np.hstack(blocks)
 
     def at_own_nodes(self, own: int, half: int) -> tuple[Points, Array, Array]:
         """Return the nodes on half an annulus, the weights of ``ds**2`` and the half-integrals."""
@@ -109,7 +119,7 @@ class StickAnnuli:
         """Return the half-integral of a traction as a function of points outside all annuli."""
         parts = []
         start = 0
-        for annulus, space in zip(self.annuli, self.spaces, strict=True):
+        for space, annulus in self._pairs:
             own = _extent(annulus) * values[start : start + len(space.columns)]
             start += len(space.columns)
             half = gap(annulus.inner, annulus.outer) / 2.0
@@ -128,13 +138,13 @@ class StickAnnuli:
 
     def moments(self) -> Array:
         """Return ``int q s ds`` of the functions in use, half annulus by half annulus."""
-        parts = [s.moments(a) for s, a in zip(self.spaces, self.annuli, strict=True)]
-        return np.asarray(block_diag(*parts)) if len(parts) > 1 else parts[0]
+        parts = [s.moments(a) for s, a in self._pairs]
+        return _diagonal(parts)
 
     def mass(self) -> Array:
         """Return the mass matrix of the functions in use."""
-        blocks = [s.mass(a) for s, a in zip(self.spaces, self.annuli, strict=True)]
-        return np.asarray(block_diag(*blocks)) if len(blocks) > 1 else blocks[0]
+        blocks = [s.mass(a) for s, a in self._pairs]
+        return _diagonal(blocks)
 
     def falls(self, panels: LogPanels, rim: Radius) -> tuple[Array, Array, Array]:
         """Return by how much the half-integrals fall from the rim of the disk inward.
@@ -155,7 +165,7 @@ class StickAnnuli:
             return np.zeros((len(disk_operators(panels).nodes.d), 0)), np.zeros((0, 0)), np.zeros(0)
         pairs = [self._gathered(i, rim) for i in range(len(self.annuli))]
         above = np.concatenate([places for places, _ in pairs])
-        shares = np.asarray(block_diag(*(share for _, share in pairs)))
+        shares = _diagonal([share for _, share in pairs])
 
         def function(d: Array) -> Array:
             below = rim.square * d[:, None]
@@ -182,6 +192,11 @@ class StickAnnuli:
             places.append(np.exp(ends[i] + (ends[i + 1] - ends[i]) * (1.0 + g) / 2.0))
             shares.append(half * (fit.T @ matrix[rows]))
         return np.concatenate(places), np.concatenate(shares)
+
+
+def _diagonal(blocks: list[Array]) -> Array:
+    """Return the block-diagonal matrix."""
+    return np.asarray(block_diag(*blocks)) if len(blocks) > 1 else blocks[0]
 
 
 def _extent(annulus: Annulus) -> float:

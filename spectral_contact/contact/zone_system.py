@@ -41,7 +41,7 @@ class Part:
         Of ``t^2 dt / pi``.
     target : ndarray
     half_integral : ndarray, shape (points, columns)
-        Of the functions on the stick annuli.
+        Of the functions on the stick annuli, in units of their `extents`.
     """
 
     zone: int
@@ -244,35 +244,44 @@ class ZoneSystem:
         self, radii: tuple[Radius, ...], sticks: StickAnnuli, slips: list[Annulus]
     ) -> list[Part]:
         """Return nodes and targets, up to the last stick zone."""
-        numbers = [k for k, state in enumerate(self.states) if state != 0]
-        expansions = [pressure_expansion(a, self.drive.pressure) for a in slips]
+        slipping = [k for k, state in enumerate(self.states) if state != 0]
+        loads = list(zip(slipping, slips, strict=True))
+        expansions = {k: pressure_expansion(a, self.drive.pressure) for k, a in loads}
         grid = []
         for own, stick in enumerate(self.stick_annuli()):
-            slip = numbers.index(stick - 1)
             pieces = [(stick - 1, sticks.inside(own, radii[stick - 2]))]
             pieces += [(stick, sticks.at_own_nodes(own, half)) for half in (0, 1)]
-            for zone, (points, weights, block) in pieces:
-                target = self.drive.target(points.y)
-                if zone == stick - 1:
-                    load = slips[slip].own_half_integral_at(expansions[slip], points)
-                    target -= self.states[zone] * self.friction * load
-                for k, a, c in list(zip(numbers, slips, expansions, strict=True))[slip + 1 :]:
-                    target -= self.states[k] * self.friction * (a.half_integral(points) @ c)
+            targets = self.drive.target(np.concatenate([p.y for _, (p, _, _) in pieces]))
+            cuts = np.cumsum([len(w) for _, (_, w, _) in pieces])[:-1]
+            for (zone, (points, weights, block)), target in zip(
+                pieces, np.split(targets, cuts), strict=True
+            ):
+                for k, annulus in loads:
+                    if k == zone:
+                        load = annulus.own_half_integral_at(expansions[k], points)
+                    elif k > zone:
+                        load = annulus.half_integral(points) @ expansions[k]
+                    else:
+                        continue
+                    target = target - self.states[k] * self.friction * load
                 weights = np.sqrt(points.z) * weights / (2.0 * pi)
                 grid.append(Part(zone, points, weights, target, block))
         return grid
 
     def _annulus_system(self, sticks: StickAnnuli, grid: list[Part]) -> tuple[Array, Array]:
         """Return Gram plus compliance times mass of the annuli outside the disk, and targets."""
-        matrix = self.beta * sticks.mass()
-        right = np.zeros(len(sticks.columns))
+        size = len(sticks.columns)
+        matrix, right = np.zeros((size, size)), np.zeros(size)
         for part in grid:
             root = np.sqrt(part.weights)
             h = part.half_integral * root[:, None]
             # of a matrix and its own transpose NumPy computes one triangle, in half the time
             matrix += h.T @ h
             right += h.T @ (root * part.target)
-        return matrix, right
+        matrix *= sticks.extents
+        matrix *= sticks.extents[:, None]
+        matrix += self.beta * sticks.mass()
+        return matrix, sticks.extents * right
 
     def _mismatch(
         self, radii: tuple[Radius, ...], sticks: StickAnnuli, full: Array, balance: float

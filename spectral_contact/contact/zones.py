@@ -277,7 +277,7 @@ class _ZonesProblem:
     def _of_coarser_pressure(self) -> _ZonesProblem:
         """Return the problem that the pressure without its last change poses."""
         problem = copy(self)
-        problem.system = replace(self.system, drive=Drive(self.system.drive.contact.coarser))
+        problem.system = replace(self.system, drive=self.system.drive.coarser)
         return problem
 
     def _coarser(self, resolution: Resolution) -> ZoneTractions:
@@ -288,7 +288,7 @@ class _ZonesProblem:
     def _misfit(self, trial: ZoneTractions, full: Array) -> list[Array]:
         """Return E at the disk nodes, then on the outer grid."""
         inner = trial.target - trial.factored.space.half_integral(trial.disk)
-        outer = full[trial.sticks.columns]
+        outer = trial.sticks.extents * full[trial.sticks.columns]
         return [inner, *(p.target - p.half_integral @ outer for p in trial.grid)]
 
     def _shear(self, trial: ZoneTractions) -> Array:
