@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,19 +22,12 @@ _LEAST_ANGLE = 0.1
 _FRESH = 1e-3
 #: Where zones of a like scene fit, a step is at most so much of the one before.
 _SHRINKS = 0.5
+#: A step as short as this may be made of rounding, which does not shrink.
+_NOISE = 1e-7
 _MAX_STEPS = 25
 
 
-class Mismatched(Protocol):
-    """Everything at one set of boundaries."""
-
-    @property
-    def mismatch(self) -> Array:
-        """What the conditions lack."""
-        ...
-
-
-T = TypeVar("T", bound=Mismatched)
+T = TypeVar("T")
 
 
 class NoBoundariesError(ArithmeticError):
@@ -48,15 +41,19 @@ class Boundaries(Generic[T]):
     Attributes
     ----------
     logits : ndarray
+        Where the last trial was.
+    left : ndarray
+        How far it was from the root.
     trial : object
         Everything there.
     slopes : ndarray
-        By what the conditions rise with the logits.
+        By what the conditions, and what follows them, rise with the logits.
     fresh : bool
         Whether the slopes are those here, and not those of where the search began.
     """
 
     logits: Array
+    left: Array
     trial: T
     slopes: Array
     fresh: bool
@@ -64,6 +61,7 @@ class Boundaries(Generic[T]):
 
 def find_boundaries(
     trial_at: Callable[[Array], T],
+    conditions: Callable[[T], Array],
     logits: Array,
     slopes: Array,
     settle: float,
@@ -71,14 +69,17 @@ def find_boundaries(
     *,
     near: bool,
 ) -> Boundaries[T]:
-    """Find the boundaries at which nothing is mismatched.
+    """Find the boundaries at which the conditions hold.
 
     Parameters
     ----------
     trial_at : callable
         Solves at given boundaries.
+    conditions : callable
+        What should vanish of a trial, one number for each boundary, and then what else the slopes
+        are wanted of.
     logits, slopes : ndarray
-        Where to begin, and the slopes of the conditions there.
+        Where to begin, and the slopes there.
     settle : float
         After a step as short as this the search ends.
     enough : float
@@ -91,34 +92,36 @@ def find_boundaries(
     NoBoundariesError
         If steps from near by do not become shorter.
     """
-    x, before, trial = logits, inf, trial_at(logits)
+    x, before, trial, count = logits, inf, trial_at(logits), len(logits)
+    values, left, shrinking = conditions(trial), np.zeros(count), inf
     steps: list[Array] = []
     changes: list[Array] = []
-    shrinking = inf
     for _ in range(_MAX_STEPS):
-        step = -np.asarray(np.linalg.solve(slopes, trial.mismatch), dtype=float)
+        step = -np.asarray(np.linalg.solve(slopes[:count], values[:count]), dtype=float)
         size = float(np.abs(step).max())
         if near and not size <= _SHRINKS * before:
+            if size <= _NOISE:
+                break
             raise NoBoundariesError("no boundaries near by")
         shrinking, before = size / before, size
         if size <= enough:
+            left = step
             break
         step *= min(1.0, _longest(x, step))
         x = x + step
-        following = trial_at(x)
-        change = following.mismatch - trial.mismatch
+        trial = trial_at(x)
+        values, known = conditions(trial), values
         if float(np.abs(step).max()) >= _LEAST_STEP:
-            slopes = _through_secants(slopes, [step], [change])
-            steps, changes = [*steps, step][-len(x) :], [*changes, change][-len(x) :]
-        trial = following
+            slopes = _through_secants(slopes, [step], [values - known])
+            steps, changes = [*steps, step][-count:], [*changes, values - known][-count:]
         if size <= settle:
             break
     if not steps:
-        return Boundaries(x, trial, slopes, False)
+        return Boundaries(x, left, trial, slopes, False)
     ways = np.array([step / np.linalg.norm(step) for step in steps])
-    spans = np.linalg.matrix_rank(ways, tol=_LEAST_ANGLE) == len(x)
+    spans = np.linalg.matrix_rank(ways, tol=_LEAST_ANGLE) == count
     slopes = _through_secants(slopes, steps, changes)
-    return Boundaries(x, trial, slopes, bool(spans) or shrinking <= _FRESH)
+    return Boundaries(x, left, trial, slopes, bool(spans) or shrinking <= _FRESH)
 
 
 def _through_secants(slopes: Array, steps: list[Array], changes: list[Array]) -> Array:
@@ -131,16 +134,14 @@ def _through_secants(slopes: Array, steps: list[Array], changes: list[Array]) ->
     return np.asarray(slopes + (found - slopes @ ways) @ np.linalg.pinv(ways, rcond=_LEAST_ANGLE))
 
 
-def differences(trial_at: Callable[[Array], Mismatched], logits: Array) -> Array:
+def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:
     """Return the slopes by central differences, a small share of the narrowest zone apart."""
-    slopes = np.zeros((len(logits), len(logits)))
-    spacing = np.diff(logits)
+    slopes, spacing = [], np.diff(logits)
     for i in range(len(logits)):
         near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
         h = 1e-3 * near * np.eye(len(logits))[i]
-        ahead, behind = (trial_at(logits + d).mismatch for d in (h, -h))
-        slopes[:, i] = (ahead - behind) / (2e-3 * near)
-    return slopes
+        slopes.append((conditions_at(logits + h) - conditions_at(logits - h)) / (2e-3 * near))
+    return np.array(slopes).T
 
 
 def _longest(x: Array, step: Array) -> float:

@@ -40,8 +40,9 @@ class Layout:
         ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
     states : tuple of int
         One more than boundaries; the first is 0.
-    slopes : ndarray, shape (boundaries, boundaries), optional
-        By what the conditions at the boundaries rise with the logits, if known.
+    slopes : ndarray, shape (values, boundaries), optional
+        By what the conditions at the boundaries rise with the logits, if known; with slip inside
+        the shear is the last of the values.
     slopes_at : tuple of float
         The logits for which they are.
     space : ZonesSpace, optional

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.boundaries import differences, find_boundaries
+from spectral_contact.contact.boundaries import Boundaries, differences, find_boundaries
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -107,23 +107,19 @@ class _ZonesProblem:
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
-        self.aim = tolerance
         self.kept = layout.space
         self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
         self.near = layout.slopes is not None
         if layout.slopes is None:
-            coarse = self._at(self._resolution(_COARSE), _COARSE)
-            start = differences(coarse, self.logits)
-            found = find_boundaries(coarse, self.logits, start, 1e-7, 1e-9, near=False)
-            self.logits = found.logits
+            self.slopes = self._differences()
+            self._find(self._resolution(_COARSE), _COARSE, 1e-7, 1e-9)
         else:
             self.slopes, self.slopes_at = layout.slopes, np.array(layout.slopes_at)
             moved = float(np.abs(self.logits - self.slopes_at).max())
             if moved <= _STALE * min(1.0, *np.diff(self.logits)):
                 return
-        coarse = self._at(self._resolution(_COARSE), _COARSE)
-        self.slopes, self.slopes_at = differences(coarse, self.logits), self.logits
+        self.slopes, self.slopes_at = self._differences(), self.logits
 
     # spaces
 
@@ -194,20 +190,44 @@ class _ZonesProblem:
 
         return trial_at
 
+    def _conditions(self, trial: ZoneTractions) -> Array:
+        """Return what should vanish, and the shear."""
+        return np.append(trial.mismatch, self._shear(trial).sum())
+
+    def _differences(self) -> Array:
+        """Return the slopes of the conditions in the space in which they are found first."""
+        trial_at = self._at(self._resolution(_COARSE), _COARSE)
+        return differences(lambda logits: self._conditions(trial_at(logits)), self.logits)
+
+    def _find(
+        self, resolution: Resolution, quadrature: float, settle: float, enough: float
+    ) -> Boundaries[ZoneTractions]:
+        """Find the boundaries in a space."""
+        found = find_boundaries(
+            self._at(resolution, quadrature),
+            self._conditions,
+            self.logits,
+            self.slopes,
+            settle,
+            enough,
+            near=self.near,
+        )
+        self.logits = found.logits
+        return found
+
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
-        trial_at = self._at(resolution, self.quadrature)
-        enough = max(1e-3 * self.aim, 1e-13) if self.near else 1e-13
-        found = find_boundaries(
-            trial_at, self.logits, self.slopes, 1e-11, enough, near=self.near
-        )
-        self.logits, self.slopes = found.logits, found.slopes
+        enough = max(1e-3 * self.tolerance, 1e-13) if self.near else 1e-13
+        found = self._find(resolution, self.quadrature, 1e-11, enough)
+        self.slopes = found.slopes
         if found.fresh:
-            self.slopes_at = self.logits
-        return self._assess(resolution, found.trial)
+            self.slopes_at = found.logits + found.left
+        return self._assess(resolution, found.trial, found.left)
 
-    def _assess(self, resolution: Resolution, trial: ZoneTractions) -> Attempt[ZonesSolution]:
+    def _assess(
+        self, resolution: Resolution, trial: ZoneTractions, left: Array
+    ) -> Attempt[ZonesSolution]:
         """Turn the final trial into a solution; the next coarser one shows its errors."""
         disk_space, degrees = self._split(resolution)
         panels, rim = disk_space.panels, trial.radii[0]
@@ -235,11 +255,14 @@ class _ZonesProblem:
         indicators = _ANNULI * expected_error(np.concatenate(shares), rate)
         worst = 2.0 * SAFETY * max(float(rate[np.argmax(indicators)]), LEAST_RATE)
         error = max(float(indicators.max()), beyond) + TRACTION_ROUNDING
+        error += float(np.abs(trial.mismatch).max())
         misfit, misfit_coarse = self._misfit(trial, full), self._misfit(coarse, full_coarse)
         lost = [a - b for a, b in zip(misfit, misfit_coarse, strict=True)]
         stray = self._largest_displacement(trial, self._stuck(trial, lost))
         parts = self._shear(trial)
-        shear = float(parts.sum())
+        # the traction depends on what is left of the boundaries less than they do themselves
+        logits = self.logits + left
+        shear = float(parts.sum() + self.slopes[-1] @ left)
         # the changes of the zones may cancel by accident; in slip there is that of the load alone
         lost_parts = np.abs(parts - problem._shear(coarse))
         sticking = 1 + len(halves)
@@ -249,7 +272,7 @@ class _ZonesProblem:
         # what is lost may be small by accident, but hardly against the square of the error
         squared = _SQUARED * error**2
         value = ZonesSolution(
-            trial.radii,
+            self._radii(logits),
             self.system.states,
             DiskSeries(rim, series),
             tuple(fields),
@@ -264,7 +287,7 @@ class _ZonesProblem:
             ),
             worst * stray,
             Layout(
-                tuple(self.logits.tolist()),
+                tuple(logits.tolist()),
                 self.system.states,
                 self.slopes,
                 tuple(self.slopes_at.tolist()),
@@ -342,7 +365,7 @@ class _ZonesProblem:
         """Return what errors of the conditions move the boundaries by."""
         # the conditions themselves hold to rounding and to the source quadrature
         errors = errors + 20.0 * ROUNDING + 1e-3 * self.quadrature + trial.unresolved
-        shift = np.abs(np.linalg.inv(self.slopes)) @ (errors + 2.0 * np.abs(trial.mismatch))
+        shift = np.abs(np.linalg.inv(self.slopes[:-1])) @ (errors + 2.0 * np.abs(trial.mismatch))
         return tuple(boundary_error(float(d), r) for d, r in zip(shift, trial.radii, strict=True))
 
 

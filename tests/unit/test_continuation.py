@@ -7,7 +7,8 @@ import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
 from spectral_contact.contact import one_disk
-from spectral_contact.sharing import DiskPath
+from spectral_contact.contact.layout import Layout
+from spectral_contact.sharing import ZonePath
 from spectral_contact.solver import Continuation
 
 SCALARS = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")
