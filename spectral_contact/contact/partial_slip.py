@@ -68,6 +68,8 @@ _WIDENED = 4.0
 _DOUBTFUL = 0.1
 #: What tolerance of the traction one of shear and stick radius takes, as a power of it.
 _SUPERCONVERGENCE = 0.8
+#: How near the boundaries must be to the root of their conditions, of the tolerance.
+_ENOUGH = 0.1
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 
@@ -269,16 +271,22 @@ class _Search:
         """Solve on zones like these."""
         from spectral_contact.contact.zones import solve_zones
 
-        problem = self.drive, self.beta, self.friction
-        if self.pointwise:
-            return solve_zones(*problem, layout, self.tolerance, self.max_unknowns)
-        # both are more accurate than the traction
-        looser = self.tolerance**_SUPERCONVERGENCE
-        loose = solve_zones(*problem, layout, looser, self.max_unknowns)
-        solved = loose.best.value
-        if max(solved.shear_error, solved.boundary_errors[0][0]) <= self.tolerance:
-            return loose
-        return solve_zones(*problem, solved.layout, self.tolerance, self.max_unknowns)
+        tolerance = self.tolerance if self.pointwise else self.tolerance**_SUPERCONVERGENCE
+        while True:
+            found = solve_zones(
+                self.drive,
+                self.beta,
+                self.friction,
+                layout,
+                tolerance,
+                self.max_unknowns,
+                max(_ENOUGH * self.tolerance, 1e-13),
+            )
+            solved = found.best.value
+            error = max(solved.shear_error, solved.boundary_errors[0][0])
+            if tolerance == self.tolerance or error <= self.tolerance:
+                return found
+            layout, tolerance = solved.layout, self.tolerance
 
     def _handed_on(self, layout: Layout) -> PartialSlip | None:
         """Solve on the zones of a like scene, and return it if the friction law holds on them.

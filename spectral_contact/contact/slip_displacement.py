@@ -46,6 +46,7 @@ __all__ = [
     "pressure_expansion",
     "slip_displacement",
     "slip_misfit",
+    "smooth_between",
 ]
 
 Array = NDArray[np.float64]
@@ -101,6 +102,17 @@ def annulus_between(
     counts = (3 * int(np.ceil(d / (3.0 * PANEL_WIDTH))) for d in depths)
     first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
     return Annulus(inner, outer, first, second)
+
+
+def smooth_between(inner: Radius, outer: Radius, tolerance: float) -> Annulus:
+    """Return panels for a function with singularities at the centre and at the edge only."""
+    half = gap(inner, outer) / 2.0
+    digits = -np.log(tolerance)
+    degree = 4 * int(np.ceil((4.0 + 0.7 * digits) / 4.0))
+    # the tails have three terms
+    depths = [max(np.log(half / d), 0.0) + digits / 3.0 + 2.0 for d in (inner.square, outer.rest)]
+    counts = (3 * int(np.ceil(d / (3.0 * PANEL_WIDTH))) for d in depths)
+    return Annulus(inner, outer, *(LogPanels(count, PANEL_WIDTH, degree) for count in counts))
 
 
 def pressure_expansion(annulus: Annulus, pressure: PressureField) -> Array:

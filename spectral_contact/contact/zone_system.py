@@ -17,7 +17,11 @@ from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, interpolate, series_of
 from spectral_contact.contact.rim import SlipSource, rim_target
-from spectral_contact.contact.slip_displacement import annulus_between, pressure_expansion
+from spectral_contact.contact.slip_displacement import (
+    annulus_between,
+    pressure_expansion,
+    smooth_between,
+)
 from spectral_contact.contact.stick_annuli import StickAnnuli
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus, Points
@@ -163,7 +167,7 @@ class ZoneSystem:
         responses = factored.solve(targets)
         misfits = targets - factored.space.half_integral(responses)
         slips = self._slip_annuli(radii, quadrature)
-        grid = self._outer_grid(radii, sticks, slips)
+        grid = self._outer_grid(radii, sticks, slips, quadrature)
         weights = rim.value**3 * disk.tangential.weights
         matrix, right = self._annulus_system(sticks, grid)
         # The functions' half-integrals on the disk, at_rim - falls, against the misfits. By
@@ -241,13 +245,12 @@ class ZoneSystem:
         ]
 
     def _outer_grid(
-        self, radii: tuple[Radius, ...], sticks: StickAnnuli, slips: list[Annulus]
+        self, radii: tuple[Radius, ...], sticks: StickAnnuli, slips: list[Annulus], quadrature: float
     ) -> list[Part]:
         """Return nodes and targets, up to the last stick zone."""
-        slipping = [k for k, state in enumerate(self.states) if state != 0]
-        loads = list(zip(slipping, slips, strict=True))
-        expansions = {k: pressure_expansion(a, self.drive.pressure) for k, a in loads}
-        grid = []
+        numbers = [k for k, state in enumerate(self.states) if state != 0]
+        pressure, grid = self.drive.pressure, []
+        zones = dict(zip(numbers, slips, strict=True))
         for own, stick in enumerate(self.stick_annuli()):
             pieces = [(stick - 1, sticks.inside(own, radii[stick - 2]))]
             pieces += [(stick, sticks.at_own_nodes(own, half)) for half in (0, 1)]
@@ -256,11 +259,12 @@ class ZoneSystem:
             for (zone, (points, weights, block)), target in zip(
                 pieces, np.split(targets, cuts), strict=True
             ):
-                for k, annulus in loads:
+                for k, annulus in zones.items():
                     if k == zone:
-                        load = annulus.own_half_integral_at(expansions[k], points)
+                        own = smooth_between(annulus.inner, annulus.outer, quadrature)
+                        load = own.half_integral_inside(pressure_expansion(own, pressure), points)
                     elif k > zone:
-                        load = annulus.half_integral(points) @ expansions[k]
+                        load = annulus.half_integral(points) @ pressure_expansion(annulus, pressure)
                     else:
                         continue
                     target = target - self.states[k] * self.friction * load

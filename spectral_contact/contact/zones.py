@@ -103,10 +103,17 @@ class _ZonesProblem:
     """Spaces for given states of the zones; the boundaries are found anew in each of them."""
 
     def __init__(
-        self, drive: Drive, beta: float, friction: float, layout: Layout, tolerance: float
+        self,
+        drive: Drive,
+        beta: float,
+        friction: float,
+        layout: Layout,
+        tolerance: float,
+        enough: float,
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
+        self.enough = enough if layout.slopes is not None else 1e-13
         self.kept = layout.space
         self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
@@ -218,8 +225,7 @@ class _ZonesProblem:
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
-        enough = max(1e-3 * self.tolerance, 1e-13) if self.near else 1e-13
-        found = self._find(resolution, self.quadrature, 1e-11, enough)
+        found = self._find(resolution, self.quadrature, 1e-11, self.enough)
         self.slopes = found.slopes
         if found.fresh:
             self.slopes_at = found.logits + found.left
@@ -376,6 +382,7 @@ def solve_zones(
     layout: Layout,
     tolerance: float,
     max_unknowns: int,
+    enough: float = 1e-13,
 ) -> Refinement[ZonesSolution]:
     """Solve partial slip with the zones of a layout, for kappa = 1.
 
@@ -389,6 +396,14 @@ def solve_zones(
     tolerance : float
         Bound on the relative error of q/s.
     max_unknowns : int
+    enough : float
+        How near the logits of the boundaries must be to the root, if those of a like scene are
+        handed on: what is left is taken from the slopes.
+
+    Raises
+    ------
+    NoBoundariesError
+        If zones of a like scene do not fit.
     """
-    problem = _ZonesProblem(drive, beta, friction, layout, tolerance)
+    problem = _ZonesProblem(drive, beta, friction, layout, tolerance, enough)
     return refine(problem, tolerance, max_unknowns)

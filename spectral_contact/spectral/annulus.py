@@ -243,16 +243,18 @@ class Annulus:
         above = inner.outer(a) + outer.across(b, self.toward_inner)
         return self._scale * np.concatenate([above, outer.deeper(b)])
 
-    def own_half_integral_at(self, coefficients: Array, points: Points) -> Array:
-        """Return the same at points of the annulus, interpolated."""
+    def half_integral_inside(self, coefficients: Array, points: Points) -> Array:
+        """Return the half-integral of a smooth function at points of the annulus, interpolated."""
         values, split = self.own_half_integral(coefficients), self.sampling_split
-        above, below = -points.before(self.inner), points.before(self.outer)
-        half, total = gap(self.inner, self.outer) / 2.0, np.empty(len(above))
-        near = above < below
+        half = gap(self.inner, self.outer) / 2.0
+        above, below = -points.before(self.inner) / half, points.before(self.outer) / half
+        # at the outer end it vanishes like a square root
+        root = np.sqrt(transforms(self.toward_outer).distances)
         first = sampled_series(self.toward_inner, values[:split])
-        second = sampled_series(self.toward_outer, values[split:])
-        total[near] = first(np.clip(above[near] / half, 0.0, 1.0))
-        total[~near] = second(np.clip(below[~near] / half, 0.0, 1.0))
+        second = sampled_series(self.toward_outer, values[split:] / root)
+        total, near = np.empty(len(above)), above < below
+        total[near] = first(np.clip(above[near], 0.0, 1.0))
+        total[~near] = np.sqrt(below[~near]) * second(np.clip(below[~near], 0.0, 1.0))
         return total
 
     def own_inner_integral(self, coefficients: Array) -> Array:
