@@ -19,7 +19,7 @@ _LEAST_STEP = 1e-9
 #: Two steps point in different ways if they span at least this angle.
 _LEAST_ANGLE = 0.1
 #: Slopes are as good as new where a step is at most so much of the one before.
-_FRESH = 1e-3
+_FRESH = 1e-2
 #: Where zones of a like scene fit, a step is at most so much of the one before.
 _SHRINKS = 0.5
 #: A step as short as this may be made of rounding, which does not shrink.

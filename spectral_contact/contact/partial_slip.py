@@ -68,8 +68,6 @@ _WIDENED = 4.0
 _DOUBTFUL = 0.1
 #: What tolerance of the traction one of shear and stick radius takes, as a power of it.
 _SUPERCONVERGENCE = 0.8
-#: How near the boundaries must be to the root of their conditions, of the tolerance.
-_ENOUGH = 0.1
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 
@@ -280,7 +278,7 @@ class _Search:
                 layout,
                 tolerance,
                 self.max_unknowns,
-                max(_ENOUGH * self.tolerance, 1e-13),
+                None if self.pointwise else self.tolerance,
             )
             solved = found.best.value
             error = max(solved.shear_error, solved.boundary_errors[0][0])

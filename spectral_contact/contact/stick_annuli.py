@@ -108,9 +108,7 @@ class StickAnnuli:
             z = end.square / 2.0 * np.exp(-x)
             near = ((end.square - z) / half).ravel()
             e = np.concatenate([e, near])
-            weights = np.concatenate(
-                [weights, (z * (length / (2.0 * half * count) * w)).ravel()]
-            )
+            weights = np.concatenate([weights, (z * (length / (2.0 * half * count) * w)).ravel()])
             block = np.concatenate([block, space.outside(near)])
         points = Points(end, -half * e)
         return points, half * weights, self._half_integral(points, own, block)

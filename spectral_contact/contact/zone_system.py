@@ -73,7 +73,6 @@ class ZoneTractions:
         System and coefficients of the stick annuli, the rim value last.
     grid : list of Part
         What the zones outside the disk are integrated with, up to the last stick zone.
-    slips : list of Annulus
     unresolved : float
         What the disk's target leaves out, relative to its value at the rim.
     """
@@ -87,7 +86,6 @@ class ZoneTractions:
     matrix: Array
     outer: Array
     grid: list[Part]
-    slips: list[Annulus]
     unresolved: float
 
 
@@ -166,8 +164,7 @@ class ZoneSystem:
         targets = np.hstack([fixed, np.ones_like(fixed), falls])
         responses = factored.solve(targets)
         misfits = targets - factored.space.half_integral(responses)
-        slips = self._slip_annuli(radii, quadrature)
-        grid = self._outer_grid(radii, sticks, slips, quadrature)
+        grid = self._outer_grid(radii, sticks, quadrature)
         weights = rim.value**3 * disk.tangential.weights
         matrix, right = self._annulus_system(sticks, grid)
         # The functions' half-integrals on the disk, at_rim - falls, against the misfits. By
@@ -203,7 +200,6 @@ class ZoneSystem:
             system,
             outer,
             grid,
-            slips,
             unresolved / float(self.drive.target(np.array(rim.rest))),
         )
 
@@ -217,12 +213,13 @@ class ZoneSystem:
             annuli.append(Annulus(radii[k - 1], self.outer(radii, k), first, second))
         return StickAnnuli(annuli, degrees)
 
-    def _slip_annuli(self, radii: tuple[Radius, ...], tolerance: float) -> list[Annulus]:
-        return [
-            self.annulus(radii[k - 1], self.outer(radii, k), state, max(tolerance, 1e-14))
+    def slip_annuli(self, radii: tuple[Radius, ...], tolerance: float) -> dict[int, Annulus]:
+        """Return the panels of the slip zones, by their numbers."""
+        return {
+            k: self.annulus(radii[k - 1], self.outer(radii, k), state, max(tolerance, 1e-14))
             for k, state in enumerate(self.states)
             if state != 0
-        ]
+        }
 
     def _sources(
         self, radii: tuple[Radius, ...], tolerance: float, nearest: float
@@ -245,12 +242,11 @@ class ZoneSystem:
         ]
 
     def _outer_grid(
-        self, radii: tuple[Radius, ...], sticks: StickAnnuli, slips: list[Annulus], quadrature: float
+        self, radii: tuple[Radius, ...], sticks: StickAnnuli, quadrature: float
     ) -> list[Part]:
         """Return nodes and targets, up to the last stick zone."""
-        numbers = [k for k, state in enumerate(self.states) if state != 0]
         pressure, grid = self.drive.pressure, []
-        zones = dict(zip(numbers, slips, strict=True))
+        slips = self.slip_annuli(radii, quadrature)
         for own, stick in enumerate(self.stick_annuli()):
             pieces = [(stick - 1, sticks.inside(own, radii[stick - 2]))]
             pieces += [(stick, sticks.at_own_nodes(own, half)) for half in (0, 1)]
@@ -259,7 +255,7 @@ class ZoneSystem:
             for (zone, (points, weights, block)), target in zip(
                 pieces, np.split(targets, cuts), strict=True
             ):
-                for k, annulus in zones.items():
+                for k, annulus in slips.items():
                     if k == zone:
                         own = smooth_between(annulus.inner, annulus.outer, quadrature)
                         load = own.half_integral_inside(pressure_expansion(own, pressure), points)

@@ -95,6 +95,9 @@ _ANNULI, _SQUARED = 1.5, 50.0
 _COARSE = 1e-4
 #: Indicators may be so much of the tolerance in a space that is handed on.
 _SPARE = 0.02
+#: How near boundaries get to the root of their conditions, and how near those of a like scene
+#: must, of the tolerance: what is left is taken from the slopes.
+_SETTLED, _ENOUGH = 1e-13, 0.1
 #: How far boundaries may move, of the narrowest zone, before their sensitivity is found anew.
 _STALE = 0.3
 
@@ -109,19 +112,20 @@ class _ZonesProblem:
         friction: float,
         layout: Layout,
         tolerance: float,
-        enough: float,
+        goal: float | None,
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
-        self.enough = enough if layout.slopes is not None else 1e-13
         self.kept = layout.space
         self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
-        self.near = layout.slopes is not None
+        self.displacement = self.quadrature if goal is None else 0.01 * tolerance
+        self.near, self.enough = layout.slopes is not None, _SETTLED
         if layout.slopes is None:
             self.slopes = self._differences()
             self._find(self._resolution(_COARSE), _COARSE, 1e-7, 1e-9)
         else:
+            self.enough = max(_ENOUGH * (goal or tolerance), _SETTLED)
             self.slopes, self.slopes_at = layout.slopes, np.array(layout.slopes_at)
             moved = float(np.abs(self.logits - self.slopes_at).max())
             if moved <= _STALE * min(1.0, *np.diff(self.logits)):
@@ -356,14 +360,15 @@ class _ZonesProblem:
 
     def _slipping(self, trial: ZoneTractions, full: Array) -> list[Slipping]:
         signs = [s for s in self.system.states if s != 0]
+        slips = list(self.system.slip_annuli(trial.radii, self.displacement).values())
         misfit = slip_misfit(
             self.system.drive,
-            trial.slips,
+            slips,
             signs,
             self.system.friction,
             [trial.sticks.field_inside(full[trial.sticks.columns])],
         )
-        return [Slipping(a, s, e) for a, s, e in zip(trial.slips, signs, misfit, strict=True)]
+        return [Slipping(a, s, e) for a, s, e in zip(slips, signs, misfit, strict=True)]
 
     def _boundary_errors(
         self, trial: ZoneTractions, errors: Array
@@ -382,7 +387,7 @@ def solve_zones(
     layout: Layout,
     tolerance: float,
     max_unknowns: int,
-    enough: float = 1e-13,
+    goal: float | None = None,
 ) -> Refinement[ZonesSolution]:
     """Solve partial slip with the zones of a layout, for kappa = 1.
 
@@ -396,14 +401,14 @@ def solve_zones(
     tolerance : float
         Bound on the relative error of q/s.
     max_unknowns : int
-    enough : float
-        How near the logits of the boundaries must be to the root, if those of a like scene are
-        handed on: what is left is taken from the slopes.
+    goal : float, optional
+        What the relative error of the shear should be, where that of q/s need not be less than
+        the tolerance.
 
     Raises
     ------
     NoBoundariesError
         If zones of a like scene do not fit.
     """
-    problem = _ZonesProblem(drive, beta, friction, layout, tolerance, enough)
+    problem = _ZonesProblem(drive, beta, friction, layout, tolerance, goal)
     return refine(problem, tolerance, max_unknowns)

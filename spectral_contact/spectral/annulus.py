@@ -74,6 +74,7 @@ class Points:
 #: An annulus whose halves have unit extent in ``s**2``.
 UNIT = Radius(0.0, 1.0), Radius(sqrt(2.0), 1.0 - sqrt(2.0))
 
+
 @dataclass(frozen=True, slots=True)
 class Family:
     """Panels in the logarithm of the distance to one end of an annulus.
