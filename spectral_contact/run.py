@@ -266,7 +266,7 @@ class Run:
             self.all_stick()
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
             if critical > scene.friction * (1.0 - stick.critical_error):  # the errors decide
-                from spectral_contact.contact.partial_slip import unresolved_slip
+                from spectral_contact.contact.onset import unresolved_slip
 
                 missed = unresolved_slip(
                     drive, stick, scene.tangential_compliance, scene.friction / scene.kappa

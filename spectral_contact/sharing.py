@@ -68,11 +68,10 @@ class ZonePath:
         guess = _extrapolated(times, logits)
         if (np.diff(guess) <= 0.0).any():
             return layout
-        slopes = layout.slopes
-        pair = self._known[-2:]
-        if len(times) > 1 and slopes is not None and all(one.fresh for _, one in pair):
-            slopes = _extrapolated(times[:2], [slopes, pair[0][1].slopes])
-        return replace(layout, logits=tuple(guess.tolist()), slopes=slopes)
+        slopes = [one.slopes for _, one in self._known[-2:] if one.good and one.slopes is not None]
+        if len(times) > 1 and len(slopes) == 2:
+            layout = replace(layout, slopes=_extrapolated(times[:2], slopes[::-1]))
+        return replace(layout, logits=tuple(guess.tolist()))
 
     def add(self, place: Place, layout: Layout | None) -> None:
         """Keep what a scene has found."""

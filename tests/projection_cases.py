@@ -14,9 +14,9 @@ from projection_oracle import Place, basis, entries, moments, mp, rows
 
 from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
 from spectral_contact.contact.resolution import load_vector
-from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zones import _ZonesProblem
 from spectral_contact.fields import EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators

@@ -16,10 +16,10 @@ Array = NDArray[np.float64]
 
 #: Steps shorter than this show more of the noise than of the slopes.
 _LEAST_STEP = 1e-9
-#: Two steps point in different ways if they span at least this angle.
+#: Steps point in different ways if their smallest singular value is so much of the largest one.
 _LEAST_ANGLE = 0.1
-#: Slopes are as good as new where a step is at most so much of the one before.
-_FRESH = 1e-2
+#: Slopes are good where a step is at most so much of the one before.
+_GOOD = 1e-2
 #: Where zones of a like scene fit, a step is at most so much of the one before.
 _SHRINKS = 0.5
 #: A step as short as this may be made of rounding, which does not shrink.
@@ -48,15 +48,18 @@ class Boundaries(Generic[T]):
         Everything there.
     slopes : ndarray
         By what the conditions, and what follows them, rise with the logits.
-    fresh : bool
-        Whether the slopes are those here, and not those of where the search began.
+    known : bool
+        Whether the steps have shown the slopes in every direction.
+    good : bool
+        Whether they have been seen to be good at least in that of the last step.
     """
 
     logits: Array
     left: Array
     trial: T
     slopes: Array
-    fresh: bool
+    known: bool
+    good: bool
 
 
 def find_boundaries(
@@ -110,18 +113,19 @@ def find_boundaries(
         step *= min(1.0, _longest(x, step))
         x = x + step
         trial = trial_at(x)
-        values, known = conditions(trial), values
+        values, before_it = conditions(trial), values
         if float(np.abs(step).max()) >= _LEAST_STEP:
-            slopes = _through_secants(slopes, [step], [values - known])
-            steps, changes = [*steps, step][-count:], [*changes, values - known][-count:]
+            slopes = _through_secants(slopes, [step], [values - before_it])
+            steps, changes = [*steps, step][-count:], [*changes, values - before_it][-count:]
         if size <= settle:
             break
     if not steps:
-        return Boundaries(x, left, trial, slopes, False)
+        return Boundaries(x, left, trial, slopes, False, False)
     ways = np.array([step / np.linalg.norm(step) for step in steps])
-    spans = np.linalg.matrix_rank(ways, tol=_LEAST_ANGLE) == count
+    spread = np.linalg.svd(ways, compute_uv=False)
+    span = len(steps) == count and bool(spread[-1] > _LEAST_ANGLE * spread[0])
     slopes = _through_secants(slopes, steps, changes)
-    return Boundaries(x, left, trial, slopes, bool(spans) or shrinking <= _FRESH)
+    return Boundaries(x, left, trial, slopes, span, span or shrinking <= _GOOD)
 
 
 def _through_secants(slopes: Array, steps: list[Array], changes: list[Array]) -> Array:

@@ -44,7 +44,9 @@ class Layout:
         By what the conditions at the boundaries rise with the logits, if known; with slip inside
         the shear is the last of the values.
     slopes_at : tuple of float
-        The logits for which they are.
+        The logits for which they were last known in every direction.
+    good : bool
+        Whether the slopes have been seen to be good at these boundaries.
     space : ZonesSpace, optional
         What to begin with.
     """
@@ -53,9 +55,5 @@ class Layout:
     states: tuple[int, ...]
     slopes: NDArray[np.float64] | None = None
     slopes_at: tuple[float, ...] = ()
+    good: bool = False
     space: ZonesSpace | None = None
-
-    @property
-    def fresh(self) -> bool:
-        """Whether the slopes are those at these boundaries."""
-        return self.slopes is not None and self.slopes_at == self.logits

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import exp, inf, sqrt
+from math import inf
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -53,18 +53,13 @@ from spectral_contact.spectral.annulus import Annulus
 if TYPE_CHECKING:
     from spectral_contact.contact.zones import ZonesSolution
 
-__all__ = ["UNRESOLVED_SLIP", "PartialSlip", "solve_partial_slip", "unresolved_slip"]
+__all__ = ["PartialSlip", "solve_partial_slip"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
 
-#: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
-#: square root of what the friction lacks, 1e-13 at best.
-UNRESOLVED_SLIP = 1e-6
-#: Slip is wider than the place where full stick breaks the law: less than twice where that widens
-#: like a square root of what the friction lacks, and less than four times where like that itself.
-_WIDENED = 4.0
-#: The same where no digit of the slip is known: zones that follow from less are made of noise.
+#: Violation beyond which zones are searched for even where no digit of the slip is known: what
+#: follows from less is made of noise.
 _DOUBTFUL = 0.1
 #: What tolerance of the traction one of shear and stick radius takes, as a power of it.
 _SUPERCONVERGENCE = 0.8
@@ -305,29 +300,10 @@ class _Search:
         return outcome
 
 
-def unresolved_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> float:
-    """Return the relative error of a stick radius of 1 where slip is about to start.
-
-    The friction is so close to critical that the errors decide: there may be slip wherever full
-    stick uses up all friction but for some of them.
-    """
-    from spectral_contact.contact.zone_search import depth_of, full_stick_violations
-
-    if stick.critical == inf:
-        return UNRESOLVED_SLIP
-    lack = max(1.0 - friction / stick.critical, 0.0) + 2.0 * stick.critical_error
-    depth = depth_of(drive.contact.compliance, beta, friction)
-    least = stick.critical * (1.0 - min(_WIDENED * lack, 1.0))
-    intervals = full_stick_violations(drive, stick, least, depth)
-    if not intervals:
-        return UNRESOLVED_SLIP
-    y = exp(-intervals[0][0])
-    radius = sqrt(1.0 - y)
-    return max(UNRESOLVED_SLIP, y / (1.0 + radius) / radius)
-
-
 def _no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> PartialSlip:
     """Return full stick: the slip there is is narrower than what can be resolved."""
+    from spectral_contact.contact.onset import unresolved_slip
+
     radius_error = unresolved_slip(drive, stick, beta, friction)
     error = max(stick.traction_error, drive.contact.pressure_error)
     return PartialSlip(

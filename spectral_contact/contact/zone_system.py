@@ -255,15 +255,16 @@ class ZoneSystem:
             for (zone, (points, weights, block)), target in zip(
                 pieces, np.split(targets, cuts), strict=True
             ):
-                for k, annulus in slips.items():
-                    if k == zone:
-                        own = smooth_between(annulus.inner, annulus.outer, quadrature)
-                        load = own.half_integral_inside(pressure_expansion(own, pressure), points)
-                    elif k > zone:
+                for number, annulus in slips.items():
+                    if number == zone:
+                        smooth = smooth_between(annulus.inner, annulus.outer, quadrature)
+                        expansion = pressure_expansion(smooth, pressure)
+                        load = smooth.half_integral_inside(expansion, points)
+                    elif number > zone:
                         load = annulus.half_integral(points) @ pressure_expansion(annulus, pressure)
                     else:
                         continue
-                    target = target - self.states[k] * self.friction * load
+                    target = target - self.states[number] * self.friction * load
                 weights = np.sqrt(points.z) * weights / (2.0 * pi)
                 grid.append(Part(zone, points, weights, target, block))
         return grid

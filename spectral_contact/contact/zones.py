@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.boundaries import Boundaries, differences, find_boundaries
 from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.layout import Layout, ZonesSpace
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
@@ -36,7 +37,6 @@ from spectral_contact.contact.slip_displacement import (
     largest_displacement,
     slip_misfit,
 )
-from spectral_contact.contact.layout import Layout, ZonesSpace
 from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
@@ -231,14 +231,15 @@ class _ZonesProblem:
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
         found = self._find(resolution, self.quadrature, 1e-11, self.enough)
         self.slopes = found.slopes
-        if found.fresh:
+        if found.known:
             self.slopes_at = found.logits + found.left
-        return self._assess(resolution, found.trial, found.left)
+        return self._assess(resolution, found)
 
     def _assess(
-        self, resolution: Resolution, trial: ZoneTractions, left: Array
+        self, resolution: Resolution, found: Boundaries[ZoneTractions]
     ) -> Attempt[ZonesSolution]:
         """Turn the final trial into a solution; the next coarser one shows its errors."""
+        trial = found.trial
         disk_space, degrees = self._split(resolution)
         panels, rim = disk_space.panels, trial.radii[0]
         series = series_of(panels, trial.disk)
@@ -271,8 +272,8 @@ class _ZonesProblem:
         stray = self._largest_displacement(trial, self._stuck(trial, lost))
         parts = self._shear(trial)
         # the traction depends on what is left of the boundaries less than they do themselves
-        logits = self.logits + left
-        shear = float(parts.sum() + self.slopes[-1] @ left)
+        logits = found.logits + found.left
+        shear = float(parts.sum() + found.slopes[-1] @ found.left)
         # the changes of the zones may cancel by accident; in slip there is that of the load alone
         lost_parts = np.abs(parts - problem._shear(coarse))
         sticking = 1 + len(halves)
@@ -280,7 +281,7 @@ class _ZonesProblem:
         shear_lost = worst * float(lost_parts[:sticking].sum())
         shear_lost += propagated * float(lost_parts[sticking:].sum())
         # what is lost may be small by accident, but hardly against the square of the error
-        squared = _SQUARED * error**2
+        squared = _SQUARED * (float(indicators @ indicators) + beyond**2)
         value = ZonesSolution(
             self._radii(logits),
             self.system.states,
@@ -301,6 +302,7 @@ class _ZonesProblem:
                 self.system.states,
                 self.slopes,
                 tuple(self.slopes_at.tolist()),
+                found.good,
                 self._enough(resolution, indicators, rate),
             ),
         )

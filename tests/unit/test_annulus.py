@@ -6,6 +6,7 @@ from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import eval_legendre
 
+from spectral_contact.contact.slip_displacement import smooth_between
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.annulus import Annulus, Family, Points, gap, sampled_series
 from spectral_contact.spectral.panels import LogPanels
@@ -255,16 +256,23 @@ def test_mass(family):
             assert abs(mass[i, k] - exact) < 1e-14 * np.sqrt(mass[i, i] * mass[k, k])
 
 
-@pytest.mark.parametrize("half", [0, 1])
-@pytest.mark.parametrize(
-    "ends", [(0.3, 0.8), (1e-9, 1e-8), (0.999, 0.9999)], ids=["wide", "central", "outer"]
-)
-def test_kept_half_integrals_at_own_nodes(ends, half):
+@pytest.mark.parametrize("ends", [(0.3, 0.8), (0.03, 0.9), (0.9, 1 - 1e-6)])
+def test_half_integral_of_a_smooth_function_inside(ends):
     a, b = (Radius(x, 1.0 - x) for x in ends)
-    annulus = Annulus(a, b, LogPanels(3, 2.0, 6), LogPanels(5, 2.0, 6))
-    direct = annulus.half_integral(annulus.families[half].nodes()[0])
-    kept = annulus.half_integral_at_nodes(half)
-    assert_allclose(kept, direct, rtol=0, atol=2e-14 * np.abs(direct).max())
+    annulus = smooth_between(a, b, 1e-14)
+    points = Points(b, -gap(a, b) * np.array([1.0, 0.999, 0.6, 0.5, 0.3, 1e-3, 1e-9]))
+    expansion = annulus.expand_function(lambda p: 1.0 / np.sqrt((p.y + 1e-3) * p.z))
+    with mp.workdps(30):
+        exact = []
+        for offset in points.offset:
+            depth, z = mp.sqrt(-mp.mpf(offset)), mp.mpf(b.square) + mp.mpf(offset)
+
+            def integrand(u, z=z):
+                return 1 / mp.sqrt((1 - z - u**2 + mp.mpf("1e-3")) * (z + u**2))
+
+            ends = sorted({mp.mpf(0), depth, *(depth * t for t in (1e-3, 0.1, 0.9, 0.999))})
+            exact.append(float(mp.quad(integrand, ends)))
+    assert_allclose(annulus.half_integral_inside(expansion, points), exact, rtol=1e-13)
 
 
 # --- series ---------------------------------------------------------------------------------------
