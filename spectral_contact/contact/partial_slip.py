@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise, starmap
 from math import exp, inf, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -46,7 +47,7 @@ from spectral_contact.fields import (
     ZonePiece,
 )
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH, Zone
-from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.annulus import Annulus, gap
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zones import ZonesSolution
@@ -399,6 +400,13 @@ def _zones_outcome(
     )
     wrong = max(float(v.max()) for v in samples)
     zones_error = max(max(pair) for pair in solved.boundary_errors)
+    unsure = [
+        min(2.0 * at.square * own, at.rest * edge)
+        for at, (own, edge) in zip(solved.radii, solved.boundary_errors, strict=True)
+    ]
+    widths = starmap(gap, pairwise(solved.radii))
+    if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
+        zones_error = inf  # a zone that may not be there
     return PartialSlip(
         tuple(zones),
         ZonalField(tuple(traction)),

@@ -48,7 +48,7 @@ def test_intervals_of_noisy_orders_hold_them():
 
 
 def test_a_plateau_does_not_bend_the_rate():
-    """Noise may slope for a while, so that no rule is right always: here less than once in 20,000 times."""
+    """Noise may slope for a while, so no rule is always right: here one draw in 20,000 bends it."""
     random = np.random.default_rng(3)
     numbers = np.arange(1, 16) * 6.0
     trials, bent = 1000, 0

@@ -315,6 +315,12 @@ def test_slip_is_unknown_where_the_zones_are():
     assert solution.error.slip == math.inf
 
 
+def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed():
+    solution = solve(Scene(0.3, 0.5, 0.5, friction=0.10101831), rtol=3e-5)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
+    assert solution.error.zones == math.inf
+
+
 def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
     """One disk passed: any sense of slip is within an infinite error. The edge sticks, too."""
     alpha, beta = 3.553961268226942e-11, 4.3999760498522776e-11
