@@ -63,8 +63,9 @@ UNRESOLVED_SLIP = 1e-6
 #: Slip is wider than the place where full stick breaks the law: less than twice where that widens
 #: like a square root of what the friction lacks, and less than four times where like that itself.
 _WIDENED = 4.0
-#: The same where no digit of the slip is known: zones that follow from less are made of noise.
-_DOUBTFUL = 0.1
+#: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
+#: by 1, and zones that follow from less are made of noise.
+_DOUBTFUL = 0.5
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 
