@@ -124,6 +124,8 @@ def replace_file(path: str, content: bytes) -> None:
     try:
         with temporary.open("xb") as file:
             file.write(content)
+            file.flush()
+            os.fsync(file.fileno())  # else a power failure may leave the name without the content
         temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)

@@ -14,7 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.errors import MissingDependencyError, NotComputedError, SolutionFileError
+from spectral_contact.errors import (
+    MissingDependencyError,
+    NotComputedError,
+    SceneError,
+    SolutionFileError,
+)
 from spectral_contact.fields import AnnulusSeries, DiskSeries, LogSeries, ZonalField
 from spectral_contact.radii import Radii, graded_radii, known_zones, layer_depth
 from spectral_contact.scene import Scene
@@ -104,11 +109,14 @@ def plot_solution(solution: Solution) -> Figure:
 
     Raises
     ------
+    SceneError
+        If it is no Solution.
     NotComputedError
         If neither pressure nor traction were asked for.
     MissingDependencyError
         If matplotlib is not installed.
     """
+    _must_be_solution(solution)
     check(solution.plan)
     radii = graded_radii(solution, 600)
     rows = _field_rows(solution, radii)
@@ -144,12 +152,15 @@ def plot_coefficients(solution: Solution) -> Figure:
 
     Raises
     ------
+    SceneError
+        If it is no Solution.
     NotComputedError
         If no field of the solution is a series: fields that were not asked for, that vanish, or
         that have a closed form.
     MissingDependencyError
         If matplotlib is not installed.
     """
+    _must_be_solution(solution)
     _matplotlib()
     series = [*_pressure_series(solution), *_traction_series(solution)]
     if not series:
@@ -185,6 +196,11 @@ def save(figure: Figure, path: str) -> None:
     except OSError as error:
         reason = f"cannot be written: {error.strerror or error}"
         raise SolutionFileError(str(path), reason) from error
+
+
+def _must_be_solution(value: object) -> None:
+    if not isinstance(value, Solution):
+        raise SceneError("solution", value, "a Solution")
 
 
 def _matplotlib() -> Any:

@@ -238,18 +238,25 @@ class Run:
             "critical_friction",
         }:
             goal = "shear"
+        # finite friction has to be compared with the critical one
+        ratios = self.scene.friction != math.inf or bool(
+            asked & {"edge_ratio", "critical_friction"}
+        )
         compliance = self.scene.tangential_compliance
         solved = self.shared.get(
             FULL_STICK,
-            (*self.normal_key, compliance, goal),
-            lambda: solve_full_stick(drive, compliance, self.rtol, self.max_unknowns, goal=goal),
+            (*self.normal_key, compliance, goal, ratios),
+            lambda: solve_full_stick(
+                drive, compliance, self.rtol, self.max_unknowns, goal=goal, ratios=ratios
+            ),
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         kappa = self.scene.kappa
-        self.values.update(
-            edge_ratio=kappa * stick.edge_ratio, critical_friction=kappa * stick.critical
-        )
-        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+        if ratios:
+            self.values.update(
+                edge_ratio=kappa * stick.edge_ratio, critical_friction=kappa * stick.critical
+            )
+            self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
         if self.scene.friction != 0.0:
             self.values["total_shear"] = kappa * stick.total_shear
             self.errors["total_shear"] = stick.shear_error

@@ -30,3 +30,10 @@ def only_here(scene, count):
     if "SPECTRAL_CONTACT_TEST_HOME" in os.environ:
         raise RuntimeError("away from home")
     return Decaying(scene, count)
+
+
+def imports_late(scene, count):
+    """Solve with a module that is imported here, where the test puts it."""
+    import imported_late
+
+    return imported_late.solver(scene, count)

@@ -337,6 +337,7 @@ def draw_growth(record: Record, path: Path) -> None:
             below.minorticks_off()
         top[0].set_ylabel("unknowns $N$, all systems together")
         bottom[0].set_ylabel("time [ms]: full warm, open cold")
+        bottom[0].set_ylim(top=5.0 * max(axes.dataLim.y1 for axes in bottom))  # room for the laws
         handles, names = top[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=len(rough))
     save(figure, str(path))

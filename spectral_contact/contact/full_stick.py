@@ -6,7 +6,7 @@ Everything is computed for kappa = 1; the traction is proportional to it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, log, pi
+from math import inf, log, nan, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,10 +31,15 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields import EDGE, DiskSeries, EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators
+from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["FullStick", "solve_full_stick"]
 
 Array = NDArray[np.float64]
+
+_ROUNDING = 20.0 * ROUNDING
+#: What the ratios of traction to pressure are called in `FullStick`.
+_RATIOS = ("edge_ratio", "critical", "critical_at", "edge_error", "critical_error")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +79,12 @@ class FullStick:
 
 
 class _StickProblem:
-    """Spaces for the full-stick problem; `goal` is "traction" or "shear"."""
+    """Spaces for the full-stick problem; see `solve_full_stick`."""
 
-    def __init__(self, drive: Drive, compliance: float, tolerance: float, goal: str) -> None:
-        self.drive = drive
+    def __init__(
+        self, drive: Drive, compliance: float, tolerance: float, goal: str, ratios: bool
+    ) -> None:
+        self.drive, self.ratios = drive, ratios
         self.compliance = compliance
         self.tolerance = tolerance
         self.pointwise = goal == "traction"
@@ -119,7 +126,6 @@ class _StickProblem:
         size = series.at_ends()
         shares = expected_error(share_of_change(panels, change.coefficients, size), rates)
         propagated = SAFETY * normal.rate**2
-        rounding = 20.0 * ROUNDING
         # under a pressure that is infinite at the edge q/s at the centre is off by up to 2.5e-13
         centre = 5.0 if normal.compliance == 0.0 else 1.0
         traction_error = float(shares.max()) + centre * TRACTION_ROUNDING
@@ -131,46 +137,63 @@ class _StickProblem:
         else:
             moved_by = np.abs(panel_table(panels, moments * change.coefficients)).sum(axis=1)
             indicators, error = expected_error(moved_by / shear, rates), shear_error
-        edge, critical, where = largest_ratio(
-            self.drive.pressure, traction, panels.panels * panels.width
-        )
-
-        parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, size))]
-        at_edge = 0.0
-        if self.power == 0.0:
-            lesser = factored.change(solution, degrees=1)
-            limits = [series_of(panels, one.coefficients).limit for one in (change, lesser)]
-            at_edge = max(map(abs, limits)) / abs(series.limit)
-        if normal.panels is not None and normal.change is not None:
-            lost = normal.change.coefficients
-            pressure = share_of_change(normal.panels, lost, self.drive.pressure.at_ends())
-            parts.append((normal.panels, propagated * pressure))
-            edge_pressure = float(self.drive.pressure.at(np.array(0.0)))
-            at_edge += abs(series_of(normal.panels, lost).limit / edge_pressure)
-
-        def ratio_error(y: float) -> float:
-            """Estimate the error of q/p at one place: what its panels contribute."""
-            places = AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
-            # the tail sheds one function of few: at the edge the change is as large as the error
-            return rounding + places + (at_edge if y == 0.0 else 0.0)
-
+        ratios = dict.fromkeys(_RATIOS, nan)
+        if self.ratios:
+            at_edge = 0.0
+            if self.power == 0.0:
+                lesser = factored.change(solution, degrees=1)
+                limits = [series_of(panels, one.coefficients).limit for one in (change, lesser)]
+                at_edge = max(map(abs, limits)) / abs(series.limit)
+            parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, size))]
+            ratios = self._ratios(panels, traction, at_edge, parts)
         stick = FullStick(
             compliance,
             traction,
             shear,
-            edge,
-            critical,
-            where,
-            traction_error,
-            shear_error,
-            ratio_error(0.0) if 0.0 < edge < inf else rounding,
-            ratio_error(where) if critical < inf else rounding,
+            traction_error=traction_error,
+            shear_error=shear_error,
+            **ratios,
         )
         return Attempt(stick, error, indicators, rates, space.unknowns)
 
+    def _ratios(
+        self,
+        panels: LogPanels,
+        traction: DiskSeries,
+        at_edge: float,
+        parts: list[tuple[LogPanels, Array]],
+    ) -> dict[str, float]:
+        """Return q/p at the edge, its largest modulus, and their errors.
+
+        `at_edge` is the share of the traction's change there, `parts` are those on the panels.
+        """
+        pressure, normal = self.drive.pressure, self.drive.contact
+        edge, critical, where = largest_ratio(pressure, traction, panels.panels * panels.width)
+        if normal.panels is not None and normal.change is not None:
+            lost = normal.change.coefficients
+            share = share_of_change(normal.panels, lost, pressure.at_ends())
+            parts = [*parts, (normal.panels, SAFETY * normal.rate**2 * share)]
+            at_edge += abs(series_of(normal.panels, lost).limit / float(pressure.at(np.array(0.0))))
+
+        def error(y: float) -> float:
+            """Estimate the error of q/p at one place: what its panels contribute."""
+            places = AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
+            # the tail sheds one function of few: at the edge the change is as large as the error
+            return _ROUNDING + places + (at_edge if y == 0.0 else 0.0)
+
+        edge_error = error(0.0) if 0.0 < edge < inf else _ROUNDING
+        critical_error = error(where) if critical < inf else _ROUNDING
+        return dict(zip(_RATIOS, (edge, critical, where, edge_error, critical_error), strict=True))
+
 
 def solve_full_stick(
-    drive: Drive, compliance: float, tolerance: float, max_unknowns: int, *, goal: str = "traction"
+    drive: Drive,
+    compliance: float,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    goal: str = "traction",
+    ratios: bool = True,
 ) -> FullStick | Refinement[FullStick]:
     """Solve the full-stick problem for kappa = 1.
 
@@ -186,6 +209,8 @@ def solve_full_stick(
         Most unknowns of a space.
     goal : {"traction", "shear"}
         The pointwise traction, or the total shear alone.
+    ratios : bool
+        Whether the ratios of traction to pressure are wanted; else they and their errors are nan.
 
     Returns
     -------
@@ -198,7 +223,9 @@ def solve_full_stick(
         shear = _smooth_shear(drive)
         error = 4.0 * ROUNDING
         return FullStick(0.0, traction, shear, inf, inf, 0.0, error, error, error, error)
-    return refine(_StickProblem(drive, compliance, tolerance, goal), tolerance, max_unknowns)
+    return refine(
+        _StickProblem(drive, compliance, tolerance, goal, ratios), tolerance, max_unknowns
+    )
 
 
 def _smooth_shear(drive: Drive) -> float:

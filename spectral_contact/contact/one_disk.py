@@ -60,6 +60,9 @@ __all__ = ["OneDisk", "solve_one_disk"]
 
 Array = NDArray[np.float64]
 
+#: Error of the radius, as a logit, from which the finer spaces start.
+_NEAR = 1e-5
+
 
 @dataclass(frozen=True, slots=True)
 class OneDisk:
@@ -140,7 +143,7 @@ class _OneDiskProblem:
             self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
             return
         if near is not None and beta > 0.0:
-            self.logit, self.slope = root_near(self._rough_mismatch, *near, 1e-3)
+            self.logit, self.slope = root_near(self._rough_mismatch, *near, _NEAR)
             return
         # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
         try:
@@ -155,7 +158,7 @@ class _OneDiskProblem:
             start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
             if start <= LEAST_LOGIT:
                 raise NoStickDiskError(at_centre=True)
-            self.logit, self.slope = root_near(self._rough_mismatch, start, self.slope, 1e-3)
+            self.logit, self.slope = root_near(self._rough_mismatch, start, self.slope, _NEAR)
 
     def _smooth_root(self) -> tuple[float, float]:
         """Return the radius without tangential compliance, roughly, and the slope there."""
@@ -176,8 +179,8 @@ class _OneDiskProblem:
             logit, slope = (LEAST_LOGIT if missing.at_centre else LARGEST_LOGIT), 1.0
         # closer to the edge than alpha the pressure does not grow any more
         start = min(logit, 2.0 - log(self.alpha))
-        settle = 1e-3 if self.beta == 0.0 else 0.1
-        return root_near(self._pressure_mismatch, start, slope / (2.0 * pi), settle)
+        error = _NEAR if self.beta == 0.0 else 0.03
+        return root_near(self._pressure_mismatch, start, slope / (2.0 * pi), error)
 
     def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c)``, zero without tangential compliance."""

@@ -58,9 +58,9 @@ __all__ = ["PartialSlip", "solve_partial_slip"]
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
 
-#: Violation beyond which zones are searched for even where no digit of the slip is known: what
-#: follows from less is made of noise.
-_DOUBTFUL = 0.1
+#: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
+#: by 1, and zones that follow from less are made of noise.
+_DOUBTFUL = 0.5
 #: What tolerance of the traction one of shear and stick radius takes, as a power of it.
 _SUPERCONVERGENCE = 0.8
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
@@ -426,7 +426,7 @@ def _zones_outcome(
         drive, outermost, solved.stray + unresolved, beta, friction, largest
     )
     wrong = max(float(v.max()) for v in samples)
-    zones_error = max(max(pair) for pair in solved.boundary_errors)
+    zones_error = solved.zones_error
     return PartialSlip(
         tuple(zones),
         ZonalField(tuple(traction)),

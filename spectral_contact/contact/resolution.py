@@ -64,6 +64,8 @@ PANEL_WIDTH = 2.0
 _ROOT_DEPTH = 7.0
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
+#: The last degrees of a panel, of which a rate is taken.
+_LAST = np.arange(4)[:, None]
 _TINY = float(np.finfo(float).tiny)
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
@@ -196,7 +198,7 @@ def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
     Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
     """
     flat, top = np.abs(table).ravel(), table.shape[1] * np.arange(len(degrees)) + degrees
-    one, two, three, four = (flat[np.maximum(top - k, 0)] for k in range(4))
+    one, two, three, four = flat[np.maximum(top - _LAST, 0)]
     last, before = np.maximum(one, two), np.maximum(three, four)
     ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
     # in a pattern of longer period the larger ones may be three degrees apart

@@ -36,22 +36,36 @@ class NoStickDiskError(ArithmeticError):
 
 
 def root_near(
-    function: Callable[[float], float], start: float, slope: float, settle: float
+    function: Callable[[float], float], start: float, slope: float, error: float
 ) -> tuple[float, float]:
-    """Return a rough root in logit(c**2), and the slope there: the secant, or else a bracket."""
+    """Return a rough root in logit(c**2), and the slope there; else that of a bracket.
+
+    The root of the parabola of x over the last three values, whose error is estimated by the
+    product of their distances from it.
+    """
     x, value, longest = start, function(start), 0.3  # the slope is a guess at first
+    last: tuple[float, float, float] | None = None  # x, value and secant at the point before
+    step, product, inverse = -value / slope, 1.0, 1.0 / slope
     for _ in range(8):
-        step = max(min(-value / slope, longest), -longest)
+        step = max(min(step, longest), -longest)
         if not LEAST_LOGIT < x + step < LARGEST_LOGIT:
             break
         fresh = function(x + step)
-        if fresh != value:
-            slope = (fresh - value) / step
-        x, value, longest = x + step, fresh, 3.0
-        if slope <= 0.0:
+        if fresh == value:
             break
-        if abs(step) < settle * max(1.0, abs(x)):
-            return x - value / slope, slope
+        secant = step / (fresh - value)
+        if secant <= 0.0:
+            break
+        product, inverse, following = abs(step), secant, -fresh * secant
+        if last is not None:
+            bend = (secant - last[2]) / (fresh - last[1])
+            tangent = secant - bend * (fresh + value)
+            if tangent > 0.0:
+                following += bend * fresh * value
+                inverse, product = tangent, product * abs(x + step - last[0])
+        last, x, value, longest, step = (x, value, secant), x + step, fresh, 3.0, following
+        if abs(step) * product < error * max(1.0, abs(x)):
+            return x + step, 1.0 / inverse
     return bracketed_root(function)
 
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from math import ceil, pi
+from itertools import pairwise, starmap
+from math import ceil, inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +87,18 @@ class ZonesSolution:
     boundary_errors: tuple[tuple[float, float], ...]
     stray: float
     layout: Layout
+
+    @property
+    def zones_error(self) -> float:
+        """The largest of the boundaries' errors; infinite if a zone may not be there."""
+        unsure = [
+            min(2.0 * at.square * own, at.rest * edge)
+            for at, (own, edge) in zip(self.radii, self.boundary_errors, strict=True)
+        ]
+        widths = starmap(gap, pairwise(self.radii))
+        if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
+            return inf
+        return max(map(max, self.boundary_errors))
 
 
 #: What the estimates of one disk are multiplied by, and what functionals have of the square of the

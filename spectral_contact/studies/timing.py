@@ -1,9 +1,10 @@
 """Times worth comparing: cold and warm apart, medians and quartiles, one BLAS thread.
 
-Cold is the first solve of a fresh process, the imports before it not counted; warm is one of the
-repeats after it, with all caches filled. Both are taken in processes of their own, in which BLAS
-has one thread, if the solver can be imported there. A solver that cannot (a lambda, a function
-inside a function, or one of the main script) is timed in this process, warm alone.
+Cold is the first solve of a fresh process, imports not counted, not even those that the solver
+puts off until it needs them; warm is one of the repeats after it, with all caches filled. Both are
+taken in processes of their own, in which BLAS has one thread, if the solver can be imported there.
+A solver that cannot (a lambda, a function inside a function, or one of the main script) is timed in
+this process, warm alone.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Stopwatch:
     longest : float
         Total time [s] after which there are no more of them, however few.
     processes : int
-        Fresh processes, each of which gives one cold time.
+        Fresh processes, each of which gives one cold time; one more gives the warm ones.
     """
 
     repeats: int = 5
@@ -137,17 +138,15 @@ def times_of(
     -------
     Times
     """
-    colds, warm = [], []
     try:
-        for k in range(stopwatch.processes):
-            first = _fresh(solver, scene, resolution, stopwatch if k == 0 else None)
-            colds.append(first["cold"])
-            warm += first["warm"]
+        first = _fresh((scene, solver, resolution, stopwatch, []))
+        again = scene, solver, resolution, None, first["imported"]
+        colds = [_fresh(again)["cold"] for _ in range(stopwatch.processes)]
     except _NotPortable as error:
         with one_thread() as threads:
             times = repeated(lambda: solver(scene, resolution), stopwatch)
         return Times(Timing.of(times), None, threads, str(error))
-    return Times(Timing.of(warm), Timing.of(colds), 1)
+    return Times(Timing.of(first["warm"]), Timing.of(colds), 1)
 
 
 class _NotPortable(Exception):
@@ -155,21 +154,22 @@ class _NotPortable(Exception):
 
 
 def _fresh(
-    solver: Callable[[Scene, Any], Any],
-    scene: Scene,
-    resolution: float,
-    stopwatch: Stopwatch | None,
+    task: tuple[Scene, Callable[[Scene, Any], Any], float, Stopwatch | None, list[str]],
 ) -> dict[str, Any]:
-    """Return the times of a fresh process; without a stopwatch the cold one alone."""
+    """Return the times of a fresh process; without a stopwatch the cold one alone.
+
+    The last part of the task are modules to import before.
+    """
+    solver = task[1]
     try:
-        task = pickle.dumps((scene, solver, resolution, stopwatch))
+        pickled = pickle.dumps(task)
     except Exception as error:  # pickle raises whatever the object's own hooks raise
         raise _NotPortable(f"not importable: {' '.join(str(error).split())}") from error
     if _in_main_script(solver):
         raise _NotPortable("not importable: it is defined in the main script")
     done = subprocess.run(
         [sys.executable, "-c", _START.format(path=sys.path)],
-        input=task,
+        input=pickled,
         capture_output=True,
         check=False,
         env=os.environ | dict.fromkeys(THREADS, "1"),

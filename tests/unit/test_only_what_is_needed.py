@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, cache_sizes, clear_caches, solve
+from spectral_contact.contact import full_stick
 from spectral_contact.spectral import galerkin
 
 TANGENTIAL = [
@@ -70,6 +71,32 @@ def test_frictionless_imports_nothing_tangential(scene):
 @pytest.mark.parametrize("friction", ["0.1", "0.0", "inf"])
 def test_incompressible_imports_nothing_tangential(friction):
     assert imported_by(f"Scene(0.5, 0.5, 0.5, {friction})").isdisjoint(TANGENTIAL)
+
+
+@pytest.mark.parametrize(
+    ("friction", "quantities", "looked_for"),
+    [
+        (math.inf, ("traction", "total_shear"), False),
+        (math.inf, ("total_shear",), False),
+        (math.inf, ("edge_ratio",), True),
+        (math.inf, None, True),
+        (0.1, ("total_shear",), True),
+    ],
+)
+def test_the_largest_ratio_is_looked_for_where_it_is_asked_or_decides(
+    monkeypatch, friction, quantities, looked_for
+):
+    calls = []
+    original = full_stick.largest_ratio
+    monkeypatch.setattr(
+        full_stick, "largest_ratio", lambda *args: calls.append(1) or original(*args)
+    )
+    solution = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6, quantities)
+    assert bool(calls) == looked_for
+    whole = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
+    for name in {"total_shear", "edge_ratio"} & set(quantities or ()):
+        assert getattr(solution, name) == getattr(whole, name)
+        assert getattr(solution.error, name) == getattr(whole.error, name)
 
 
 @pytest.mark.parametrize("friction", ["10.0", "inf"])

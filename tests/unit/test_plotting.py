@@ -10,6 +10,7 @@ from spectral_contact import (
     MissingDependencyError,
     NotComputedError,
     Scene,
+    SceneError,
     SolutionFileError,
     plan,
     plotting,
@@ -296,3 +297,10 @@ def test_plotting_leaves_the_users_settings_alone(slipping):
     before = dict(matplotlib.rcParams)
     plotting.plot_solution(slipping)
     assert dict(matplotlib.rcParams) == before
+
+
+@pytest.mark.parametrize("plot", [plotting.plot_solution, plotting.plot_coefficients])
+@pytest.mark.parametrize("value", [None, Scene(0.3), 1.0])
+def test_only_solutions_are_plotted(plot, value):
+    with pytest.raises(SceneError, match=r"solution = .* must be a Solution"):
+        plot(value)

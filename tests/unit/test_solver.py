@@ -18,6 +18,7 @@ from spectral_contact import (
     clear_caches,
     solve,
 )
+from spectral_contact.contact import partial_slip
 
 ROUGH = Scene(0.1, 0.5, 0.5, 0.1)
 FIELDS = ("pressure", "traction", "slip")
@@ -313,6 +314,15 @@ def test_slip_is_unknown_where_the_zones_are():
     assert not solution.converged
     assert solution.error.zones == math.inf
     assert solution.error.slip == math.inf
+
+
+@pytest.mark.parametrize("doubtful", [0.5, 0.1], ids=["not searched for", "searched for"])
+def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch, doubtful):
+    monkeypatch.setattr(partial_slip, "_DOUBTFUL", doubtful)
+    solution = solve(Scene(0.3, 0.5, 0.5, friction=0.10101831), rtol=3e-5)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
+    assert solution.error.zones == math.inf
+    assert (len(solution.work.steps) == 5) == (doubtful == 0.1)
 
 
 def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():

@@ -104,6 +104,13 @@ def test_the_main_script_cannot_be_imported_elsewhere(monkeypatch):
     assert found.note == "not importable: it is defined in the main script"
 
 
+def test_imports_that_a_solver_puts_off_are_not_counted(monkeypatch, tmp_path):
+    text = "import time\nfrom peers import Decaying as solver\ntime.sleep(0.5)\n"
+    (tmp_path / "imported_late.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    assert timing.times_of(peers.imports_late, SCENE, 4, ONCE).cold.median < 0.25
+
+
 @pytest.mark.parametrize(
     ("variables", "count"),
     [({"OPENBLAS_NUM_THREADS": "2"}, 2), ({"OMP_NUM_THREADS": "4"}, 4), ({}, None)],

@@ -94,7 +94,6 @@ def test_no_accuracy_of_the_cost_study_needs_more_unknowns_than_the_next_tighter
     assert [fall for fall in falls if fall[0] == "largest"] == []
 
 
-@pytest.mark.xfail(reason="to be made on a quiet machine: python validation/costs.py", strict=True)
 def test_costs_are_timed_in_fresh_processes_against_many_digits():
     found = record("costs")
     assert found["stopwatch"] == asdict(Stopwatch())

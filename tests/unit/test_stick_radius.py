@@ -1,0 +1,61 @@
+"""The search for a radius: roots of functions with known ones, in few evaluations."""
+
+import math
+
+import pytest
+
+from spectral_contact.contact.stick_radius import NoStickDiskError, polished_root, root_near
+
+FUNCTIONS = {
+    "line": (lambda x: 2.0 * x + 3.0, -1.5, 2.0),
+    "exponential": (lambda x: math.exp(x) - 0.2, math.log(0.2), 0.2),
+    "saturating": (lambda x: math.tanh(x) + 0.7, math.atanh(-0.7), 1.0 - 0.49),
+}
+
+
+def counted(function):
+    """Return a function and the list of places where it was called."""
+    places = []
+
+    def call(x):
+        places.append(x)
+        return function(x)
+
+    return call, places
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("away", [-0.9, 0.4])
+def test_a_rough_root_and_its_slope(name, away):
+    function, root, slope = FUNCTIONS[name]
+    call, places = counted(function)
+    found, its_slope = root_near(call, root + away, 1.3 * slope, 1e-5)
+    assert abs(found - root) <= 1e-5
+    assert its_slope == pytest.approx(slope, rel=1e-2)
+    assert len(places) <= 7
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_root_is_polished_in_three_steps(name):
+    function, root, slope = FUNCTIONS[name]
+    call, places = counted(function)
+    found, _ = polished_root(call, root + 1e-6, slope * (1.0 + 1e-3))
+    assert found == pytest.approx(root, abs=4e-15)
+    assert len(places) <= 3
+
+
+def test_where_the_secant_falls_a_bracket_is_taken():
+    def dips(x):  # falls near the start, rises to its root
+        return math.atan(x - 1.0) - 2.0 * math.exp(-((x + 3.0) ** 2))
+
+    found, slope = root_near(dips, -3.4, 1.0, 1e-5)
+    assert abs(found - 1.0) < 1e-2
+    assert slope == pytest.approx(1.0, rel=1e-2)
+
+
+def test_no_root_is_an_error_that_says_on_which_side():
+    with pytest.raises(NoStickDiskError) as above:
+        root_near(lambda x: -1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
+    with pytest.raises(NoStickDiskError) as below:
+        root_near(lambda x: 1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
+    assert (above.value.at_centre, below.value.at_centre) == (False, True)
