@@ -106,8 +106,8 @@ class ZonesSolution:
 _ANNULI, _SQUARED = 1.5, 50.0
 #: Accuracy of the space in which the boundaries are found first, and their sensitivity.
 _COARSE = 1e-4
-#: Indicators may be so much of the tolerance in a space that is handed on.
-_SPARE = 0.02
+#: Indicators may be so much of the tolerance in a space that is handed on, where they say enough.
+_SPARE, _LOOSEST = 0.02, 1e-5
 #: How near boundaries get to the root of their conditions, and how near those of a like scene
 #: must, of the tolerance: what is left is taken from the slopes.
 _SETTLED, _ENOUGH = 1e-13, 0.1
@@ -181,7 +181,8 @@ class _ZonesProblem:
     def _enough(self, resolution: Resolution, indicators: Array, rates: Array) -> ZonesSpace:
         """Return the space without the degrees that a first one has too many."""
         if self.kept is None:
-            spare = np.log(np.maximum(_SPARE * self.tolerance / indicators, 1.0)) / -np.log(rates)
+            aim = _SPARE * min(self.tolerance, _LOOSEST)
+            spare = np.log(np.maximum(aim / indicators, 1.0)) / -np.log(rates)
             degrees = np.array(resolution.degrees)
             least = np.minimum(degrees, np.maximum(3, (degrees + 1) // 2))
             degrees = np.maximum(degrees - np.floor(spare).astype(int), least)
@@ -286,13 +287,14 @@ class _ZonesProblem:
         parts = self._shear(trial)
         # the traction depends on what is left of the boundaries less than they do themselves
         logits = found.logits + found.left
-        shear = float(parts.sum() + found.slopes[-1] @ found.left)
+        moved = float(found.slopes[-1] @ found.left)
+        shear = float(parts.sum()) + moved
         # the changes of the zones may cancel by accident; in slip there is that of the load alone
         lost_parts = np.abs(parts - problem._shear(coarse))
         sticking = 1 + len(halves)
         propagated = SAFETY * self.system.drive.contact.rate**2
         shear_lost = worst * float(lost_parts[:sticking].sum())
-        shear_lost += propagated * float(lost_parts[sticking:].sum())
+        shear_lost += propagated * float(lost_parts[sticking:].sum()) + abs(moved)
         # what is lost may be small by accident, but hardly against the square of the error
         squared = _SQUARED * (float(indicators @ indicators) + beyond**2)
         value = ZonesSolution(
