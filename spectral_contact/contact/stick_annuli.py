@@ -74,18 +74,19 @@ class StickAnnuli:
     def _half_integral(self, points: Points, own: int, block: Array) -> Array:
         """Return the half-integrals at points where those of the annulus `own` are known.
 
-        They are inside of the annuli farther out, and outside of those before.
+        They are inside of the annuli farther out, and outside of those before: of these there is
+        no part, and no column.
         """
-        if len(self.spaces) == 1:
-            return block
-        blocks = [np.zeros((len(block), len(s.columns))) for s in self.spaces[:own]]
-        blocks.append(block)
+        blocks = [block]
         for space, annulus in list(self._pairs)[own + 1 :]:
             blocks.append(annulus.half_integral(points)[:, space.columns] / _extent(annulus))
-        return np.hstack(blocks)
+        return np.hstack(blocks) if len(blocks) > 1 else block
 
     def at_own_nodes(self, own: int, half: int) -> tuple[Points, Array, Array]:
-        """Return the nodes on half an annulus, the weights of ``ds**2`` and the half-integrals."""
+        """Return the nodes on half an annulus, the weights of ``ds**2`` and the half-integrals.
+
+        These are of the last functions in use; of those before they are zero.
+        """
         family, (d, weights, block) = self.annuli[own].families[half], self.spaces[own].nodes[half]
         points = family.points(d)
         return points, family.reach * weights, self._half_integral(points, own, block)

@@ -57,7 +57,7 @@ def root_near(
         if secant <= 0.0:
             break
         product, inverse, following = abs(step), secant, -fresh * secant
-        if last is not None:
+        if last is not None and fresh != last[1]:
             bend = (secant - last[2]) / (fresh - last[1])
             tangent = secant - bend * (fresh + value)
             if tangent > 0.0:

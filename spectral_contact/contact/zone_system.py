@@ -45,7 +45,8 @@ class Part:
         Of ``t^2 dt / pi``.
     target : ndarray
     half_integral : ndarray, shape (points, columns)
-        Of the functions on the stick annuli, in units of their `extents`.
+        Of the last functions on the stick annuli, in units of their `extents`; of those before
+        they are zero.
     """
 
     zone: int
@@ -53,6 +54,10 @@ class Part:
     weights: Array
     target: Array
     half_integral: Array
+
+    def half_integral_of(self, values: Array) -> Array:
+        """Return the half-integral of a function with these coefficients."""
+        return np.asarray(self.half_integral @ values[len(values) - self.half_integral.shape[1] :])
 
 
 @dataclass(slots=True)
@@ -276,9 +281,10 @@ class ZoneSystem:
         for part in grid:
             root = np.sqrt(part.weights)
             h = part.half_integral * root[:, None]
+            seen = slice(size - h.shape[1], size)
             # of a matrix and its own transpose NumPy computes one triangle, in half the time
-            matrix += h.T @ h
-            right += h.T @ (root * part.target)
+            matrix[seen, seen] += h.T @ h
+            right[seen] += h.T @ (root * part.target)
         matrix *= sticks.extents
         matrix *= sticks.extents[:, None]
         matrix += self.beta * sticks.mass()

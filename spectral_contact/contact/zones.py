@@ -129,7 +129,8 @@ class _ZonesProblem:
     ) -> None:
         self.system = ZoneSystem(drive, beta, friction, layout.states)
         self.tolerance = tolerance
-        self.kept = layout.space
+        # what bounds q/s is calibrated in spaces that are larger than they need be
+        self.kept = None if goal is None else layout.space
         self.quadrature = min(0.01 * tolerance, 1e-11)
         self.logits = np.array(layout.logits)
         self.displacement = self.quadrature if goal is None else 0.01 * tolerance
@@ -138,7 +139,7 @@ class _ZonesProblem:
             self.slopes = self._differences()
             self._find(self._resolution(_COARSE), _COARSE, 1e-7, 1e-9)
         else:
-            self.enough = max(_ENOUGH * (goal or tolerance), _SETTLED)
+            self.enough = max(_ENOUGH * (goal or 0.0), _SETTLED)
             self.slopes, self.slopes_at = layout.slopes, np.array(layout.slopes_at)
             moved = float(np.abs(self.logits - self.slopes_at).max())
             if moved <= _STALE * min(1.0, *np.diff(self.logits)):
@@ -339,7 +340,7 @@ class _ZonesProblem:
         """Return E at the disk nodes, then on the outer grid."""
         inner = trial.target - trial.factored.space.half_integral(trial.disk)
         outer = trial.sticks.extents * full[trial.sticks.columns]
-        return [inner, *(p.target - p.half_integral @ outer for p in trial.grid)]
+        return [inner, *(p.target - p.half_integral_of(outer) for p in trial.grid)]
 
     def _shear(self, trial: ZoneTractions) -> Array:
         """Return ``2 pi int q s ds`` over every zone; a stick annulus has two halves."""

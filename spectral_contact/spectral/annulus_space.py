@@ -90,9 +90,16 @@ class AnnulusSpace:
 
     @cached_property
     def nodes(self) -> list[tuple[Array, Array, Array]]:
-        """Of either half distances of the Galerkin nodes, weights and half-integrals there."""
-        rules = [(*f.panels.distance_nodes(f.sign > 0), f) for f in self._unit.families]
-        return [(d, w, self._half_integral(f.points(d))) for d, w, f in rules]
+        """Of either half distances of the Galerkin nodes, weights and half-integrals there.
+
+        Those in the outer half are of its own functions alone.
+        """
+        rules = []
+        for family, first in zip(self._unit.families, (0, self._split), strict=True):
+            d, weights = family.panels.distance_nodes(mirrored=family.sign > 0)
+            matrix = self._half_integral(family.points(d))[:, first:]
+            rules.append((d, weights, np.ascontiguousarray(matrix)))
+        return rules
 
     def _half_integral(self, points: Points) -> Array:
         return self._unit.half_integral(points)[:, self.columns]

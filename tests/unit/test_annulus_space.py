@@ -50,7 +50,10 @@ def test_half_integrals_at_own_nodes(annulus, space, half):
     assert_allclose(annulus.families[half].reach * unit_weights, weights, rtol=1e-15)
     assert_allclose(annulus.families[half].points(d).offset, points.offset, rtol=1e-15)
     direct = half_integral(annulus, space, points)
-    assert_allclose(matrix, direct, rtol=0, atol=1e-13 * np.abs(direct).max())
+    unseen = direct.shape[1] - matrix.shape[1]
+    assert (unseen > 0) == (half == 1)
+    assert not direct[:, :unseen].any()
+    assert_allclose(matrix, direct[:, unseen:], rtol=0, atol=1e-13 * np.abs(direct).max())
 
 
 def test_half_integrals_past_the_inner_end(annulus, space):
@@ -135,7 +138,10 @@ def test_two_stick_annuli_see_each_other():
         assert (weights > 0.0).all()
         direct = np.hstack([a.half_integral(points) for a in sticks.annuli])[:, sticks.columns]
         # where an annulus lies inside a point it has no part in the half-integral there
-        assert_allclose(matrix * sticks.extents, direct, rtol=0, atol=1e-13 * np.abs(direct).max())
+        unseen = direct.shape[1] - matrix.shape[1]
+        assert not direct[:, :unseen].any()
+        found, expected = matrix * sticks.extents[unseen:], direct[:, unseen:]
+        assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(direct).max())
     for own, low, high in ((0, rim, inner.inner), (1, inner.outer, outer.inner)):
         _, weights, _ = sticks.inside(own, low)
         assert weights.sum() == pytest.approx(gap(low, high), rel=1e-14)

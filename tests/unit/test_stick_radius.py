@@ -53,6 +53,12 @@ def test_where_the_secant_falls_a_bracket_is_taken():
     assert slope == pytest.approx(1.0, rel=1e-2)
 
 
+def test_values_that_come_back_in_noise_are_no_parabola():
+    noise = iter([-1e-3, 2e-3, -1e-3])
+    found, _ = root_near(lambda x: next(noise, x - 0.5), 0.0, 1.0, 1e-9)
+    assert abs(found - 0.5) < 1e-2
+
+
 def test_no_root_is_an_error_that_says_on_which_side():
     with pytest.raises(NoStickDiskError) as above:
         root_near(lambda x: -1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
