@@ -78,12 +78,15 @@ CASES = (
     Case("edge ratio", ("edge_ratio",), 1e3, _plane(500), math.inf),
     Case("critical friction", ("critical_friction",), 1e3, _plane(100), math.inf),
     Case("c*, Q*, one slip annulus", ("stick_radius", "total_shear"), 100, _SLIPPING),
-    Case(
-        "c*, Q*, slip inside",
-        ("stick_radius", "total_shear"),
-        100,
-        {"friction": (0.0294, 0.0370, 8)},
-        fixed=(0.05, 1.0),
+    *(
+        Case(
+            f"c*, Q*, slip inside, {steps} steps",
+            ("stick_radius", "total_shear"),
+            100,
+            {"friction": (0.0294, 0.0370, count)},
+            fixed=(0.05, 1.0),
+        )
+        for steps, count in (("small", 100), ("large", 8))
     ),
 )
 

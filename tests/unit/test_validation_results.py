@@ -164,9 +164,9 @@ def test_projections_hold_today():
 def test_sweeps_are_as_fast_as_they_should_be_and_as_right():
     found = record("bench_sweep")
     assert found["library"] == __version__
-    assert len(found["rows"]) == 12
+    assert len(found["rows"]) == 14
     for row in found["rows"]:
         assert row["converged"] == row["scenes"]
         assert row["deviation"] <= row["estimate"] + 1e-14 <= row["rtol"] + 1e-14
-        if row["case"] != "c*, Q*, slip inside":  # a goal that is missed, and said so
+        if "slip inside" not in row["case"]:  # a goal that is missed, and said so
             assert row["again"] >= row["goal"]
