@@ -54,6 +54,8 @@ class ZonePath:
         last, layout = self._known[-1]
         ahead = _way(last, place)
         along = max(ahead, key=abs)
+        if len(layout.states) == 2 and any(ahead[:2]):
+            return None  # one stick disk is cheap to find anew
         if not 0.0 < abs(along) <= _FARTHEST:
             return layout if along == 0.0 else None
         times, logits = [0.0], [np.array(layout.logits)]

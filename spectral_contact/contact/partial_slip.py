@@ -262,24 +262,22 @@ class _Search:
 
     def _zones(self, layout: Layout) -> Refinement[ZonesSolution]:
         """Solve on zones like these."""
+        from spectral_contact.contact.boundaries import NoBoundariesError
         from spectral_contact.contact.zones import solve_zones
 
-        tolerance = self.tolerance if self.pointwise else self.tolerance**_SUPERCONVERGENCE
-        while True:
-            found = solve_zones(
-                self.drive,
-                self.beta,
-                self.friction,
-                layout,
-                tolerance,
-                self.max_unknowns,
-                None if self.pointwise else self.tolerance,
-            )
-            solved = found.best.value
-            error = max(solved.shear_error, solved.boundary_errors[0][0])
-            if tolerance == self.tolerance or error <= self.tolerance:
-                return found
-            layout, tolerance = solved.layout, self.tolerance
+        problem = self.drive, self.beta, self.friction
+        limits = self.tolerance, self.max_unknowns
+        if self.pointwise:
+            return solve_zones(*problem, layout, *limits)
+        looser = self.tolerance**_SUPERCONVERGENCE
+        loose = solve_zones(*problem, layout, looser, self.max_unknowns, self.tolerance)
+        solved = loose.best.value
+        if max(solved.shear_error, solved.boundary_errors[0][0]) <= self.tolerance:
+            return loose
+        try:
+            return solve_zones(*problem, solved.layout, *limits, self.tolerance)
+        except NoBoundariesError:  # nothing better is found near by
+            return loose
 
     def _handed_on(self, layout: Layout) -> PartialSlip | None:
         """Solve on the zones of a like scene, and return it if the friction law holds on them.

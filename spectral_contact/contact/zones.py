@@ -179,7 +179,7 @@ class _ZonesProblem:
             self.kept = None
         return own
 
-    def _enough(self, resolution: Resolution, indicators: Array, rates: Array) -> ZonesSpace:
+    def _leaner(self, resolution: Resolution, indicators: Array, rates: Array) -> ZonesSpace:
         """Return the space without the degrees that a first one has too many."""
         if self.kept is None:
             aim = _SPARE * min(self.tolerance, _LOOSEST)
@@ -319,7 +319,7 @@ class _ZonesProblem:
                 self.slopes,
                 tuple(self.slopes_at.tolist()),
                 found.good,
-                self._enough(resolution, indicators, rate),
+                self._leaner(resolution, indicators, rate),
             ),
         )
         unknowns = len(trial.outer) + len(trial.factored.scale)

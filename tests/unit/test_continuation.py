@@ -151,7 +151,7 @@ def test_the_path_of_the_zones():
     assert near.logits[0] == pytest.approx(0.0)
     assert near.slopes == 2 * slopes  # those of the last
     assert path.near(place(0.2)).logits == (-0.5,)  # the same scene again
-    assert path.near(place(0.4, 1.1)).logits == (-0.5,)  # not on the line
+    assert path.near(place(0.2, 1.1)) is None  # other compliances
     path.add(place(0.2), Layout((-0.5,), (0, 1), slopes))  # twice the same gives no direction
     assert path.near(place(0.25)).logits == (-0.5,)
     path.add(place(0.3), None)
@@ -172,6 +172,7 @@ def test_the_path_is_a_polynomial_through_its_last_scenes():
     # boundaries in the wrong order are no guess
     path.add((0.0, 0.0, at[-1] + 0.1), Layout((0.0, 1e-6), (0, 1, 0), slopes))
     assert path.near((0.0, 0.0, at[-1] + 0.9)).logits == (0.0, 1e-6)
+    assert path.near((0.5, 0.0, at[-1] + 0.1)).logits == (0.0, 1e-6)  # not on the line
     # zones of another kind begin anew
     path.add((0.0, 0.0, 0.0), Layout((0.0,), (0, 1), slopes[:1, :1]))
     assert path.near((0.0, 0.0, 0.1)).logits == (0.0,)
