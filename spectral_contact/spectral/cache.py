@@ -5,8 +5,11 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from typing import Generic, TypeVar
+from itertools import count
+from typing import Any, Generic, TypeVar
 from weakref import WeakSet
+
+import numpy as np
 
 __all__ = ["BoundedCache", "cache_sizes", "clear_caches"]
 
@@ -14,10 +17,15 @@ K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
 
 _ALL: WeakSet[BoundedCache] = WeakSet()  # type: ignore[type-arg]
+_CLOCK = count()
+#: Most bytes that all caches together keep; they are counted when an entry of `_LARGE` is made.
+_MOST, _LARGE = 256 * 2**20, 2**20
 
 
 class BoundedCache(Generic[K, V]):
     """Least-recently-used cache with a name and a lock.
+
+    If all caches together grow too large, what has not been used for longest goes, of any of them.
 
     Parameters
     ----------
@@ -30,21 +38,40 @@ class BoundedCache(Generic[K, V]):
     def __init__(self, name: str, capacity: int) -> None:
         self.name = name
         self.capacity = capacity
-        self._entries: OrderedDict[K, V] = OrderedDict()
+        # every value with the time of its last use
+        self._entries: OrderedDict[K, tuple[V, int]] = OrderedDict()
         self._lock = threading.RLock()
         _ALL.add(self)
 
     def get(self, key: K, make: Callable[[], V]) -> V:
         """Return the entry of `key`, made by `make()` the first time; threads wait for it."""
         with self._lock:
-            if key in self._entries:
-                self._entries.move_to_end(key)
-                return self._entries[key]
-            value = make()
-            self._entries[key] = value
+            known = self._entries.pop(key, None)
+            value = make() if known is None else known[0]
+            self._entries[key] = value, next(_CLOCK)
             if len(self._entries) > self.capacity:
                 self._entries.popitem(last=False)
-            return value
+        if known is None and _bytes(value, set()) >= _LARGE:
+            _shrink()
+        return value
+
+    def used(self) -> list[tuple[K, V, int]]:
+        """Return keys and values with the time of their last use; none while a thread works here.
+
+        To wait for it might be to wait for each other.
+        """
+        if not self._lock.acquire(blocking=False):
+            return []
+        try:
+            return [(key, *entry) for key, entry in self._entries.items()]
+        finally:
+            self._lock.release()
+
+    def forget(self, key: K) -> None:
+        """Forget an entry, if no other thread works here."""
+        if self._lock.acquire(blocking=False):
+            self._entries.pop(key, None)
+            self._lock.release()
 
     def clear(self) -> None:
         """Forget every entry."""
@@ -53,6 +80,35 @@ class BoundedCache(Generic[K, V]):
 
     def __len__(self) -> int:
         return len(self._entries)
+
+
+def _bytes(value: Any, seen: set[int]) -> int:
+    """Return the bytes of the arrays that a value holds, but for those seen before; add these."""
+    todo, total = [value], 0
+    while todo:
+        one = todo.pop()
+        if id(one) in seen or isinstance(one, BoundedCache):  # whose entries count by themselves
+            continue
+        seen.add(id(one))
+        if isinstance(one, np.ndarray):
+            total += one.nbytes
+        elif isinstance(one, (list, tuple)):
+            todo += one
+        elif type(one).__module__.startswith(__name__.partition(".")[0]):
+            todo += [getattr(one, name, None) for name in getattr(one, "__slots__", ())]
+            todo += getattr(one, "__dict__", {}).values()
+    return total
+
+
+def _shrink() -> None:
+    """Forget what has not been used for longest, beyond what all caches may hold."""
+    entries = [(cache, *entry) for cache in list(_ALL) for entry in cache.used()]
+    seen: set[int] = set()
+    total = 0
+    for cache, key, value, _ in sorted(entries, key=lambda entry: -entry[-1]):
+        total += _bytes(value, seen)
+        if total > _MOST:
+            cache.forget(key)
 
 
 def cache_sizes() -> dict[str, int]:
