@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from dataclasses import dataclass
 from itertools import count
 from typing import Any, Generic, TypeVar
 from weakref import WeakSet
@@ -20,6 +21,14 @@ _ALL: WeakSet[BoundedCache] = WeakSet()  # type: ignore[type-arg]
 _CLOCK = count()
 #: Most bytes that all caches together keep; they are counted when an entry of `_LARGE` is made.
 _MOST, _LARGE = 256 * 2**20, 2**20
+
+
+@dataclass(slots=True)
+class _Entry(Generic[V]):
+    """A value and the time of its last use."""
+
+    value: V
+    used: int
 
 
 class BoundedCache(Generic[K, V]):
@@ -38,20 +47,23 @@ class BoundedCache(Generic[K, V]):
     def __init__(self, name: str, capacity: int) -> None:
         self.name = name
         self.capacity = capacity
-        # every value with the time of its last use
-        self._entries: OrderedDict[K, tuple[V, int]] = OrderedDict()
+        self._entries: OrderedDict[K, _Entry[V]] = OrderedDict()
         self._lock = threading.RLock()
         _ALL.add(self)
 
     def get(self, key: K, make: Callable[[], V]) -> V:
         """Return the entry of `key`, made by `make()` the first time; threads wait for it."""
         with self._lock:
-            known = self._entries.pop(key, None)
-            value = make() if known is None else known[0]
-            self._entries[key] = value, next(_CLOCK)
+            entry = self._entries.get(key)
+            if entry is not None:
+                self._entries.move_to_end(key)
+                entry.used = next(_CLOCK)
+                return entry.value
+            value = make()
+            self._entries[key] = _Entry(value, next(_CLOCK))
             if len(self._entries) > self.capacity:
                 self._entries.popitem(last=False)
-        if known is None and _bytes(value, set()) >= _LARGE:
+        if _bytes(value, set()) >= _LARGE:
             _shrink()
         return value
 
@@ -63,7 +75,7 @@ class BoundedCache(Generic[K, V]):
         if not self._lock.acquire(blocking=False):
             return []
         try:
-            return [(key, *entry) for key, entry in self._entries.items()]
+            return [(key, entry.value, entry.used) for key, entry in self._entries.items()]
         finally:
             self._lock.release()
 
