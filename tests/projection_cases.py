@@ -145,9 +145,9 @@ class Zones:
         contact = solve_normal(alpha, tolerance, 3000).best.value
         logits = tuple(log(b * b / (1.0 - b * b)) for b in boundaries)
         layout = Layout(logits, (0, 1, 0))
-        problem = _ZonesProblem(Drive(contact), beta, friction, layout, tolerance)
+        problem = _ZonesProblem(Drive(contact), beta, friction, layout, tolerance, None)
         space = problem.start()
-        trial = problem._trial(space, problem.logits, problem.quadrature)
+        trial = problem._at(space, problem.quadrature)(problem.logits)
         self.radii, self.sticks = trial.radii, trial.sticks
         self.space = trial.factored.space
         rim, disk = trial.radii[0], self.space.operator.disk

@@ -63,6 +63,8 @@ Record = Callable[[str, Any, float], Any]
 _DOUBTFUL = 0.5
 #: What tolerance of the traction one of shear and stick radius takes, as a power of it.
 _SUPERCONVERGENCE = 0.8
+#: Narrower zones than this, in logits, are not handed on: their slopes change within their width.
+_NARROWEST = 1e-3
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 
@@ -180,7 +182,7 @@ class _Search:
 
     def _best(self) -> PartialSlip:
         """Return the first outcome that satisfies the friction law."""
-        if self.near is not None and len(self.near.states) > 2:
+        if self.near is not None and min(np.diff(self.near.logits), default=0.0) > _NARROWEST:
             handed = self._handed_on(self.near)
             if handed is not None:
                 return handed

@@ -245,9 +245,10 @@ class _ZonesProblem:
 
     def attempt(self, resolution: Resolution) -> Attempt[ZonesSolution]:
         found = self._find(resolution, self.quadrature, 1e-11, self.enough)
-        self.slopes = found.slopes
-        if found.known:
-            self.slopes_at = found.logits + found.left
+        if self.near:  # else they are those of differences, here
+            self.slopes = found.slopes
+            if found.known:
+                self.slopes_at = found.logits + found.left
         return self._assess(resolution, found)
 
     def _assess(
