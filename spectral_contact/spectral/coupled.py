@@ -225,8 +225,22 @@ class CoupledFactored:
     def solve(self) -> Pair:
         """Return pressure and traction of unit approach."""
         load = 2.0 * self.space.normal.constant_moments
-        right = np.concatenate([load, np.zeros_like(load)])
-        return self.space.pair(self._cholesky.solve(right[self.space._order]))
+        return self._solved([load, np.zeros_like(load)])
+
+    def respond(self, normal: Array, tangential: Array) -> Pair:
+        """Return what solves the system for any right-hand side.
+
+        Parameters
+        ----------
+        normal, tangential : ndarray, shape (size,)
+            Its values on the bases of the pressure and of the traction.
+        """
+        space = self.space
+        return self._solved([normal[space.normal.index], tangential[space.tangential.index]])
+
+    def _solved(self, right: list[Array]) -> Pair:
+        """Return the solution for right-hand sides in the orders of the two spaces."""
+        return self.space.pair(self._cholesky.solve(np.concatenate(right)[self.space._order]))
 
     def correction(self, pair: Pair) -> Pair:
         """Return by how much a solution is off, from its residual in the half-integral."""
@@ -242,7 +256,7 @@ class CoupledFactored:
             if compliance != 0.0:
                 residual -= compliance * (one.mass @ values[one.index])
             parts.append(residual)
-        return space.pair(self._cholesky.solve(np.concatenate(parts)[space._order]))
+        return self._solved(parts)
 
     def dual(self, functional: Array) -> Pair:
         """Return the dual solution of a linear functional of the traction.
@@ -252,9 +266,7 @@ class CoupledFactored:
         functional : ndarray, shape (size,)
             Its values on the basis.
         """
-        own = functional[self.space.tangential.index]
-        right = np.concatenate([np.zeros_like(own), own])
-        return self.space.pair(self._cholesky.solve(right[self.space._order]))
+        return self.respond(np.zeros_like(functional), functional)
 
     def change(self, pair: Pair, *, degrees: int = 2) -> tuple[Change, Change]:
         """Return what the top two degrees of every panel, or the top one, contribute.
