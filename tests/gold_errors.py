@@ -2,6 +2,8 @@
 
 import math
 
+from mpmath import hypot
+
 SIDES = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 
 
@@ -29,6 +31,24 @@ def errors(double, true):
         found["edge_ratio"] = relative(double.edge_ratio, true.edge_ratio)
     for name in fields:
         values = getattr(double, name)(from_edge=depths)
+        if any(min(point.pressure, point.traction) < 0 for point in true.points):
+            found[name] = max(map(against_both(name, true.scene), values, true.points))
+            continue
         pairs = zip(values, true.points, strict=True)
         found[name] = max(relative(value, getattr(point, name)) for value, point in pairs)
     return found
+
+
+def against_both(name, scene):
+    """Return what gives the error of p, or of q/s, at a point where it may change sign."""
+
+    def error(value, point):
+        if point.from_edge == 1.0 and name == "traction":
+            return 0.0 if value == point.traction == 0 else math.inf
+        s = 1.0 - point.from_edge
+        p, u = point.pressure, point.traction / s
+        if name == "pressure":
+            return float(abs(float(value) - p) / hypot(p, u))
+        return float(abs(float(value) / s - u) / hypot(u, scene.kappa * p))
+
+    return error

@@ -10,7 +10,7 @@ import numpy as np
 
 from spectral_contact.precise.coupled import CoupledDisk
 from spectral_contact.precise.disk import Disk, Mesh
-from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.zones import Layout
 from spectral_contact.scene import Scene
 
@@ -68,8 +68,8 @@ class CoupledRun:
 
     def _solve(self, normal: Disk, tangential: Disk) -> None:
         f, scene = self.fixed, self.scene
-        compliances = scene.normal_compliance, scene.tangential_compliance
-        pair = CoupledDisk(normal, tangential).solve(*map(f.of, compliances), f.of(self.kappa))
+        alpha, beta = f.of([scene.normal_compliance, scene.tangential_compliance])
+        pair = CoupledDisk(normal, tangential).solve(alpha, beta, f.of(self.kappa))
         # the load is 2 pi int p s ds = 4 int F dt
         approach = f.over(f.one, 4 * f.dot(normal.weights, normal.half_integral(pair[0])))
         p, u = (f.times(one, approach) for one in pair)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 from time import perf_counter
 from typing import Any
@@ -53,8 +54,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     SceneError
         For an argument out of its range.
     NotComputedError
-        With elastic coupling and slip; if `solve` does not resolve the zones, or has slip everywhere
-        as the stick disk is so small.
+        With elastic coupling and slip; if `solve` does not resolve the zones, or has slip
+        everywhere as the stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 
@@ -121,18 +122,17 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
 
 def _run(scene: Scene, digits: int, width: float, layout: Layout | None) -> Run | CoupledRun:
     """Return the solution on one mesh."""
-    if not scene.couples:
-        return Run(scene, digits, width, layout)
-    if layout != Layout((0,), ()):
-        raise NotComputedError("the reference", "with elastic coupling it is of full stick")
-    return CoupledRun(scene, digits, width)
+    if scene.couples:
+        return CoupledRun(scene, digits, width)
+    return Run(scene, digits, width, layout)
 
 
 def _layout(scene: Scene) -> Layout | None:
     """Return the zones, roughly; None if q = 0."""
     if not scene.friction or scene.kappa == 0.0:
         return None
-    if scene.friction == inf:
+    if scene.couples:
+        _check_stuck(scene)
         return Layout((0,), ())
     solution = solve(scene, 1e-9, ("zones", "traction"), strict=False)
     zones = solution.zones
@@ -147,6 +147,20 @@ def _layout(scene: Scene) -> Layout | None:
         raise NotComputedError("the reference", "double precision does not resolve its zones")
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return Layout(tuple(states), radii)
+
+
+def _check_stuck(scene: Scene) -> None:
+    """Raise an error if a coupled scene slips."""
+    friction = scene.friction
+    assert friction is not None
+    if friction == inf:
+        return
+    stick = solve(replace(scene, friction=inf), 1e-9, ("critical_friction",))
+    needed = stick.critical_friction * (1.0 + (stick.error.critical_friction or 0.0))
+    if friction < needed:
+        raise NotComputedError(
+            "the reference", f"with coupling it is of full stick, which needs friction of {needed}"
+        )
 
 
 def _zones(run: Run | CoupledRun) -> tuple[Zone, ...]:

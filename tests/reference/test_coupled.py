@@ -279,10 +279,6 @@ def test_friction_above_critical_is_full_stick_to_the_bit():
     assert [zone.kind for zone in held.zones] == ["stick"]
 
 
-def test_bounds_and_references_are_refused():
-    from spectral_contact.precise import reference
-
+def test_bounds_are_refused():
     with pytest.raises(NotComputedError, match="elastic coupling"):
         _ = stuck(0.3, 0.2, 0.5).approach_bounds
-    with pytest.raises(NotComputedError, match="elastic coupling"):
-        reference(Scene(0.3, 0.2, 0.5, math.inf, coupling=True))
