@@ -14,7 +14,7 @@ from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.disk import MOST_SWEEPS, Disk
 from spectral_contact.precise.fixed import Ints
 from spectral_contact.spectral.abel import TAIL_TERMS
-from spectral_contact.spectral.coupled import coupled_space
+from spectral_contact.spectral.coupled import CoupledSpace
 
 __all__ = ["CoupledDisk"]
 
@@ -54,7 +54,7 @@ class CoupledDisk:
             If refinement stalls before the digits of the mesh are reached.
         """
         f, mesh, disks = self.fixed, self.normal.mesh, (self.normal, self.tangential)
-        space = coupled_space(mesh.panels, self.tangential.panels.power, mesh.degrees)
+        space = CoupledSpace(self.normal.double, self.tangential.double, mesh.degrees)
         factored = space.factor(*(float(f.numbers(v)) for v in (alpha, beta, kappa)))
         weights = f.over(self.normal.weights, f.of(f.mp.pi))
         measures = weights, f.times(weights, self.normal.rest)

@@ -187,6 +187,8 @@ class Disk:
         Those of ``dt``.
     end : int
         Distance at which the tail begins.
+    double : DiskOperators
+        The same in double precision.
     """
 
     def __init__(self, mesh: Mesh, fixed: Fixed) -> None:
@@ -199,7 +201,7 @@ class Disk:
         self._far = self._deeper_far()
         self._tails = self._deeper_tail()
         self._masses = [self._panel_mass(decay) for decay in (1, 2)]
-        self._double = DiskOperators(mesh.panels)
+        self.double = DiskOperators(mesh.panels)
 
     # nodes
 
@@ -374,7 +376,7 @@ class Disk:
         ConvergenceError
             If refinement stalls before the digits of the mesh are reached.
         """
-        f, double = self.fixed, self._double
+        f, double = self.fixed, self.double
         weights = f.over(self.weights, f.of(f.mp.pi))
         if tangential:
             weights = f.times(weights, self.rest)

@@ -6,8 +6,8 @@ The oracle was computed in fixed point on other meshes, and its reader knows no 
 import math
 
 import pytest
-from mpmath.ctx_mp import MPContext
 from gold_errors import errors
+from mpmath.ctx_mp import MPContext
 
 from spectral_contact import gold, solve
 
