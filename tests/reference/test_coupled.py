@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from disk_integral import integral
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -186,15 +187,6 @@ def test_approach_and_shear_alone_need_fewer_unknowns(alpha, beta):
 
 
 # --- identities -----------------------------------------------------------------------------------
-
-
-def integral(function):
-    """Return ``int_0^1 f s ds`` of a function of the distance from the edge."""
-    g, w = np.polynomial.legendre.leggauss(24)
-    x = (np.arange(0.0, 80.0, 0.5)[:, None] + 0.25 * (1.0 + g)).ravel()
-    y = np.exp(-x)
-    weights = np.tile(0.25 * w, len(x) // 24) * y / 2.0
-    return float(weights @ function(y / (1.0 + np.sqrt(1.0 - y))))
 
 
 def slope(approach, at):
