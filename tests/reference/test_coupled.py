@@ -269,8 +269,3 @@ def test_friction_above_critical_is_full_stick_to_the_bit():
     held, stick = solve(Scene(0.3, 0.2, 0.5, 1.0, coupling=True), 1e-12), stuck(0.3, 0.2, 0.5)
     assert (held.approach, held.total_shear) == (stick.approach, stick.total_shear)
     assert [zone.kind for zone in held.zones] == ["stick"]
-
-
-def test_bounds_are_refused():
-    with pytest.raises(NotComputedError, match="elastic coupling"):
-        _ = stuck(0.3, 0.2, 0.5).approach_bounds
