@@ -1,48 +1,50 @@
 """Partial slip of the smooth coupled punch by Hilbert transforms: an oracle for the stick radius.
 
-With the Abel transforms F of the pressure, continued as an even function of t to [-1, 1], and H = t G
-of the traction, continued as an odd one, and the Hilbert transform ``(1/pi) int f(u) du / (t - u)``,
-the equations of the flat punch are (Spence 1975)
+Continue the Abel transforms F of the pressure as an even function of t to [-1, 1], and H = t G of
+the traction as an odd one. With the Hilbert transform ``(1/pi) int f(u) du / (t - u)`` the
+equations of the flat punch are
 
     F + 2 kappa Hilbert[H] = 2 delta               everywhere,
     H - 2 kappa Hilbert[F] = 0                     in stick, t < c,
     H(t) = f [F(t) - int_t^1 F(u) h'(t/u) t/u^2 du]    in slip, t > c,
 
-where ``h(x) = (2/pi) x K(sqrt(1 - x^2))``: q = f p is local in the transforms, as a step of F at u
-is the pressure ``(2/pi)/sqrt(u^2 - s^2)``. They are collocated with Legendre polynomials on elements
+where ``h(x) = (2/pi) x K(sqrt(1 - x^2))``: slip is local in the transforms, as a step of F at u is
+the pressure ``(2/pi)/sqrt(u^2 - s^2)``. They are collocated with Legendre polynomials on elements
 that are graded to c and to the edge. Nothing of the library is used: no kernel, no Galerkin matrix.
 
-The punch whose profile is a parabola grows in contact; its solution is similar to itself, and its rate
-is that of the flat punch, hence it has the same stick radius (Spence 1968). It is solved here, too: the
-surface sinks by ``delta - s^2/2`` and was moved radially by ``C s^2`` when it came to stick.
+Under a paraboloid the contact grows and stays similar to itself. The rate of its fields is that of
+a flat punch, so it has the same stick radius (Spence, The Hertz contact problem with finite
+friction, J. Elasticity 5, 1975). It is solved here, too: the surface sinks by ``delta - s^2/2``,
+and what sticks was moved by ``C s^2`` before it did.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from scipy.special import elliprd
+from scipy.optimize import brentq
+from scipy.special import ellipkm1, elliprd
 
-_RATIO = 0.15
+#: From one element to the next nearer to c, or to the edge.
+_RATIO = 0.2
 
 
 @dataclass(frozen=True)
-class Punch:
-    """Transforms on the elements for one friction, and what they miss at the boundary of slip.
+class Slipping:
+    """A flat punch for unit load.
 
     Attributes
     ----------
     friction, approach, shear : float
-        f, delta* and Q* for unit load.
-    jump : float
-        Of H at c, relative to H there: zero for the friction that belongs to the stick radius.
+        f, delta* and Q*.
     """
 
     friction: float
     approach: float
     shear: float
-    jump: float
 
 
 class Collocation:
@@ -61,8 +63,8 @@ class Collocation:
         self,
         poisson_ratio: float,
         radius: float,
-        degree: int = 9,
-        levels: tuple[int, int] = (9, 14),
+        degree: int = 10,
+        levels: tuple[int, int] = (10, 14),
     ) -> None:
         self.kappa = (1 - 2 * poisson_ratio) / (4 * (1 - poisson_ratio))
         self.radius, self.degree = radius, degree
@@ -76,9 +78,7 @@ class Collocation:
             (1.0, np.append(-half * edge, 0.0)),
         ]
         self.elements = [
-            (anchor, low, high)
-            for anchor, ends in groups
-            for low, high in zip(ends[:-1], ends[1:], strict=True)
+            (anchor, low, high) for anchor, ends in groups for low, high in pairwise(ends)
         ]
         self.g, self.w = np.polynomial.legendre.leggauss(degree + 1)
         self.points = [
@@ -90,8 +90,7 @@ class Collocation:
         self.values = np.kron(
             np.eye(len(self.elements)), np.polynomial.legendre.legvander(self.g, degree)
         )
-        even, odd = self._hilbert(1.0), self._hilbert(-1.0)
-        self.of_even, self.of_odd = even, odd
+        self.of_even, self.of_odd = self._hilbert(1.0), self._hilbert(-1.0)
         self.slip = self._slip()
 
     def _hilbert(self, sign: float) -> np.ndarray:
@@ -110,23 +109,20 @@ class Collocation:
         """Return H/f from F in slip, at the points; only those beyond c mean anything."""
         g, w = np.polynomial.legendre.leggauss(self.degree + 12)
         terms, matrix = self.degree + 1, self.values.copy()
-        for i, (own, offset) in enumerate(self.points):
+        for i, (_, offset) in enumerate(self.points):
             if self.t[i] < self.radius:
                 continue
             for j, (anchor, low, high) in enumerate(self.elements):
                 if j < i // terms:
                     continue
                 start = offset if j == i // terms else low
-                assert j != i // terms or own == anchor
                 u = (start + high) / 2 + (high - start) / 2 * g
                 local = np.clip((2 * u - low - high) / (high - low), -1, 1)
                 x = self.t[i] / (anchor + u)
                 slope = 2 / np.pi / 3 * elliprd(0.0, x * x, 1.0)
                 weights = w * (high - start) / 2 * slope * x / (anchor + u)
                 columns = slice(j * terms, (j + 1) * terms)
-                matrix[i, columns] -= weights @ np.polynomial.legendre.legvander(
-                    local, self.degree
-                )
+                matrix[i, columns] -= weights @ np.polynomial.legendre.legvander(local, self.degree)
         return matrix
 
     def solved(self, friction: float, *loads: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
@@ -154,14 +150,47 @@ class Collocation:
         sizes = np.array([high - low for _, low, high in self.elements])
         return float(field.reshape(len(self.elements), -1)[:, 0] @ sizes)
 
-    def flat(self, friction: float) -> Punch:
-        """Return the flat punch at some friction."""
-        ones = np.ones(len(self.t))
-        even, odd = self.solved(friction, (ones, 0 * ones))[..., 0]
+    def _fields(self, friction: float) -> tuple[np.ndarray, float]:
+        """Return F and H of a flat punch under ``2 delta = 1``, and the jump of H at c."""
+        one = np.ones_like(self.t)
+        fields = self.solved(friction, (one, 0.0 * one))[..., 0]
+        return fields, float(np.subtract(*self.at_rim(fields[1])))
+
+    def _bend(self, friction: float) -> float:
+        """Return the jump of the slope of H at c under a paraboloid.
+
+        Its sinking makes the pressure bounded at the edge, and C makes H continuous.
+        """
+        one, square = np.ones_like(self.t), self.t**2
+        even, odd = self.solved(
+            friction,
+            (one, 0.0 * one),
+            (-2.0 * square, 0.0 * one),
+            (0.0 * one, 1.5 * np.pi * square),
+        )
+        edges = even.reshape(len(self.elements), -1, 3)[-1].sum(axis=0)
+        jumps = [np.subtract(*self.at_rim(one)) for one in odd.T]
+        conditions = np.array([edges, jumps])
+        sinking, moved = np.linalg.solve(conditions[:, [0, 2]], -conditions[:, 1])
+        field = odd @ [sinking, 1.0, moved]
+        return float(np.subtract(*self.at_rim(field, 1)))
+
+    def _root(self, function: Callable[[float], float]) -> float:
+        """Return the friction at which a jump vanishes, near that without coupling."""
+        c = self.radius
+        guess = self.kappa * np.log((1 + c) / (1 - c)) / (c * ellipkm1(c * c))
+        return float(brentq(function, 0.8 * guess, 3.0 * guess, xtol=1e-13))
+
+    def flat(self) -> Slipping:
+        """Return the flat punch whose stick radius is c."""
+        friction = self._root(lambda f: self._fields(f)[1])
+        even, odd = self._fields(friction)[0]
         load = 4 * self.integral(even)
-        inside, outside = self.at_rim(odd)
-        shear = 2 * np.pi * self.integral(odd) / load
-        return Punch(friction, 0.5 / load, shear, inside / outside - 1)
+        return Slipping(friction, 0.5 / load, 2 * np.pi * self.integral(odd) / load)
+
+    def paraboloid(self) -> float:
+        """Return the friction at which a paraboloid has the stick radius c."""
+        return self._root(self._bend)
 
 
 def _cauchy(x: np.ndarray, degree: int) -> np.ndarray:
