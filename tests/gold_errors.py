@@ -43,8 +43,8 @@ def against_both(name, scene):
     """Return what gives the error of p, or of q/s, at a point where it may change sign."""
 
     def error(value, point):
-        if point.from_edge == 1.0 and name == "traction":
-            return 0.0 if value == point.traction == 0 else math.inf
+        if point.from_edge == 1.0:  # p is positive there, and q is 0
+            return relative(value, getattr(point, name))
         s = 1.0 - point.from_edge
         p, u = point.pressure, point.traction / s
         if name == "pressure":
