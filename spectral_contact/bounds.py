@@ -102,9 +102,9 @@ def approach_bounds(
         outward, inward = np.array(moved).T
         q = traction(depths)
         parts.append((coupled.compliance, q, inward - outward - coupled.compliance * q))
-    work = 2.0 * pi * sum(float(weights @ (r * u)) for _, u, r in parts) / approach
-    excess = 2.0 * pi * sum(float(weights @ r**2) / c for c, _, r in parts) / approach
-    energy = 2.0 * pi * load(field, breaks=breaks) + work
+    energy = 2.0 * pi * load(field, breaks=breaks)
+    energy += sum(2.0 * pi * float(weights @ (r * u)) / approach for _, u, r in parts)
+    excess = sum(2.0 * pi * float(weights @ r**2) / (c * approach) for c, _, r in parts)
     upper, lower = approach / energy, approach / (energy + excess)
     return lower * (1.0 - _ROUNDING), upper * (1.0 + _ROUNDING)
 
