@@ -236,8 +236,8 @@ def test_bad_digits_are_refused(bad):
         reference(Scene(0.3), bad)
 
 
-@pytest.mark.parametrize("nu", [-0.9, 0.3])
-def test_the_coupled_smooth_punch_is_the_closed_form(nu):
+def test_the_coupled_smooth_punch_is_the_closed_form():
+    nu = -0.9
     run, mp = CoupledRun(Scene(nu, friction=math.inf, coupling=True), 12, 2.0), context()
     theta = mp.log(3 - 4 * mp.mpf(nu)) / (2 * mp.pi)
     approach = (1 - 2 * mp.mpf(nu)) / (16 * (1 - mp.mpf(nu)) * mp.pi * theta)
@@ -263,7 +263,7 @@ def test_the_coupled_smooth_punch_is_the_closed_form(nu):
 
 def test_the_opening_of_a_thin_layer():
     scene = Scene(0.0, 1e-6, 1e-6, math.inf, coupling=True)
-    run, double = CoupledRun(scene, 12, 2.0), solve(scene, 1e-12)
+    run, double = CoupledRun(scene, 8, 2.0), solve(scene, 1e-12)
     assert abs(run.opening / double.opening - 1) <= 1e-9
     at = np.array([run.opening])
     assert abs(run.pressures(1 - at, at)[0]) <= 1e-12
