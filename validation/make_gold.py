@@ -272,7 +272,7 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
 
     def text(value: Any) -> str | None:
         if value is None or mp.isinf(value):
-            return None if value is None else "inf"
+            return None if value is None else str(float(value))
         return mp.nstr(value, digits + 3, strip_zeros=False) if value else "0"
 
     at = depths(solution)

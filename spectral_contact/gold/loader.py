@@ -55,7 +55,8 @@ class GoldPoint:
     from_edge : float
         Its distance from the edge, exactly.
     pressure, traction : mpf
-        ``p*`` and ``q*``; infinite at the edge where the theory has it so.
+        ``p*`` and ``q*``; infinite at the edge where the theory has it so, of either sign with
+        elastic coupling.
     """
 
     from_edge: float
@@ -290,9 +291,9 @@ class _Entry:
     def _number(self, where: str, body: dict[str, Any], name: str) -> Any:
         """Return a number that has all its digits."""
         text = body[name]
-        if text == "inf":
+        if text in ("inf", "-inf"):
             if name in ("pressure", "traction", "edge_ratio"):
-                return self.mp.inf
+                return self.mp.mpf(text)
         elif isinstance(text, str) and (match := _DECIMAL.fullmatch(text)):
             value = self.mp.mpf(text)
             figures = "".join(part or "" for part in match.groups()).lstrip("0")

@@ -112,7 +112,8 @@ class CoupledRun:
         f, mp, y = self.fixed, self.fixed.mp, from_edge * (1 + s)
         if self.scene.normal_compliance if k == 0 else self.scene.tangential_compliance:
             return f.numbers(self._series[k].at(f.of(y)))
-        values = np.array([mp.nan if self._smooth else mp.inf] * len(y), dtype=object)
+        edge = mp.nan if self._smooth else mp.sign(f.numbers(self._series[k].limit)) * mp.inf
+        values = np.array([edge] * len(y), dtype=object)
         deep = np.array([self._smooth and 0 < v < mp.exp(-self._leading) for v in y], dtype=bool)
         values[deep] = [self._oscillating(-mp.log(v))[k] for v in y[deep]]
         rest = np.array([v > 0 for v in y], dtype=bool) & ~deep
@@ -159,6 +160,8 @@ class CoupledRun:
                 lambda v: f.numbers(series.at(f.of([mp.exp(-v)])))[0],
                 [mp.mpf(float(end)) for end in ends],
                 solver="anderson",
+                maxsteps=100,
+                verify=False,  # the comparison of two meshes is more
             )
         elif self._smooth:
             root = self._leading + (mp.pi / 2 - self._phase[1]) / self._theta
@@ -173,9 +176,7 @@ class CoupledRun:
         mp, scene = self.fixed.mp, self.scene
         if self._smooth or self.opening is not None:
             return None
-        if scene.tangential_compliance == 0.0:
-            return mp.inf
         if scene.normal_compliance == 0.0:
             return mp.zero
-        p, u = (one.limit for one in self._series)
-        return self.fixed.numbers(self.fixed.over(u, p))
+        p, u = (self.fixed.numbers(one.limit) for one in self._series)
+        return u / p if scene.tangential_compliance else mp.sign(u) * mp.inf

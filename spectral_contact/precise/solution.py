@@ -77,8 +77,8 @@ class ReferenceSolution:
         Returns
         -------
         mpf or ndarray of mpf
-            Infinite at the edge of a surface that is smooth in normal contact; with coupling, of
-            one that is smooth altogether, NaN.
+            Infinite at the edge of a surface that is smooth in normal contact, of either sign with
+            coupling; then of one that is smooth altogether, NaN.
 
         Raises
         ------

@@ -278,6 +278,9 @@ def test_the_other_edges_with_coupling():
     assert smooth.opening is None
     assert smooth.pressures(*edge)[0] == mp.inf
     assert mp.isfinite(smooth.tractions(*edge)[0])
+    thin = CoupledRun(Scene(-0.9, 0.0, 1e-3, math.inf, coupling=True), 4, 2.0)
+    assert thin.opening is not None
+    assert thin.pressures(*edge)[0] == solve(thin.scene).pressure(1.0) == -mp.inf
     rough = CoupledRun(Scene(0.3, 0.5, 0.0, math.inf, coupling=True), 4, 2.0)
     assert rough.edge_ratio() == rough.tractions(*edge)[0] == mp.inf
     assert mp.isfinite(rough.pressures(*edge)[0])
