@@ -35,8 +35,8 @@ __all__ = ["CoupledStick", "solve_coupled_stick"]
 
 Array = NDArray[np.float64]
 
-#: Above this compliance the equations as assembled lose no more than rounding.
-_HARMLESS = 1e-3
+#: At the centre, where q/s is weakly determined, it rounds by so much more than without coupling.
+_CENTRE = 5.0
 #: Most corrections, and what share of its step the first one leaves; measured.
 _CORRECTIONS, _LEFT = 6, 0.01
 #: With a root at the edge, the error there relative to the change of the tail is 1.9; measured.
@@ -131,8 +131,6 @@ class _CoupledProblem:
         expected = [expected_error(share, rates) for share in shares]
         tails = self._tail_errors(space, changes, sizes)
         pressure, traction = self._fields(space, pair.times(solved.approach))
-        # under a pressure that is infinite at the edge q/s at the centre is less accurate
-        centre = 5.0 if self.alpha == 0.0 else 1.0
         solved = replace(
             solved,
             pressure=PressureField(None, pressure),
@@ -141,7 +139,7 @@ class _CoupledProblem:
             pressure_error=max(float(expected[0].max()), tails[0]) + left + 20.0 * ROUNDING,
             traction_error=max(float(expected[1].max()), tails[1])
             + left
-            + centre * TRACTION_ROUNDING,
+            + _CENTRE * TRACTION_ROUNDING,
         )
         if solved.opening is None and not self.smooth:
             solved = self._with_ratios(solved, factored, pair, changes, shares)
@@ -178,8 +176,6 @@ class _CoupledProblem:
         self, factored: CoupledFactored, pair: Pair, sizes: list[Array]
     ) -> tuple[Pair, float]:
         """Return the solution corrected, and an estimate of what rounding leaves of its error."""
-        if min(self.alpha, self.beta) >= _HARMLESS:
-            return pair, 0.0
         before, left = inf, inf
         for _ in range(_CORRECTIONS):
             step = factored.correction(pair)
