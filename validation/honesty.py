@@ -214,8 +214,9 @@ def draw(rows: list[dict], path: Path) -> None:
 
     values = collected(rows)
     edges = np.linspace(-17.0, 1.0, 73)
-    layout = {"figsize": (9.6, 9.0), "sharex": True, "sharey": True, "layout": "constrained"}
-    figure, axes = plt.subplots(3, 3, **layout)
+    down = -(-len(values) // 3)
+    layout = {"figsize": (9.6, 3.0 * down), "sharex": True, "sharey": True, "layout": "constrained"}
+    figure, axes = plt.subplots(down, 3, **layout)
     for axis in axes.flat[len(values) :]:
         axis.set_visible(False)
     counts = [
