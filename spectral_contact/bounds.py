@@ -6,29 +6,60 @@ With ``A = alpha + N`` and the product ``<a, b> = int a b s ds``, the answer to 
     m - (<1, u> + <r, u>) = <r, A^-1 r>,   0 <= <r, A^-1 r> <= <r, r>/alpha,
 
 because N is positive: the energy (Ritz) bounds m from below and the complementary energy from
-above. The residual is taken with the elliptic kernel (`equations`), which shares no step with the
-solver. So the bounds are rigorous up to the rounding and the quadrature of these integrals.
+above. With elastic coupling and full stick the same holds of the system of both equations, of which
+the elastic part is positive as the work on an elastic body is: A, u and r have two components, and
+the last bound is ``<r_1, r_1>/alpha + <r_2, r_2>/beta``. The residual is taken with the elliptic
+kernels (`equations`), which share no step with the solver. So the bounds are rigorous up to the
+rounding and the quadrature of these integrals.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import exp, pi, sqrt
 
 import numpy as np
 from scipy.special import roots_legendre
 
-from spectral_contact.equations import load, normal_displacement
-from spectral_contact.fields import LogSeries, PressureField
+from spectral_contact.equations import (
+    load,
+    normal_displacement,
+    shear_lift,
+    tangential_displacement,
+)
+from spectral_contact.fields import DiskSeries, LogSeries, PressureField
 
-__all__ = ["approach_bounds"]
+__all__ = ["CoupledTraction", "approach_bounds"]
 
 #: Relative rounding of the integrals, measured; the bounds are widened by it.
 _ROUNDING = 4e-15
 _POINTS = 28
 
 
+@dataclass(frozen=True, slots=True)
+class CoupledTraction:
+    """What acts back on the pressure in full stick.
+
+    Attributes
+    ----------
+    compliance : float
+        ``beta*``, positive.
+    kappa : float
+        ``(1 - 2 nu)/(4 (1 - nu))``.
+    field : DiskSeries
+        ``q*``, on the panels of the pressure.
+    """
+
+    compliance: float
+    kappa: float
+    field: DiskSeries
+
+
 def approach_bounds(
-    compliance: float, approach: float, pressure: PressureField
+    compliance: float,
+    approach: float,
+    pressure: PressureField,
+    coupled: CoupledTraction | None = None,
 ) -> tuple[float, float]:
     """Bound the approach from below and above.
 
@@ -40,6 +71,8 @@ def approach_bounds(
         ``delta*`` as computed; it scales the pressure, and need not be accurate.
     pressure : PressureField
         ``p*``.
+    coupled : CoupledTraction, optional
+        With elastic coupling.
 
     Returns
     -------
@@ -55,9 +88,23 @@ def approach_bounds(
     depths = y / (1.0 + np.sqrt(1.0 - y))
     deflection = np.array([normal_displacement(field, d, breaks) for d in depths.tolist()])
     residual = approach - compliance * p - deflection
-    total = 2.0 * pi * load(field, breaks=breaks)
-    energy = total + 2.0 * pi * float(weights @ (residual * p)) / approach
-    excess = 2.0 * pi * float(weights @ residual**2) / (compliance * approach)
+    parts = [(compliance, p, residual)]
+    if coupled is not None:
+        other, kappa = coupled.field, coupled.kappa
+
+        def traction(d: np.ndarray) -> np.ndarray:
+            return other(1.0 - d, d)
+
+        residual += [shear_lift(traction, kappa, d, breaks) for d in depths.tolist()]
+        moved = [
+            tangential_displacement(traction, field, kappa, d, breaks) for d in depths.tolist()
+        ]
+        outward, inward = np.array(moved).T
+        q = traction(depths)
+        parts.append((coupled.compliance, q, inward - outward - coupled.compliance * q))
+    energy = 2.0 * pi * load(field, breaks=breaks)
+    energy += sum(2.0 * pi * float(weights @ (r * u)) / approach for _, u, r in parts)
+    excess = sum(2.0 * pi * float(weights @ r**2) / (c * approach) for c, _, r in parts)
     upper, lower = approach / energy, approach / (energy + excess)
     return lower * (1.0 - _ROUNDING), upper * (1.0 + _ROUNDING)
 

@@ -122,11 +122,12 @@ class Solution:
         Raises
         ------
         NotComputedError
-            If the pressure was not asked for, or with elastic coupling.
+            If the pressure was not asked for; with elastic coupling where the surface slips, which
+            dissipates, or a compliance is 0.
         """
         self._require("pressure")
         if self.scene.couples:
-            raise NotComputedError("approach_bounds", "with elastic coupling none are known")
+            return self._coupled_bounds()
         if self.scene.normal_compliance == 0.0:  # known exactly
             return self.approach, self.approach
         from spectral_contact.bounds import approach_bounds
@@ -134,6 +135,20 @@ class Solution:
         field = self.pressure_field
         assert field is not None
         return approach_bounds(self.scene.normal_compliance, self.values["approach"], field)
+
+    def _coupled_bounds(self) -> tuple[float, float]:
+        from spectral_contact.bounds import CoupledTraction, approach_bounds
+
+        self._require("traction")
+        scene, pressure, traction = self.scene, self.pressure_field, self.traction_field
+        alpha, beta = scene.normal_compliance, scene.tangential_compliance
+        if min(alpha, beta) == 0.0:
+            reason = "with elastic coupling it takes normal and tangential compliance"
+            raise NotComputedError("approach_bounds", reason)
+        if pressure is None or not isinstance(traction, DiskSeries):
+            raise NotComputedError("approach_bounds", "with elastic coupling it takes full stick")
+        coupled = CoupledTraction(beta, scene.kappa, traction)
+        return approach_bounds(alpha, self.values["approach"], pressure, coupled)
 
     @property
     def zones(self) -> tuple[Zone, ...]:

@@ -2,13 +2,18 @@
 
 import math
 
+import numpy as np
+from mpmath import hypot, isinf
+
 SIDES = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 
 
 def relative(value, truth):
     """Return the relative error of a double as a double."""
     value = float(value)
-    return 0.0 if value == truth else float(abs(value / truth - 1)) if truth else math.inf
+    if value == truth:
+        return 0.0
+    return float(abs(value / truth - 1)) if truth and not isinf(truth) else math.inf
 
 
 def errors(double, true):
@@ -29,6 +34,30 @@ def errors(double, true):
         found["edge_ratio"] = relative(double.edge_ratio, true.edge_ratio)
     for name in fields:
         values = getattr(double, name)(from_edge=depths)
+        if any(min(point.pressure, point.traction) < 0 for point in true.points):
+            found[name] = worst(map(against_both(name, true.scene), values, true.points))
+            continue
         pairs = zip(values, true.points, strict=True)
-        found[name] = max(relative(value, getattr(point, name)) for value, point in pairs)
+        found[name] = worst(relative(value, getattr(point, name)) for value, point in pairs)
     return found
+
+
+def worst(several):
+    """Return the largest; what is no number is larger than all."""
+    return float(np.max(list(several)))
+
+
+def against_both(name, scene):
+    """Return what gives the error of p, or of q/s, at a point where it may change sign."""
+
+    def error(value, point):
+        true = getattr(point, name)
+        if point.from_edge == 1.0 or isinf(true):  # p is positive at the centre, and q is 0
+            return relative(value, true)
+        s = 1.0 - point.from_edge
+        p, u = point.pressure, point.traction / s
+        if name == "pressure":
+            return float(abs(float(value) - p) / hypot(p, u))
+        return float(abs(float(value) / s - u) / hypot(u, scene.kappa * p))
+
+    return error

@@ -17,8 +17,9 @@ import numpy as np
 from spectral_contact import Scene, Solution
 from spectral_contact.contact import resolution as first_spaces
 from spectral_contact.contact import zone_system
-from spectral_contact.spectral import galerkin
+from spectral_contact.spectral import coupled, galerkin
 from spectral_contact.spectral.cache import clear_caches
+from spectral_contact.spectral.cholesky import ScaledCholesky
 
 EPS = 2.0**-52
 INPUTS = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
@@ -124,6 +125,32 @@ CASES = (
         Scene(0.3, 0.05, 1.0, 0.037414039401417),
         truth="full stick",
     ),
+    HardCase(
+        "coupled, smooth",
+        "p and q change sign infinitely often towards the edge",
+        Scene(0.1, 0.0, 0.0, math.inf, coupling=True),
+    ),
+    HardCase(
+        "coupled, thin layers",
+        "the same down to layers of 1e-14; the contact would open",
+        Scene(0.3, 1e-14, 1e-14, math.inf, coupling=True),
+    ),
+    HardCase(
+        "coupled, thin tangential layer",
+        "p is infinite at the edge, and q turns from infinite to finite at 1e-14",
+        Scene(0.3, 0.0, 1e-14, math.inf, coupling=True),
+    ),
+    HardCase(
+        "coupled, auxetic",
+        "ν is 1e-9 above -1: no coupling is stronger",
+        Scene(1e-9 - 1.0, 1e-6, 1e-3, math.inf, coupling=True),
+    ),
+    HardCase(
+        "coupled, incompressible",
+        "κ = 2e-12: coupling is below rounding, and q a difference of doubles",
+        Scene(0.5 - 2e-12, 0.5, 0.5, math.inf, coupling=True),
+        step=1e-2,
+    ),
 )
 
 
@@ -162,6 +189,8 @@ def true_errors(solution: Solution, truth: dict[str, Any]) -> dict[str, float]:
     moved = shifts({k: v for k, v in found.items() if k in exact}, exact)
     errors = {"approach": moved["approach"], "total_shear": moved["Q"]}
     errors["zones"] = max((v for k, v in moved.items() if "b" in k), default=0.0)
+    if solution.scene.couples:
+        return errors | _coupled_errors(solution, truth)
     for name in ("pressure", "traction"):
         errors[name] = 0.0
         for (kind, at), text in zip(truth["points"], truth[name], strict=True):
@@ -170,6 +199,23 @@ def true_errors(solution: Solution, truth: dict[str, Any]) -> dict[str, float]:
             value, exactly = float(getattr(solution, name)(**{kind: at})), float(text)
             if value != exactly and not beside_a_boundary(solution, kind, at):
                 errors[name] = max(errors[name], abs(value / exactly - 1.0))
+    return errors
+
+
+def _coupled_errors(solution: Solution, truth: dict[str, Any]) -> dict[str, float]:
+    """Return the errors of p and of q/s; where one changes sign, relative to the two together."""
+    d = np.array([at for _, at in truth["points"]])
+    exact = [np.array([float(text) for text in truth[n]]) for n in ("pressure", "traction")]
+    sizes = [np.abs(field) for field in exact]
+    if min(field.min() for field in exact) <= 0.0:
+        p, u = exact[0], exact[1] / (1.0 - d)
+        sizes = [np.hypot(p, u), np.hypot(u, solution.scene.kappa * p) * (1.0 - d)]
+    errors = {}
+    for name, its, size in zip(("pressure", "traction"), exact, sizes, strict=True):
+        mine = getattr(solution, name)(from_edge=d)
+        differ = mine != its  # infinities do not
+        missed = np.abs(mine[differ] - its[differ]) / size[differ]
+        errors[name] = float(np.max(missed, initial=0.0))
     return errors
 
 
@@ -228,7 +274,14 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     found: dict[str, float] = {}
     last: dict[str, galerkin.Factored] = {}
     systems: list[np.ndarray] = []
+    pairs: list[np.ndarray] = []
     solve = zone_system.scaled_solve
+
+    class RecordedScaled(ScaledCholesky):
+        def __init__(self, matrix):
+            scale = 1.0 / np.sqrt(matrix.diagonal())
+            pairs[:] = [matrix * scale * scale[:, None]]
+            super().__init__(matrix)
 
     class Recorded(galerkin.Factored):
         def __init__(self, space, compliance):
@@ -242,11 +295,14 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     with (
         mock.patch.object(galerkin, "Factored", Recorded),
         mock.patch.object(zone_system, "scaled_solve", recorded),
+        mock.patch.object(coupled, "ScaledCholesky", RecordedScaled),
     ):
         yield found
     for kind, factored in last.items():
         matrix = factored.compliance * factored.space.mass + factored.space.gram
         found[kind] = float(np.linalg.cond(matrix * factored.scale * factored.scale[:, None]))
+    if pairs:
+        found["coupled"] = float(np.linalg.cond(pairs[-1]))
     if systems:
         scale = 1.0 / np.sqrt(np.abs(systems[-1].diagonal()))
         found["annuli"] = float(np.linalg.cond(systems[-1] * scale * scale[:, None]))

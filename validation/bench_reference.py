@@ -28,6 +28,10 @@ SCENES = {
     "partial slip, α* = β* = 1e-6, f = 0.1": Scene(0.1, 1e-6, 1e-6, 0.1),
     "slip inside, α* = 0.05, β* = 1, f = 0.0329": Scene(0.3, 0.05, 1.0, 0.0329),
     "slip inside, α* = 0, β* = 1e-6, f = 0.1": Scene(0.3, 0.0, 1e-6, 0.1),
+    "coupled full stick, α* = β* = 0.5": Scene(0.1, 0.5, 0.5, math.inf, coupling=True),
+    "coupled full stick, α* = β* = 1e-6": Scene(0.1, 1e-6, 1e-6, math.inf, coupling=True),
+    "coupled full stick, α* = 0, β* = 1e-6": Scene(0.1, 0.0, 1e-6, math.inf, coupling=True),
+    "coupled full stick, α* = β* = 0": Scene(0.1, 0.0, 0.0, math.inf, coupling=True),
 }
 DIGITS = (20, 30)
 #: More, for the first scene alone.

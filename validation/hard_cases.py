@@ -53,10 +53,10 @@ COLUMNS = ("approach", "pressure", "traction", "total_shear", "zones")
 def conditioning(case: HardCase, truth: dict[str, Any]) -> dict[str, dict[str, float]]:
     """Return the relative change of every output per relative change of every input.
 
-    By differences of solves; but Poisson's ratio enters through kappa alone, and q/kappa and the
-    zones depend on f/kappa. The ends of a very narrow inner annulus are where q/p of full stick is
-    f: their share follows from the slope of q/p. Where compliance is 1e-14 and only moves an edge
-    zone as its square, the smooth punch stands for the rest.
+    By differences of solves; but Poisson's ratio enters through kappa alone, and without coupling
+    q/kappa and the zones depend on f/kappa. The ends of a very narrow inner annulus are where q/p
+    of full stick is f: their share follows from the slope of q/p. Where compliance is 1e-14 and
+    only moves an edge zone as its square, the smooth punch stands for the rest.
     """
     scene = case.scene
     if case.slow:
@@ -75,6 +75,9 @@ def conditioning(case: HardCase, truth: dict[str, Any]) -> dict[str, dict[str, f
         found["tangential_compliance"] = {"b2": 0.0, "1-b2": 2.0}
     nu = scene.poisson_ratio
     gain = abs(nu) / ((1.0 - 2.0 * nu) * (1.0 - nu))
+    if scene.couples:
+        found["poisson_ratio"] = by_coupling(scene, case.step, gain)
+        return found
     by_friction = found.get("friction", {})
     found["poisson_ratio"] = {
         key: gain * abs(float(key == "Q") - by_friction.get(key, 0.0))
@@ -92,6 +95,17 @@ def differences(scene: Scene, name: str, step: float) -> dict[str, float]:
     up, down = (outputs(solve(replace(scene, **{name: v}), 1e-12, strict=False)) for v in ends)
     reach = math.log(ends[0] / ends[1])
     return {key: abs(math.log(up[key] / down[key])) / reach for key in up}
+
+
+def by_coupling(scene: Scene, step: float, gain: float) -> dict[str, float]:
+    """Return the logarithmic derivatives by Poisson's ratio, from differences in kappa."""
+    ends = []
+    for kappa in (scene.kappa * (1.0 + step), scene.kappa * (1.0 - step)):
+        nu = (1.0 - 4.0 * kappa) / (2.0 - 4.0 * kappa)
+        ends.append(replace(scene, poisson_ratio=nu) if nu > -1.0 else scene)
+    up, down = (outputs(solve(one, 1e-12, strict=False)) for one in ends)
+    reach = math.log(ends[0].kappa / ends[1].kappa)
+    return {key: gain * abs(math.log(up[key] / down[key])) / reach for key in up}
 
 
 def add_inside(case: HardCase, truth: dict[str, Any], found: dict[str, dict[str, float]]) -> None:

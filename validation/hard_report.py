@@ -31,7 +31,8 @@ SYMBOL = {
 def _scene(scene: dict[str, Any]) -> str:
     values = (f"{SYMBOL[name]} = {scene[name]:.6g}" for name in list(SYMBOL)[:3])
     friction = scene["friction"]
-    return ", ".join(values) + f", f = {'∞' if friction == 'inf' else f'{friction:.6g}'}"
+    text = ", ".join(values) + f", f = {'∞' if friction == 'inf' else f'{friction:.6g}'}"
+    return f"{text}, coupled" if scene.get("coupling") else text
 
 
 def _pair(error: float, estimate: float | None) -> str:
@@ -68,12 +69,12 @@ def tables(record: dict[str, Any]) -> str:
     lines += [
         "",
         "Conditions: of the scaled matrices that are factored, of normal contact (N), of the stick "
-        "disk (T) and of stick annuli; of the problem itself, the largest relative change of an "
-        "output per relative change of an input, and which; the largest shift of an output by one "
-        "ulp of an input, and the largest ratio of a shift to what conditioning explains: that of "
-        "the input times its ulp and that of any of α*, β*, f times ε; and, in over-refined spaces "
-        "of degree 40 everywhere and 12 more panels, errors / estimates of $q^*$ and $b$, with the "
-        "unknowns.",
+        "disk (T), of stick annuli, and of both tractions where they are coupled; of the problem "
+        "itself, the largest relative change of an output per relative change of an input, and "
+        "which; the largest shift of an output by one ulp of an input, and the largest ratio of a "
+        "shift to what conditioning explains: that of the input times its ulp and that of any of "
+        "α*, β*, f times ε; and, in over-refined spaces of degree 40 everywhere and 12 more "
+        "panels, errors / estimates of $q^*$ and $b$, with the unknowns.",
         "",
         "| case | matrices | problem | largest shift | shift / explained | over-refined q* | b "
         "| unknowns |",

@@ -12,6 +12,7 @@ from unittest import mock
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from hard_cases import HardCase, overrefined
+from mpmath import isnan
 
 from spectral_contact import Scene, Solution, solve
 from spectral_contact.fields import Radius
@@ -66,6 +67,8 @@ def _double(solution: Solution) -> dict[str, Any]:
 def _record(exact: ReferenceSolution) -> dict[str, Any]:
     """Return what a solution to 20 digits has; points inside a small stick disk, too."""
     points: list[tuple[str, float]] = [("from_edge", d) for d in (*DISTANCES, 0.0)]
+    if isnan(exact.pressure(from_edge=0.0)):  # without a limit there
+        del points[-1]
     if exact.stick_radius is not None and exact.stick_radius < 0.9:
         points += [("s", share * float(exact.stick_radius)) for share in (0.25, 0.75, 0.999)]
     return {

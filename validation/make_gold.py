@@ -34,9 +34,9 @@ LARGEST_ERROR = 1e-25
 INF = math.inf
 
 
-def sticking(*rows: tuple[float, ...]) -> list[Scene]:
+def sticking(*rows: tuple[float, ...], coupling: bool = False) -> list[Scene]:
     """Return scenes of ``(nu, alpha, beta)``, and of f where it is given, that stick throughout."""
-    return [Scene(*row) if len(row) == 4 else Scene(*row, INF) for row in rows]
+    return [Scene(*(*row, INF)[:4], coupling=coupling) for row in rows]
 
 
 def sliding(*rows: tuple[float, float, float, float]) -> list[Scene]:
@@ -172,6 +172,56 @@ REGIMES: dict[str, tuple[str, list[Scene]]] = {
             ),
         ],
     ),
+    "coupled_equal": (
+        "full stick with elastic coupling, alpha = beta; in thin layers the contact would open",
+        sticking(
+            (0.3, 1e-12, 1e-12),
+            (0.0, 1e-9, 1e-9),
+            (-0.5, 1e-6, 1e-6),
+            (0.3, 1e-6, 1e-6),
+            (0.0, 1e-3, 1e-3),
+            (0.4999, 0.01, 0.01),
+            (0.1, 0.5, 0.5),
+            (0.3, 0.5, 0.5, 0.2),  # friction above the critical
+            (-0.5, 1.0, 1.0),
+            (0.45, 1e3, 1e3),
+            coupling=True,
+        ),
+    ),
+    "coupled_unequal": (
+        "full stick with elastic coupling, alpha and beta > 0 and unequal",
+        sticking(
+            (0.0, 1e-12, 1e3),
+            (-0.5, 1e3, 1e-12),
+            (0.3, 1e-12, 1e-9),
+            (0.1, 1e-9, 1e-3),
+            (0.4999, 1e-3, 1e-9),
+            (0.3, 1e-6, 1.0),
+            (0.0, 1.0, 1e-6),
+            (-0.5, 0.05, 1.0),
+            (0.3, 0.2, 0.5),
+            (0.45, 0.5, 0.1),
+            coupling=True,
+        ),
+    ),
+    "coupled_smooth": (
+        "full stick with elastic coupling, alpha = 0 or beta = 0 or both",
+        sticking(
+            (0.3, 0.0, 0.0),
+            (0.0, 0.0, 0.0),
+            (-0.5, 0.0, 0.0),
+            (0.4999, 0.0, 0.0),
+            (0.3, 0.0, 1e-12),
+            (-0.5, 0.0, 1e-6),
+            (0.0, 0.0, 0.5),
+            (0.45, 0.0, 1e3),
+            (0.3, 1e-12, 0.0),
+            (0.0, 1e-6, 0.0),
+            (0.1, 0.5, 0.0),
+            (-0.5, 1e3, 0.0),
+            coupling=True,
+        ),
+    ),
     "no_shear": (
         "friction 0, and an incompressible half-space: no traction",
         [Scene(0.3, 0.5, 0.5, 0.0), Scene(0.5, 1e-3, 0.5, 0.1)],
@@ -184,7 +234,8 @@ def named(scene: Scene) -> str:
     text = f"nu={scene.poisson_ratio:g} alpha={scene.normal_compliance:g}"
     if scene.friction is None:
         return text
-    return f"{text} beta={scene.tangential_compliance:g} f={scene.friction:.9g}"
+    text += f" beta={scene.tangential_compliance:g} f={scene.friction:.9g}"
+    return f"{text} coupled" if scene.coupling else text
 
 
 def depths(solution: Any) -> list[float]:
@@ -193,12 +244,21 @@ def depths(solution: Any) -> list[float]:
     for zone in solution.zones[:-1]:
         odds = zone.outer_from_edge / zone.outer
         found |= {float(odds * k / (1 + odds * k)) for k in (0.5, 0.9, 1.1, 2)}
+    if solution.scene.couples and mp.isnan(solution.pressure(from_edge=0.0)):
+        found.remove(0.0)  # where the fields have no limit
     return sorted(found, reverse=True)
 
 
 def double(value: float | None) -> Any:
     """Return an input: hexadecimal for exactness, decimal for reading."""
     return None if value is None else {"hex": value.hex(), "decimal": repr(value)}
+
+
+def inputs(scene: Scene) -> dict[str, Any]:
+    """Return what a scene is made of; coupling only where it is."""
+    names = "poisson_ratio", "normal_compliance", "tangential_compliance", "friction"
+    values = {name: double(getattr(scene, name)) for name in names}
+    return {**values, "coupling": True} if scene.coupling else values
 
 
 def solved(scene: Scene, digits: int) -> dict[str, Any]:
@@ -212,7 +272,7 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
 
     def text(value: Any) -> str | None:
         if value is None or mp.isinf(value):
-            return None if value is None else "inf"
+            return None if value is None else str(float(value))
         return mp.nstr(value, digits + 3, strip_zeros=False) if value else "0"
 
     at = depths(solution)
@@ -228,10 +288,10 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
     if not worst <= LARGEST_ERROR:
         raise ConvergenceError(f"the error is {worst:.1e}", "leave the scene out")
     sides = "inner", "outer", "inner_from_edge", "outer_from_edge"
-    parameters = "poisson_ratio", "normal_compliance", "tangential_compliance", "friction"
+    coupled = {"opening": text(solution.opening)} if scene.coupling else {}
     return {
         "name": named(scene),
-        "scene": {name: double(getattr(scene, name)) for name in parameters},
+        "scene": inputs(scene),
         "library": __version__,
         "digits": digits,
         "approach": text(solution.approach),
@@ -241,6 +301,7 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
             for zone in solution.zones
         ],
         "edge_ratio": text(solution.edge_ratio),
+        **coupled,
         "points": [
             {"from_edge": double(e), "pressure": text(p), "traction": text(q)}
             for e, p, q in zip(at, pressure, traction, strict=True)
@@ -284,7 +345,7 @@ class Table:
                 entry is not None
                 and entry["library"] == __version__
                 and entry["digits"] >= digits
-                and all(entry["scene"][k] == double(getattr(scene, k)) for k in entry["scene"])
+                and entry["scene"] == inputs(scene)
             )
 
         return [scene for scene in self.scenes if not there(scene)]

@@ -55,7 +55,8 @@ class GoldPoint:
     from_edge : float
         Its distance from the edge, exactly.
     pressure, traction : mpf
-        ``p*`` and ``q*``; infinite at the edge where the theory has it so.
+        ``p*`` and ``q*``; infinite at the edge where the theory has it so, of either sign with
+        elastic coupling.
     """
 
     from_edge: float
@@ -82,13 +83,16 @@ class GoldSolution:
     zones : tuple of Zone
         From the centre to the edge; empty without friction.
     edge_ratio : mpf or None
-        q/p at the edge where everything sticks, which may be infinite; None elsewhere.
+        q/p at the edge where everything sticks, which may be infinite; None elsewhere, and with
+        elastic coupling where it has no limit or no meaning.
+    opening : mpf or None
+        Largest distance from the edge at which elastic coupling makes the pressure change sign.
     points : tuple of GoldPoint
-        From the centre to the edge.
+        From the centre to the edge; without the edge where the fields have no limit there.
     error : ErrorEstimates
         Certified relative errors: `zones` that of every boundary, from the centre and from the
-        edge, `pressure` and `traction` that at every point. None where there is no value, and 0
-        of what is 0 by definition.
+        edge, `pressure` and `traction` that at every point, in the sense of `Solution.error`. None
+        where there is no value, and 0 of what is 0 by definition.
     """
 
     name: str
@@ -99,6 +103,7 @@ class GoldSolution:
     total_shear: Any
     zones: tuple[Zone, ...]
     edge_ratio: Any
+    opening: Any
     points: tuple[GoldPoint, ...]
     error: ErrorEstimates
 
@@ -140,7 +145,7 @@ def tables() -> tuple[GoldTable, ...]:
     >>> from spectral_contact import gold
     >>> table = gold.tables()[0]
     >>> print(table.name, table.solutions[0].scene.poisson_ratio, table.solutions[0].approach)
-    frictionless 0.3 0.125000000000000000000000000000
+    coupled_equal 0.3 0.121521252003744433613749651318
     """
     folder = resources.files("spectral_contact.gold") / "tables"
     files = sorted((f for f in folder.iterdir() if f.name.endswith(".json")), key=lambda f: f.name)
@@ -181,7 +186,8 @@ def _table(document: Any) -> GoldTable:
     solutions = []
     for i, entry in enumerate(_list("the table", document, "scenes")):
         where = f"scene {i + 1}"
-        _check_keys(where, entry, _ENTRY_KEYS)
+        coupled = isinstance(entry, dict) and "opening" in entry
+        _check_keys(where, entry, (*_ENTRY_KEYS, "opening") if coupled else _ENTRY_KEYS)
         digits = entry["digits"]
         if type(digits) is not int or not _FEWEST_DIGITS <= digits <= _MOST_DIGITS:
             allowed = f"a whole number in [{_FEWEST_DIGITS}, {_MOST_DIGITS}]"
@@ -205,9 +211,11 @@ class _Entry:
     def solution(self) -> GoldSolution:
         """Return the record."""
         body, where = self.body, self.where
-        error, ratio = self._error(), None
-        if body["edge_ratio"] is not None:
-            ratio = self._number(where, body, "edge_ratio")
+        error = self._error()
+        ratio, opening = (
+            None if body.get(name) is None else self._number(where, body, name)
+            for name in ("edge_ratio", "opening")
+        )
         return GoldSolution(
             _text(where, body, "name"),
             self._scene(),
@@ -217,19 +225,23 @@ class _Entry:
             self._number(where, body, "total_shear"),
             self._zones(),
             ratio,
+            opening,
             self._points(),
             error,
         )
 
     def _scene(self) -> Scene:
         where, body = f"{self.where}, scene", self.body["scene"]
-        _check_keys(where, body, _PARAMETERS)
+        coupled = "opening" in self.body
+        _check_keys(where, body, (*_PARAMETERS, "coupling") if coupled else _PARAMETERS)
         values: dict[str, Any] = {
             name: None
-            if value is None and name == "friction"
-            else _double(f"{where}, {name}", value)
-            for name, value in body.items()
+            if body[name] is None and name == "friction"
+            else _double(f"{where}, {name}", body[name])
+            for name in _PARAMETERS
         }
+        if coupled:
+            values["coupling"] = body["coupling"]
         try:
             return Scene(**values)
         except ValueError as error:
@@ -279,9 +291,9 @@ class _Entry:
     def _number(self, where: str, body: dict[str, Any], name: str) -> Any:
         """Return a number that has all its digits."""
         text = body[name]
-        if text == "inf":
+        if text in ("inf", "-inf"):
             if name in ("pressure", "traction", "edge_ratio"):
-                return self.mp.inf
+                return self.mp.mpf(text)
         elif isinstance(text, str) and (match := _DECIMAL.fullmatch(text)):
             value = self.mp.mpf(text)
             figures = "".join(part or "" for part in match.groups()).lstrip("0")

@@ -20,10 +20,11 @@ from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Disk", "FarField", "Mesh", "Series"]
+__all__ = ["MOST_SWEEPS", "Disk", "FarField", "Mesh", "Series"]
 
 _LN10 = log(10.0)
-_MOST_SWEEPS = 30
+#: Sweeps after which refinement has stalled.
+MOST_SWEEPS = 30
 
 
 @dataclass(frozen=True)
@@ -52,14 +53,18 @@ class Mesh:
         rate: float = 1.0,
         width: float = 2.0,
         power: float = 0.0,
+        lowest: int = 4,
     ) -> Mesh:
-        """Return the mesh of a solution that settles like ``exp(-rate x)`` past `layer`."""
+        """Return the mesh of a solution that settles like ``exp(-rate x)`` past `layer`.
+
+        No degree is below `lowest`.
+        """
         top = ceil((1.3 * digits + 8.0) * np.sqrt(width / 2.0))
         settle = (digits * _LN10 + 4.0) / rate
         panels = ceil((layer + settle) / width)
         x = width * np.arange(panels)
         missing = np.clip(1.0 - (x - layer - 4.0) / settle, 0.0, 1.0)
-        degrees = np.maximum(np.ceil(top * missing) + 2, 4).astype(int)
+        degrees = np.maximum(np.ceil(top * missing) + 2, lowest).astype(int)
         mesh = LogPanels(panels, width, int(degrees.max()), power)
         return cls(mesh, tuple(degrees.tolist()), digits)
 
@@ -180,19 +185,23 @@ class Disk:
         The nodes: ``x`` of those on the panels; distances of all from the rim, and 1 less them.
     weights : ndarray of int
         Those of ``dt``.
+    end : int
+        Distance at which the tail begins.
+    double : DiskOperators
+        The same in double precision.
     """
 
     def __init__(self, mesh: Mesh, fixed: Fixed) -> None:
         self.mesh, self.fixed = mesh, fixed
         self.panels = mesh.panels
         self._h = fixed.of(mesh.panels.width)
-        self._end = fixed.exp(-mesh.panels.panels * self._h)
+        self.end = fixed.exp(-mesh.panels.panels * self._h)
         self._place_nodes()
         self._blocks = [self._deeper(self._first_end), self._deeper(self._other_end)]
         self._far = self._deeper_far()
         self._tails = self._deeper_tail()
         self._masses = [self._panel_mass(decay) for decay in (1, 2)]
-        self._double = DiskOperators(mesh.panels)
+        self.double = DiskOperators(mesh.panels)
 
     # nodes
 
@@ -212,9 +221,9 @@ class Disk:
         dx = np.concatenate([first_dx, np.tile(f.times(w, h, v), p - 1)])
         d = f.exp(-self.x)
         rest = -f.map(f.mp.expm1, -self.x)
-        tail = f.times(self._end, v, v)
+        tail = f.times(self.end, v, v)
         weights = f.over(f.times(dx, d), 2 * f.sqrt(rest))
-        tail_weights = f.over(f.times(w, v, self._end), 2 * f.sqrt(f.one - tail))
+        tail_weights = f.over(f.times(w, v, self.end), 2 * f.sqrt(f.one - tail))
         self.d = np.concatenate([d, tail])
         self.rest = np.concatenate([rest, f.one - tail])
         self.weights = np.concatenate([weights, tail_weights])
@@ -259,7 +268,7 @@ class Disk:
 
     def _deeper_tail(self) -> Ints:
         """Return the half-integrals of the tail polynomials at all nodes."""
-        f, d, end = self.fixed, self.d, self._end
+        f, d, end = self.fixed, self.d, self.end
         if self.panels.power == 0.0:
             # d' = d - w^2 leaves a polynomial
             g, w = f.gauss(TAIL_TERMS + 1)
@@ -341,8 +350,8 @@ class Disk:
             out[j, :terms] = f.times(d, value) // 2
         g, w = f.gauss(TAIL_TERMS + 2)
         basis = f.legendre(g, TAIL_TERMS - 1)
-        d = f.times(self._end, f.one + g) // 2
-        weight = f.times(w, self._end) // 4
+        d = f.times(self.end, f.one + g) // 2
+        weight = f.times(w, self.end) // 4
         if tangential:
             weight = f.times(weight, f.one - d)
         out_tail[:] = f.dot(f.times(weight, f.dot(basis, tail)), basis)
@@ -367,7 +376,7 @@ class Disk:
         ConvergenceError
             If refinement stalls before the digits of the mesh are reached.
         """
-        f, double = self.fixed, self._double
+        f, double = self.fixed, self.double
         weights = f.over(self.weights, f.of(f.mp.pi))
         if tangential:
             weights = f.times(weights, self.rest)
@@ -376,11 +385,11 @@ class Disk:
         coefficients = np.zeros(self.panels.size, dtype=object)
         misfit, known = np.zeros(len(self.d), dtype=object) + target, 0
         goal = 10.0 ** -(self.mesh.digits + 2)
-        for _ in range(_MOST_SWEEPS):
+        for _ in range(MOST_SWEEPS):
             residual = self.moments(f.times(weights, misfit)) - known
             step = f.of(factored.dual(f.floats(residual)))
             coefficients = np.asarray(coefficients + step)
-            if self._share(step, coefficients) <= goal:
+            if self.share(step, coefficients) <= goal:
                 return coefficients
             misfit = target - self.half_integral(coefficients)
             if compliance:
@@ -389,7 +398,7 @@ class Disk:
             f"refinement stalls before {self.mesh.digits} digits", "ask for fewer digits"
         )
 
-    def _share(self, step: Ints, coefficients: Ints) -> float:
+    def share(self, step: Ints, coefficients: Ints) -> float:
         """Return the largest share of a step on any panel."""
         shares = [
             float(self.fixed.numbers(self.fixed.over(np.abs(a).max(), np.abs(b).max() + 1)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -10,6 +12,7 @@ import numpy as np
 from spectral_contact import checks
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields import Radius
+from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.precise.zones import Layout
@@ -30,7 +33,8 @@ _SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
 def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> ReferenceSolution:
     """Solve a scene to any number of digits.
 
-    Normal contact (3.5), full stick (4.2) and partial slip (5.8) on any zones.
+    Normal contact (3.5), full stick (4.2) and partial slip (5.8) on any zones; with elastic
+    coupling full stick.
 
     Parameters
     ----------
@@ -50,8 +54,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     SceneError
         For an argument out of its range.
     NotComputedError
-        With elastic coupling; if `solve` does not resolve the zones, or has slip everywhere as the
-        stick disk is so small.
+        With elastic coupling and slip; if `solve` does not resolve the zones, or has slip
+        everywhere as the stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution.
 
@@ -70,8 +74,6 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
-    if scene.couples:
-        raise NotComputedError("the reference", "it is without elastic coupling")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
@@ -79,20 +81,18 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     tell = ProgressLine(progress)
     tell("zones, in double precision", 0.0)
     layout = _layout(scene)
-    found = []
+    found: list[Run | CoupledRun] = []
     for k, (more, width) in enumerate((_SOLUTION, _CHECK)):
-        run = Run(scene, digits + more, width, layout)
+        tell(f"operators, mesh {k + 1} of 2", k / 2.0)
+        run = _run(scene, digits + more, width, layout)
         for step, share in (("pressure", 0.02), ("traction", 0.2)):
             tell(f"{step}, mesh {k + 1} of 2", (k + share) / 2.0)
             _ = run.approach if step == "pressure" else run.total_shear
         found.append(run)
     tell("comparison", 0.95)
-    error = _compare(*found)
-    run = found[0]
+    run, check = found
+    error, worst = _compare(run, check)
     run.fixed.mp.dps = digits + 3
-    worst = max(
-        v for v in (error.approach, error.pressure, error.traction, error.zones) if v is not None
-    )
     solution = ReferenceSolution(
         scene,
         digits,
@@ -101,6 +101,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
         run.radius[0] if scene.friction is not None else None,
         _zones(run),
         run.edge_ratio(),
+        run.opening,
         error,
         worst <= 10.0**-digits,
         run.unknowns,
@@ -119,10 +120,20 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     return solution
 
 
+def _run(scene: Scene, digits: int, width: float, layout: Layout | None) -> Run | CoupledRun:
+    """Return the solution on one mesh."""
+    if scene.couples:
+        return CoupledRun(scene, digits, width)
+    return Run(scene, digits, width, layout)
+
+
 def _layout(scene: Scene) -> Layout | None:
     """Return the zones, roughly; None if q = 0."""
     if not scene.friction or scene.kappa == 0.0:
         return None
+    if scene.couples:
+        _check_stuck(scene)
+        return Layout((0,), ())
     solution = solve(scene, 1e-9, ("zones", "traction"), strict=False)
     zones = solution.zones
     middles = [(z.inner_from_edge + z.outer_from_edge) / 2.0 for z in zones]
@@ -138,7 +149,21 @@ def _layout(scene: Scene) -> Layout | None:
     return Layout(tuple(states), radii)
 
 
-def _zones(run: Run) -> tuple[Zone, ...]:
+def _check_stuck(scene: Scene) -> None:
+    """Raise an error if a coupled scene slips."""
+    friction = scene.friction
+    assert friction is not None
+    if friction == inf:
+        return
+    stick = solve(replace(scene, friction=inf), 1e-9, ("critical_friction",))
+    needed = stick.critical_friction * (1.0 + (stick.error.critical_friction or 0.0))
+    if friction < needed:
+        raise NotComputedError(
+            "the reference", f"with coupling it is of full stick, which needs friction of {needed}"
+        )
+
+
+def _zones(run: Run | CoupledRun) -> tuple[Zone, ...]:
     """Return the zones as mpmath's numbers."""
     scene, mp = run.scene, run.fixed.mp
     if scene.friction is None:
@@ -153,15 +178,16 @@ def _zones(run: Run) -> tuple[Zone, ...]:
     )
 
 
-def _compare(run: Run, check: Run) -> ErrorEstimates:
-    """Return twice the relative differences, and no less than the check aims at."""
+def _compare(run: Run | CoupledRun, check: Run | CoupledRun) -> tuple[ErrorEstimates, float]:
+    """Return twice the relative differences, and no less than the check aims at, and the worst."""
     mp = run.fixed.mp
     floor = 10.0**-check.digits
 
-    def error(a: Any, b: Any) -> float:
-        """Return the largest relative difference."""
-        pairs = zip(np.atleast_1d(a), np.atleast_1d(b), strict=True)
-        ratios = [abs(v / mp.mpf(w) - 1) for v, w in pairs if v != w]
+    def error(a: Any, b: Any, sizes: Any = None) -> float:
+        """Return the largest difference, relative to `b` or to sizes of its own."""
+        a, b = np.atleast_1d(a), np.atleast_1d(b)
+        pairs = zip(a, b, b if sizes is None else sizes, strict=True)
+        ratios = [abs((v - mp.mpf(w)) / mp.mpf(size)) for v, w, size in pairs if v != w]
         return max(2.0 * float(max(ratios, default=0.0)), floor)
 
     depths = np.concatenate([np.linspace(0.02, 0.98, 25), np.exp(-np.linspace(1.0, run.depth, 60))])
@@ -171,10 +197,8 @@ def _compare(run: Run, check: Run) -> ErrorEstimates:
     stuck = [z for z in _zones(run) if z.kind == "stick"]
     inside = [1 - depths, *(z.inner + (z.outer - z.inner) * shares for z in stuck)]
     s, depths = np.concatenate(inside), np.concatenate([depths, *(1 - v for v in inside[1:])])
-    fields = [
-        error(getattr(run, name)(s, depths), getattr(check, name)(s, depths))
-        for name in ("pressures", "tractions")
-    ]
+    own, others = ((one.pressures(s, depths), one.tractions(s, depths)) for one in (run, check))
+    fields = list(map(error, own, others, _sizes(run, s, *others)))
     shear = traction = zones = radius = ratio = None
     if run.scene.friction is not None:
         shear, traction = error(run.total_shear, check.total_shear), fields[1]
@@ -182,7 +206,7 @@ def _compare(run: Run, check: Run) -> ErrorEstimates:
         zones = max([radius, *map(error, run.radii, check.radii)])
         if run.edge_ratio() is not None:
             ratio = error(run.edge_ratio(), check.edge_ratio())
-    return ErrorEstimates(
+    found = ErrorEstimates(
         approach=error(run.approach, check.approach),
         pressure=fields[0],
         traction=traction,
@@ -191,3 +215,17 @@ def _compare(run: Run, check: Run) -> ErrorEstimates:
         total_shear=shear,
         edge_ratio=ratio,
     )
+    asked = [found.approach, found.pressure, found.traction, found.zones]
+    if run.opening is not None:
+        asked.append(inf if check.opening is None else error(run.opening, check.opening))
+    return found, max(one for one in asked if one is not None)
+
+
+def _sizes(run: Run | CoupledRun, s: Any, p: Any, q: Any) -> tuple[Any, Any]:
+    """Return what errors of p and q are relative to: where one changes sign, the two together."""
+    if not run.scene.couples or min(p.min(), q.min()) > 0:
+        return p, q
+    hypot, kappa = run.fixed.mp.hypot, run.kappa
+    pairs = list(zip(p, q / s, strict=True))
+    both = np.array([[hypot(v, u), hypot(u, kappa * v)] for v, u in pairs], dtype=object)
+    return both[:, 0], both[:, 1] * s

@@ -37,6 +37,9 @@ class Run:
         The zones, roughly. None leaves the tangential problem out.
     """
 
+    #: without coupling the pressure is positive
+    opening = None
+
     def __init__(self, scene: Scene, digits: int, width: float, layout: Layout | None) -> None:
         self.scene, self.digits, self._width = scene, digits, width
         self.layout = layout

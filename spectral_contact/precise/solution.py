@@ -9,6 +9,7 @@ import numpy as np
 
 from spectral_contact import checks
 from spectral_contact.errors import SceneError
+from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
@@ -34,11 +35,14 @@ class ReferenceSolution:
     zones : tuple of Zone
         From the centre to the edge; empty without friction.
     edge_ratio : mpf or None
-        q/p at the edge where everything sticks, which may be infinite; None in partial slip.
+        q/p at the edge where everything sticks, which may be infinite; None in partial slip, and
+        with coupling where it has no limit or no meaning.
+    opening : mpf or None
+        Largest distance from the edge at which coupling makes the pressure change sign.
     error : ErrorEstimates
         Relative errors, from a second solution on another mesh.
     converged : bool
-        Whether all of them are below ``10**-digits``.
+        Whether all of them, and that of the opening, are below ``10**-digits``.
     unknowns : int
         Of the largest space.
     bits : int
@@ -54,12 +58,13 @@ class ReferenceSolution:
     stick_radius: Any
     zones: tuple[Zone, ...]
     edge_ratio: Any
+    opening: Any
     error: ErrorEstimates
     converged: bool
     unknowns: int
     bits: int
     seconds: float = field(compare=False)
-    _run: Run = field(repr=False, compare=False)
+    _run: Run | CoupledRun = field(repr=False, compare=False)
 
     def pressure(self, s: Any = None, *, from_edge: Any = None) -> Any:
         """Evaluate p* at radii `s`, or at distances `from_edge` from the edge.
@@ -72,7 +77,8 @@ class ReferenceSolution:
         Returns
         -------
         mpf or ndarray of mpf
-            Infinite at the edge of a surface that is smooth in normal contact.
+            Infinite at the edge of a surface that is smooth in normal contact, of either sign with
+            coupling; then of one that is smooth altogether, NaN.
 
         Raises
         ------

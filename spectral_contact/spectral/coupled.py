@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.abel import tail_values
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.cholesky import ScaledCholesky
-from spectral_contact.spectral.galerkin import Change, disk_operators
+from spectral_contact.spectral.galerkin import Change, DiskOperators, disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
@@ -68,7 +68,12 @@ def coupled_space(panels: LogPanels, power: float, degrees: tuple[int, ...]) -> 
     degrees : tuple of int
         Highest degree of both on each panel.
     """
-    return _SPACES.get((panels, power, degrees), lambda: CoupledSpace(panels, power, degrees))
+
+    def assembled() -> CoupledSpace:
+        other = replace(panels, power=power)
+        return CoupledSpace(disk_operators(panels), disk_operators(other), degrees)
+
+    return _SPACES.get((panels, power, degrees), assembled)
 
 
 def moments(panels: LogPanels) -> Array:
@@ -139,26 +144,29 @@ class CoupledSpace:
 
     Parameters
     ----------
-    panels, power, degrees
-        As in `coupled_space`.
+    normal, tangential : DiskOperators
+        Of both, on the same panels but for the endpoint weight.
+    degrees : tuple of int
+        Highest degree of both on each panel.
     """
 
-    def __init__(self, panels: LogPanels, power: float, degrees: tuple[int, ...]) -> None:
-        other = replace(panels, power=power)
-        self.normal = disk_operators(panels).normal.space(degrees)
-        self.tangential = disk_operators(other).tangential.space(degrees)
-        self.panels = panels, other
+    def __init__(
+        self, normal: DiskOperators, tangential: DiskOperators, degrees: tuple[int, ...]
+    ) -> None:
+        self.normal = normal.normal.space(degrees)
+        self.tangential = tangential.tangential.space(degrees)
+        self.panels = normal.panels, tangential.panels
         n, kept, but_one = self.normal.unknowns, self.normal.kept, self.normal.kept_but_one
         #: both, and of both the functions of the coarser spaces first
         ranges = [range(kept), range(kept, but_one), range(but_one, n)]
         self._order = np.concatenate([np.add.outer([0, n], one).ravel() for one in ranges])
         self.kept, self.kept_but_one = 2 * kept, 2 * but_one
-        coupling = inner_moments(panels, other)[np.ix_(self.normal.index, self.tangential.index)]
+        coupling = inner_moments(*self.panels)[np.ix_(self.normal.index, self.tangential.index)]
         self._matrix = np.zeros((2 * n, 2 * n))
         self._matrix[:n, :n] = self.normal.gram
         self._matrix[n:, n:] = self.tangential.gram
         self._coupling = coupling / 4.0
-        self._moments = moments(other)
+        self._moments = moments(tangential.panels)
 
     @property
     def unknowns(self) -> int:
@@ -225,8 +233,22 @@ class CoupledFactored:
     def solve(self) -> Pair:
         """Return pressure and traction of unit approach."""
         load = 2.0 * self.space.normal.constant_moments
-        right = np.concatenate([load, np.zeros_like(load)])
-        return self.space.pair(self._cholesky.solve(right[self.space._order]))
+        return self._solved([load, np.zeros_like(load)])
+
+    def respond(self, normal: Array, tangential: Array) -> Pair:
+        """Return what solves the system for any right-hand side.
+
+        Parameters
+        ----------
+        normal, tangential : ndarray, shape (size,)
+            Its values on the bases of the pressure and of the traction.
+        """
+        space = self.space
+        return self._solved([normal[space.normal.index], tangential[space.tangential.index]])
+
+    def _solved(self, right: list[Array]) -> Pair:
+        """Return the solution for right-hand sides in the orders of the two spaces."""
+        return self.space.pair(self._cholesky.solve(np.concatenate(right)[self.space._order]))
 
     def correction(self, pair: Pair) -> Pair:
         """Return by how much a solution is off, from its residual in the half-integral."""
@@ -242,7 +264,7 @@ class CoupledFactored:
             if compliance != 0.0:
                 residual -= compliance * (one.mass @ values[one.index])
             parts.append(residual)
-        return space.pair(self._cholesky.solve(np.concatenate(parts)[space._order]))
+        return self._solved(parts)
 
     def dual(self, functional: Array) -> Pair:
         """Return the dual solution of a linear functional of the traction.
@@ -252,9 +274,7 @@ class CoupledFactored:
         functional : ndarray, shape (size,)
             Its values on the basis.
         """
-        own = functional[self.space.tangential.index]
-        right = np.concatenate([np.zeros_like(own), own])
-        return self.space.pair(self._cholesky.solve(right[self.space._order]))
+        return self.respond(np.zeros_like(functional), functional)
 
     def change(self, pair: Pair, *, degrees: int = 2) -> tuple[Change, Change]:
         """Return what the top two degrees of every panel, or the top one, contribute.

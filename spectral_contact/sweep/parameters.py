@@ -139,7 +139,7 @@ def grid(base: Scene, axes: Mapping[str, Any]) -> Parameters:
     Raises
     ------
     SceneError
-        For values that are no list of numbers in the range of the parameter.
+        For values that are no list of numbers in the range of the parameter, or elastic coupling.
     """
     given = {
         name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None
@@ -153,7 +153,7 @@ def listed(scenes: Iterable[Scene]) -> Parameters:
     Raises
     ------
     SceneError
-        If it is empty, or something in it is no scene.
+        If it is empty, or something in it is no scene or has elastic coupling.
     """
     rows = []
     for number, scene in enumerate(scenes):
@@ -166,6 +166,8 @@ def listed(scenes: Iterable[Scene]) -> Parameters:
 
 
 def _row(scene: Scene) -> tuple[float, ...]:
+    if scene.coupling:
+        raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
     friction = math.nan if scene.friction is None else scene.friction
     return scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, friction
 

@@ -7,6 +7,7 @@ friction within 1e-6 of the critical, and a normal compliance far below a tangen
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "compliances",
+    "coupled_stick_scenes",
     "frictionless_scenes",
     "full_stick_scenes",
     "partial_slip_scenes",
@@ -71,6 +73,11 @@ def scenes(draw: DrawFn, friction: SearchStrategy[float | None]) -> Scene:
 def full_stick_scenes() -> SearchStrategy[Scene]:
     """Return scenes of infinite friction."""
     return scenes(st.just(math.inf))
+
+
+def coupled_stick_scenes() -> SearchStrategy[Scene]:
+    """Return scenes of infinite friction with elastic coupling."""
+    return full_stick_scenes().map(lambda scene: replace(scene, coupling=True))
 
 
 @st.composite

@@ -1,12 +1,13 @@
 """The bracket of the approach holds the truth, for good and for bad pressures."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from spectral_contact import NotComputedError, Scene, solve
-from spectral_contact.bounds import approach_bounds
+from spectral_contact import NotComputedError, Scene, gold, solve
+from spectral_contact.bounds import CoupledTraction, approach_bounds
 
 #: Digits of `precise.reference`.
 TRUE = {
@@ -39,6 +40,42 @@ def test_bad_pressures_widen_it_by_the_square_of_their_error(alpha):
         widths.append(upper / lower - 1.0)
     assert widths[0] >= 1e-7
     assert 1e3 <= widths[0] / widths[1] <= 1e5
+
+
+def coupled(alpha=0.5, beta=0.5):
+    return Scene(0.1, alpha, beta, math.inf, coupling=True)
+
+
+def test_with_coupling_the_bracket_holds_the_truth():
+    [true] = [s for t in gold.tables() for s in t.solutions if s.scene == coupled()]
+    lower, upper = solve(coupled(), 1e-3).approach_bounds
+    assert lower <= true.approach <= upper
+    assert upper - lower <= 1e-13 * upper
+
+
+def test_with_coupling_bad_fields_widen_it_by_the_square_of_their_error():
+    solution = solve(coupled(), 1e-2)
+    rng, true = np.random.default_rng(3), solve(coupled(), 1e-12).approach
+    for name in ("pressure", "traction"):
+        widths = []
+        for size in (1e-2, 1e-4):
+            fields = {"pressure": solution.pressure_field, "traction": solution.traction_field}
+            series = fields[name].series
+            noise = 1.0 + size * rng.uniform(-1.0, 1.0, series.coefficients.shape)
+            series = replace(series, coefficients=series.coefficients * noise)
+            fields[name] = replace(fields[name], series=series)
+            shear = CoupledTraction(0.5, solution.scene.kappa, fields["traction"])
+            lower, upper = approach_bounds(0.5, solution.approach, fields["pressure"], shear)
+            assert lower <= true <= upper
+            widths.append(upper / lower - 1.0)
+        assert widths[0] >= 1e-8
+        assert 1e3 <= widths[0] / widths[1] <= 1e5
+
+
+@pytest.mark.parametrize("scene", [coupled(alpha=0.0), coupled(beta=0.0)])
+def test_with_coupling_it_takes_both_compliances(scene):
+    with pytest.raises(NotComputedError, match="normal and tangential compliance"):
+        _ = solve(scene, 1e-4).approach_bounds
 
 
 def test_a_wrong_scale_does_not_matter():

@@ -7,6 +7,7 @@ import math
 
 import pytest
 from gold_errors import errors
+from mpmath.ctx_mp import MPContext
 
 from spectral_contact import gold, solve
 
@@ -36,11 +37,17 @@ def test_every_number_has_25_digits():
         assert solution.digits >= 25
 
 
+def oscillates(scene):
+    """Whether the fields have no limit at the edge."""
+    return scene.coupling and scene.normal_compliance == 0.0 == scene.tangential_compliance
+
+
 def test_points_reach_the_edge():
     for solution in SOLUTIONS:
         depths = {point.from_edge for point in solution.points}
-        assert len(depths) >= 21
-        assert depths >= {0.0, 1.0, *(float(f"1e-{k}") for k in range(1, 13))}
+        assert len(depths) >= 20
+        assert depths >= {1.0, *(float(f"1e-{k}") for k in range(1, 13))}
+        assert (0.0 in depths) is not oscillates(solution.scene)
 
 
 def test_all_regimes_are_there():
@@ -69,6 +76,59 @@ def test_all_regimes_are_there():
     assert kinds[("stick", "slip", "stick"), True] == {(False, False), (True, False)}
     assert kinds[("slip",), True]
     assert kinds[(), False]
+
+
+def test_all_regimes_of_coupling_are_there():
+    coupled = [solution for solution in SOLUTIONS if solution.scene.coupling]
+    assert len(coupled) >= 30
+    scenes = [solution.scene for solution in coupled]
+    pairs = {(s.normal_compliance, s.tangential_compliance) for s in scenes}
+    for values in zip(*pairs, strict=True):
+        assert set(values) >= {0.0, 1e-12, 1e-6, 0.5, 1.0, 1e3}
+    assert any(a == b > 0.0 for a, b in pairs)
+    assert any(0.0 < a < b for a, b in pairs)
+    assert any(a > b > 0.0 for a, b in pairs)
+    assert {s.poisson_ratio for s in scenes} >= {-0.5, 0.0, 0.3, 0.4999}
+    assert any(math.isfinite(s.friction) for s in scenes)
+    rough = [s for s in coupled if not oscillates(s.scene)]
+    assert {solution.opening is None for solution in rough} == {True, False}
+    assert all(point.pressure > 0 for s in rough if s.opening is None for point in s.points)
+
+
+def test_the_opening_is_where_the_solver_has_it():
+    for true in SOLUTIONS:
+        if true.opening is not None:
+            double = solve(true.scene, 1e-6)
+            assert abs(double.opening / true.opening - 1) <= 100.0 * double.error.pressure
+
+
+@pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3, 0.4999])
+def test_coupled_smooth_scenes_are_the_closed_forms(nu):
+    true = named(f"nu={nu:g} alpha=0 beta=0 f=inf coupled")
+    mp = MPContext()
+    mp.dps = 45
+    nu = mp.mpf(nu)
+    theta = mp.log(3 - 4 * nu) / (2 * mp.pi)
+    approach = (1 - 2 * nu) / (8 * (1 - nu) * mp.log(3 - 4 * nu))
+    beta = (mp.digamma(1 + 0.5j * theta) - mp.digamma(0.5 + 0.5j * theta)) / 2
+    assert abs(true.approach / approach - 1) <= LARGEST_ERROR
+    assert abs(true.total_shear / (mp.sinh(mp.pi * theta) * beta.real) - 1) <= LARGEST_ERROR
+    for point in true.points[3:18:10]:
+        s, y = 1 - mp.mpf(point.from_edge), point.from_edge * (2 - mp.mpf(point.from_edge))
+
+        def abel(x, s=s, y=y):  # inverse transforms of cos and sin over t, with v = tanh x
+            t = mp.sqrt(s * s + y * mp.tanh(x) ** 2)
+            angle = theta * mp.log((1 + t) ** 2 / (y * mp.sech(x) ** 2))
+            sine, cosine = mp.sin(angle), mp.cos(angle)
+            both = cosine + 2 * theta / t * sine + 1j * s / t**2 * (sine / t - 2 * theta * cosine)
+            return both * mp.sech(x) ** 2
+
+        size = mp.sinh(mp.pi * theta) / (2 * mp.pi**2 * theta) / mp.sqrt(y)
+        both = size * mp.quad(abel, [0, 2, 4, 8, 16, 40])
+        assert abs(point.pressure - both.real) <= LARGEST_ERROR * abs(both)
+        assert abs(point.traction - both.imag) <= LARGEST_ERROR * max(
+            abs(both.imag), theta * abs(both)
+        )
 
 
 def test_smooth_scenes_are_the_closed_forms():

@@ -70,6 +70,11 @@ def test_integral_quantities_at_the_limit_of_rtol(case):
 def test_finite_everywhere(case):
     solution = solved(case)
     distances = np.concatenate([10.0 ** -np.linspace(0.0, 250.0, 500), [0.0]])
+    if (
+        case.scene.couples
+        and case.scene.normal_compliance == 0.0 == case.scene.tangential_compliance
+    ):
+        distances = distances[:-1]  # the fields oscillate without a limit
     with np.errstate(all="raise"):
         for field in (solution.pressure, solution.traction, solution.slip):
             assert np.isfinite(field(s=distances[1:])).all()

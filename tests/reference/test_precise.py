@@ -12,8 +12,13 @@ import pytest
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact import NotComputedError, Scene, SceneError, solve
-from spectral_contact.closed_forms import partial_slip_traction
+from spectral_contact.closed_forms import (
+    coupled_pressure,
+    coupled_traction,
+    partial_slip_traction,
+)
 from spectral_contact.precise import reference
+from spectral_contact.precise.coupled_run import CoupledRun
 
 DIGITS = 16
 NU = 0.3
@@ -27,6 +32,7 @@ SCENES = {
     "slip inside": Scene(NU, 0.05, 1.0, 0.23 / 7),
     "slip inside, no normal compliance": Scene(0.2, 0.0, 0.5, 0.05),
     "frictionless": Scene(0.2, 1e-6),
+    "coupled": Scene(0.1, 0.2, 0.5, math.inf, coupling=True),
 }
 every_scene = pytest.mark.parametrize("name", SCENES)
 
@@ -123,7 +129,9 @@ def test_values_and_slope_of_the_approach():
     assert abs(left / (precise.approach + alpha * slope) - 1) <= 1e-9
 
 
-@pytest.mark.parametrize(("name", "zone"), [("rough", 0), ("full stick", 0), ("slip inside", 2)])
+@pytest.mark.parametrize(
+    ("name", "zone"), [("rough", 0), ("full stick", 0), ("slip inside", 2), ("coupled", 0)]
+)
 def test_elliptic_equations_hold(name, zone):
     precise, scene, mp = solved(name), SCENES[name], context(30)
     bounds = [z.outer for z in precise.zones]
@@ -152,9 +160,11 @@ def test_elliptic_equations_hold(name, zone):
     inward = [mp.sqrt(s - b) for b in [*bounds[:zone][::-1], 0]]
     both = mp.quad(lambda v: near(v, -1), [0, *inward]) + mp.quad(far, breaks)
     both += mp.quad(lambda v: near(v, 1), [0, mp.sqrt(middle - s)])
-    sink = scene.normal_compliance * precise.pressure(s) + both.real / mp.pi
-    assert abs(sink / precise.approach - 1) <= 10.0 ** -(DIGITS + 1)
     kappa = (1 - 2 * mp.mpf(scene.poisson_ratio)) / (4 * (1 - mp.mpf(scene.poisson_ratio)))
+    sink = scene.normal_compliance * precise.pressure(s) + both.real / mp.pi
+    if scene.couples:
+        sink -= kappa * mp.quad(precise.traction, [s, *breaks])
+    assert abs(sink / precise.approach - 1) <= 10.0 ** -(DIGITS + 1)
     inside = mp.quad(lambda eta: precise.pressure(eta) * eta, [0, *bounds[:zone], s]) / s
     outward = scene.tangential_compliance * precise.traction(s) + both.imag / mp.pi
     assert abs(outward / (kappa * inside) - 1) <= 10.0 ** -(DIGITS + 1)
@@ -224,6 +234,61 @@ def test_bad_radii_are_refused(bad):
 def test_bad_digits_are_refused(bad):
     with pytest.raises(SceneError, match="digits"):
         reference(Scene(0.3), bad)
+
+
+def test_the_coupled_smooth_punch_is_the_closed_form():
+    nu = -0.9
+    run, mp = CoupledRun(Scene(nu, friction=math.inf, coupling=True), 12, 2.0), context()
+    theta = mp.log(3 - 4 * mp.mpf(nu)) / (2 * mp.pi)
+    approach = (1 - 2 * mp.mpf(nu)) / (16 * (1 - mp.mpf(nu)) * mp.pi * theta)
+    # the error of an energy is the square of that of the fields
+    assert abs(run.approach / approach - 1) <= 1e-22
+    beta = (mp.digamma(1 + 0.5j * theta) - mp.digamma(0.5 + 0.5j * theta)) / 2
+    assert abs(run.total_shear / (mp.sinh(mp.pi * theta) * beta.real) - 1) <= 1e-22
+    # from the centre to where only the oscillation is left
+    depths = np.concatenate([np.linspace(0.01, 0.9, 9), 10.0 ** -np.arange(2.0, 300.0, 7.0)])
+    exact = np.array([mp.mpf(d) for d in depths])
+    p, q = run.pressures(1 - exact, exact), run.tractions(1 - exact, exact)
+    true = coupled_pressure(nu, from_edge=depths), coupled_traction(nu, from_edge=depths)
+    for field, expected in zip((p, q), true, strict=True):
+        assert np.max(np.abs(field.astype(float) - expected) / np.hypot(*true)) <= 3e-13
+    opening = run.opening
+    assert abs(coupled_pressure(nu, from_edge=float(opening))) <= 1e-12 * abs(
+        coupled_traction(nu, from_edge=float(opening))
+    )
+    assert run.edge_ratio() is None
+    edge = np.array([mp.one]), np.array([mp.zero])
+    assert mp.isnan(run.pressures(*edge)[0])
+
+
+def test_the_opening_of_a_thin_layer():
+    scene = Scene(0.0, 1e-6, 1e-6, math.inf, coupling=True)
+    run, double = CoupledRun(scene, 8, 2.0), solve(scene, 1e-12)
+    assert abs(run.opening / double.opening - 1) <= 1e-9
+    at = np.array([run.opening])
+    assert abs(run.pressures(1 - at, at)[0]) <= 1e-12
+    assert run.edge_ratio() is None
+
+
+def test_the_other_edges_with_coupling():
+    smooth = CoupledRun(Scene(0.3, 0.0, 0.5, math.inf, coupling=True), 4, 2.0)
+    mp = smooth.fixed.mp
+    edge = np.array([mp.one]), np.array([mp.zero])
+    assert smooth.edge_ratio() == 0
+    assert smooth.opening is None
+    assert smooth.pressures(*edge)[0] == mp.inf
+    assert mp.isfinite(smooth.tractions(*edge)[0])
+    thin = CoupledRun(Scene(-0.9, 0.0, 1e-3, math.inf, coupling=True), 4, 2.0)
+    assert thin.opening is not None
+    assert thin.pressures(*edge)[0] == solve(thin.scene).pressure(1.0) == -mp.inf
+    rough = CoupledRun(Scene(0.3, 0.5, 0.0, math.inf, coupling=True), 4, 2.0)
+    assert rough.edge_ratio() == rough.tractions(*edge)[0] == mp.inf
+    assert mp.isfinite(rough.pressures(*edge)[0])
+
+
+def test_coupled_slip_is_refused():
+    with pytest.raises(NotComputedError, match=r"needs friction of 0\.1015505"):
+        reference(Scene(NU, 0.5, 0.5, 0.1015, coupling=True), 15)
 
 
 def test_bad_scenes_are_refused():

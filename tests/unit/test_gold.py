@@ -11,6 +11,7 @@ import pytest
 from spectral_contact import Scene, SolutionFileError, gold
 
 FOLDER = resources.files("spectral_contact.gold") / "tables"
+SCENE = ("scenes", 0)
 PARAMETERS = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
 
 
@@ -91,6 +92,33 @@ def test_stick_radius_by_zones():
     assert found["nu=0.3 alpha=0.5 beta=0.5 f=0"].stick_radius == 0
 
 
+def test_a_coupled_record_has_its_opening():
+    body = document("coupled_equal")["scenes"]
+    found = {s.name: s for table in gold.tables() for s in table.solutions}
+    assert {entry["opening"] is None for entry in body} == {True, False}
+    for entry in body:
+        solution = found[entry["name"]]
+        assert solution.scene.coupling is True
+        assert (solution.opening is None) is (entry["opening"] is None)
+        assert solution.opening is None or str(solution.opening) in entry["opening"]
+    assert {s.opening for s in found.values() if not s.scene.coupling} == {None}
+
+
+@pytest.mark.parametrize(
+    ("place", "to", "message"),
+    [
+        (("opening",), "0.125000000000", "has 12 digits of 27: rounded"),
+        (("opening",), None, "unknown 'coupling'"),
+        (("scene", "coupling"), None, "missing coupling"),
+        (("scene", "coupling"), "yes", "coupling = 'yes'"),
+    ],
+)
+def test_altered_coupled_tables_are_refused(place, to, message, tmp_path):
+    table = document("coupled_equal")
+    table["scenes"] = table["scenes"][:1]
+    assert message in refusal(written(tmp_path, altered(table, *SCENE, *place, to=to)))
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -107,9 +135,6 @@ def test_stick_radius_by_zones():
 )
 def test_other_files_are_refused(content, message, tmp_path):
     assert re.search(message, refusal(written(tmp_path, content)))
-
-
-SCENE = ("scenes", 0)
 
 
 @pytest.mark.parametrize(

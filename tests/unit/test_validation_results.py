@@ -33,12 +33,13 @@ def record(study):
         ("bounds", "count", 30),
         ("costs", "count", 198),
         ("coupling", "count", 450),
-        ("hard_cases", "count", 14),
+        ("hard_cases", "count", 19),
         ("honesty", "scenes", 10_000),
+        ("honesty_coupled", "scenes", 1_000),
         ("naive", "count", 60),
         ("projections", "count", 300),
         ("roughness_fit", "count", 40),
-        ("sharpness", "scenes", 81),
+        ("sharpness", "scenes", 113),
     ],
 )
 def test_results_are_fresh_and_of_full_size(study, counted, least):
@@ -52,11 +53,13 @@ def test_results_are_fresh_and_of_full_size(study, counted, least):
 
 def test_some_truths_of_the_honesty_study_have_twenty_digits():
     assert record("honesty")["by_reference"] >= 190
+    assert record("honesty_coupled")["by_reference"] >= 20
 
 
 # groups are parts of all cases, quantities are seen in the same scenes
 @pytest.mark.parametrize(
-    ("study", "counted", "total"), [("bad_inputs", "cases", sum), ("honesty", "scenes", max)]
+    ("study", "counted", "total"),
+    [("bad_inputs", "cases", sum), ("honesty", "scenes", max), ("honesty_coupled", "scenes", max)],
 )
 def test_results_are_without_violations(study, counted, total):
     found = record(study)

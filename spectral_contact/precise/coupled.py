@@ -1,0 +1,160 @@
+"""Normal and tangential contact of a disk as one system in fixed point: elastic coupling.
+
+The two tractions act on each other by products of moments, without a kernel. A factorisation of
+the whole system in double precision refines, as in `disk`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.errors import ConvergenceError
+from spectral_contact.precise.disk import MOST_SWEEPS, Disk
+from spectral_contact.precise.fixed import Ints
+from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.coupled import CoupledSpace
+
+__all__ = ["CoupledDisk"]
+
+
+class CoupledDisk:
+    """What a pressure and a traction do to each other, and their common solution.
+
+    Parameters
+    ----------
+    normal, tangential : Disk
+        Of p, and of u where ``q = s u``: the same mesh but for the endpoint weight.
+    """
+
+    def __init__(self, normal: Disk, tangential: Disk) -> None:
+        self.normal, self.tangential, self.fixed = normal, tangential, normal.fixed
+        self._own, self._tail = _own(normal, tangential), _tail(normal, tangential)
+        self._first = [_moments(disk) for disk in (normal, tangential)]
+        _, weights, psi = _tail_rule(tangential, np.array([tangential.end], dtype=object))
+        self._tail_moments = self.fixed.dot(weights[0], psi[0])
+        f, steps = self.fixed, np.arange(normal.panels.panels, dtype=object)
+        leads = [f.of(1.0 + disk.panels.power) for disk in (normal, tangential)]
+        h = f.of(normal.panels.width)
+        #: moments of equal functions fall from panel to panel
+        self._falls = [f.exp(-f.times(lead, h) * steps) for lead in leads]
+
+    def solve(self, alpha: Any, beta: Any, kappa: Any) -> tuple[Ints, Ints]:
+        """Return the coefficients of p and u for unit approach.
+
+        Parameters
+        ----------
+        alpha, beta, kappa : int
+            In fixed point.
+
+        Raises
+        ------
+        ConvergenceError
+            If refinement stalls before the digits of the mesh are reached.
+        """
+        f, mesh, disks = self.fixed, self.normal.mesh, (self.normal, self.tangential)
+        space = CoupledSpace(self.normal.double, self.tangential.double, mesh.degrees)
+        factored = space.factor(*(float(f.numbers(v)) for v in (alpha, beta, kappa)))
+        weights = f.over(self.normal.weights, f.of(f.mp.pi))
+        measures = weights, f.times(weights, self.normal.rest)
+        wanted = 2 * f.one, 0
+        found = [np.zeros(disk.panels.size, dtype=object) for disk in disks]
+        for _ in range(MOST_SWEEPS):
+            lifts = self._on_normal(found[1]), self._on_tangential(found[0])
+            residuals = []
+            for k, compliance in enumerate((alpha, beta)):
+                misfit = wanted[k] - disks[k].half_integral(found[k])
+                residual = disks[k].moments(f.times(measures[k], misfit))
+                residual += f.times(kappa, lifts[k])
+                if compliance:
+                    residual -= f.times(compliance, disks[k].mass(found[k], bool(k)))
+                residuals.append(f.floats(residual))
+            pair = factored.respond(*residuals)
+            steps = f.of(pair.normal), f.of(pair.tangential)
+            found = [one + step for one, step in zip(found, steps, strict=True)]
+            shares = [disk.share(*pair) for disk, *pair in zip(disks, steps, found, strict=True)]
+            if max(shares) <= 10.0 ** -(mesh.digits + 2):
+                return found[0], found[1]
+        raise ConvergenceError(
+            f"refinement stalls before {mesh.digits} digits", "ask for fewer digits"
+        )
+
+    def _on_normal(self, u: Ints) -> Ints:
+        """Return the products of ``int_s^1 s u deta`` with all functions of the pressure."""
+        f, (table, tail) = self.fixed, self.normal.split(u)
+        result = np.zeros(len(u), dtype=object)
+        out, out_tail = self.normal.split(result)
+        out_tail[:] = f.dot(self._tail, tail)
+        deeper = f.dot(self._tail_moments, tail)
+        for j in reversed(range(len(table))):
+            mine, theirs = (fall[j] for fall in self._falls)
+            out[j] = f.times(mine, theirs, f.dot(self._own, table[j]))
+            out[j] += f.times(mine, deeper, self._first[0])
+            deeper += f.times(theirs, f.dot(self._first[1], table[j]))
+        return result // 4
+
+    def _on_tangential(self, p: Ints) -> Ints:
+        """Return the products of ``g[p]`` with all functions of the traction."""
+        f, (table, tail) = self.fixed, self.normal.split(p)
+        result, shallower = np.zeros(len(p), dtype=object), 0
+        out, out_tail = self.normal.split(result)
+        for j, row in enumerate(table):
+            theirs, mine = (fall[j] for fall in self._falls)
+            out[j] = f.times(mine, theirs, f.dot(self._own.T, row))
+            out[j] += f.times(mine, shallower, self._first[1])
+            shallower += f.times(theirs, f.dot(self._first[0], row))
+        out_tail[:] = f.dot(self._tail.T, tail) + f.times(shallower, self._tail_moments)
+        return result // 4
+
+
+def _panel_rule(disk: Disk) -> tuple[Ints, Ints, Ints]:
+    """Return ``x`` and weights of ``d**power dd`` on the first panel, and the polynomials there."""
+    f, h = disk.fixed, disk.fixed.of(disk.panels.width)
+    g, w = f.gauss(disk.rule_points)
+    x = f.times(h, f.one + g) // 2
+    lead = f.of(1.0 + disk.panels.power)
+    weights = f.times(w, h, f.exp(-f.times(lead, x))) // 2
+    return x, weights, f.legendre(g, disk.panels.degree)
+
+
+def _moments(disk: Disk) -> Ints:
+    """Return ``int psi dd`` of the functions on the first panel."""
+    _, weights, basis = _panel_rule(disk)
+    return np.asarray(disk.fixed.dot(weights, basis))
+
+
+def _own(normal: Disk, tangential: Disk) -> Ints:
+    """Return ``int phi(d) int_0^d psi(d') dd' dd`` on the first panel."""
+    f, h = normal.fixed, normal.fixed.of(normal.panels.width)
+    x, weights, basis = _panel_rule(normal)
+    g, w = f.gauss(tangential.rule_points)
+    lead = f.of(1.0 + tangential.panels.power)
+    within = []
+    for start in x:
+        deeper = start + f.times(h - start, f.one + g) // 2
+        values = f.times(w, h - start, f.exp(-f.times(lead, deeper))) // 2
+        local = 2 * f.over(deeper, h) - f.one
+        within.append(f.dot(values, f.legendre(local, tangential.panels.degree)))
+    return np.asarray(f.dot(f.times(basis, weights[:, None]).T, np.array(within)))
+
+
+def _tail_rule(disk: Disk, upper: Ints) -> tuple[Ints, Ints, Ints]:
+    """Return points d, weights of ``int_0^upper . d**power dd``, and the tail polynomials there."""
+    f = disk.fixed
+    g, w = f.gauss(2 * TAIL_TERMS + 2)
+    v = (f.one + g) // 2
+    d = f.times(upper[:, None], v, v)
+    # d = upper v^2: the root goes with the endpoint weight
+    power = disk.panels.power
+    weights = f.times(w, f.sqrt(upper)[:, None]) if power else f.times(w, v, upper[:, None])
+    return d, weights, f.legendre(2 * f.over(d, disk.end) - f.one, TAIL_TERMS - 1)
+
+
+def _tail(normal: Disk, tangential: Disk) -> Ints:
+    """Return ``int phi(d) int_0^d psi(d') dd' dd`` on the tail."""
+    f = normal.fixed
+    d, weights, phi = _tail_rule(normal, np.array([normal.end], dtype=object))
+    _, inner, psi = _tail_rule(tangential, d[0])
+    within = np.array([f.dot(v, m) for v, m in zip(inner, psi, strict=True)])
+    return np.asarray(f.dot(f.times(phi[0], weights[0][:, None]).T, within))

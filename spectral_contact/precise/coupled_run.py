@@ -1,0 +1,182 @@
+"""One solution of full stick with elastic coupling on one mesh; `reference` compares two."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from math import ceil, log
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.precise.coupled import CoupledDisk
+from spectral_contact.precise.disk import Disk, Mesh
+from spectral_contact.precise.fixed import Fixed
+from spectral_contact.precise.zones import Layout
+from spectral_contact.scene import Scene
+
+__all__ = ["CoupledRun"]
+
+_LN10 = log(10.0)
+#: Distances below this are no place that `Solution` can be asked about.
+_CLOSEST = 1e-300
+
+
+class CoupledRun:
+    """A scene solved on meshes of one panel width; see `run.Run`.
+
+    Parameters
+    ----------
+    scene : Scene
+        With coupling, and friction enough for full stick.
+    digits : int
+        Relative accuracy aimed at.
+    width : float
+        Panel width in ``-ln d``.
+    """
+
+    layout = Layout((0,), ())
+
+    def __init__(self, scene: Scene, digits: int, width: float) -> None:
+        self.scene, self.digits = scene, digits
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        layers = [max(-log(c), 0.0) for c in compliances if c]
+        self._smooth = not layers
+        # under one compliance alone there are roots at the edge; on a smooth surface the end of
+        # the mesh is felt like exp(-x), and the fields oscillate all the way
+        rate = 1.0 if len(layers) == 2 else 0.5
+        powers = [0.0 if c else -0.5 for c in compliances]
+        meshes = [
+            Mesh.graded(
+                digits,
+                max(layers, default=0.0),
+                rate=rate,
+                width=width,
+                power=power,
+                lowest=ceil(0.4 * digits) + 6 if self._smooth else 4,
+            )
+            for power in powers
+        ]
+        self.depth = meshes[0].depth
+        self.unknowns = 2 * (sum(meshes[0].degrees) + len(meshes[0].degrees))
+        # a diagonal entry of the last panel is as small as exp(-x) (compliance + exp(-x))
+        scales = digits + sum(abs(log(c)) for c in compliances if c) / _LN10
+        scales += (self.depth + min(self.depth, max(layers, default=0.0))) / _LN10
+        self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
+        disks = [Disk(meshes[0], self.fixed)]
+        disks.append(disks[0] if powers[0] == powers[1] else Disk(meshes[1], self.fixed))
+        self._solve(*disks)
+
+    def _solve(self, normal: Disk, tangential: Disk) -> None:
+        f, scene = self.fixed, self.scene
+        alpha, beta = f.of([scene.normal_compliance, scene.tangential_compliance])
+        pair = CoupledDisk(normal, tangential).solve(alpha, beta, f.of(self.kappa))
+        # the load is 2 pi int p s ds = 4 int F dt
+        approach = f.over(f.one, 4 * f.dot(normal.weights, normal.half_integral(pair[0])))
+        p, u = (f.times(one, approach) for one in pair)
+        self.approach = f.numbers(approach)
+        self.total_shear = f.numbers(tangential.shear(u))
+        #: p and q/s, without their endpoint weights
+        self._series = normal.series(p), tangential.series(u)
+
+    def release(self) -> None:
+        """Let go of the operators; none are kept."""
+
+    @property
+    def kappa(self) -> Any:
+        """The coupling constant of exactly the given Poisson's ratio."""
+        nu = self.fixed.mp.mpf(self.scene.poisson_ratio)
+        return (1 - 2 * nu) / (4 * (1 - nu))
+
+    @property
+    def radii(self) -> tuple[tuple[Any, Any], ...]:
+        """The boundaries between zones: there are none."""
+        return ()
+
+    @property
+    def radius(self) -> tuple[Any, Any]:
+        """``c*`` and ``1 - c*``."""
+        return self.fixed.mp.one, self.fixed.mp.zero
+
+    # the fields
+
+    def pressures(self, s: Any, from_edge: Any) -> Any:
+        """Return p at mpmath's radii whose distances to the edge are given, too."""
+        return self._field(0, s, from_edge)
+
+    def tractions(self, s: Any, from_edge: Any) -> Any:
+        """Return q at mpmath's radii whose distances to the edge are given, too."""
+        return self._field(1, s, from_edge) * s
+
+    def _field(self, k: int, s: Any, from_edge: Any) -> Any:
+        """Return p or q/s."""
+        f, mp, y = self.fixed, self.fixed.mp, from_edge * (1 + s)
+        if self.scene.normal_compliance if k == 0 else self.scene.tangential_compliance:
+            return f.numbers(self._series[k].at(f.of(y)))
+        edge = mp.nan if self._smooth else mp.sign(f.numbers(self._series[k].limit)) * mp.inf
+        values = np.array([edge] * len(y), dtype=object)
+        deep = np.array([self._smooth and 0 < v < mp.exp(-self._leading) for v in y], dtype=bool)
+        values[deep] = [self._oscillating(-mp.log(v))[k] for v in y[deep]]
+        rest = np.array([v > 0 for v in y], dtype=bool) & ~deep
+        values[rest] = f.numbers(self._series[k].at(f.of(y[rest])))
+        return np.array([v / mp.sqrt(d) if d else v for v, d in zip(values, y, strict=True)])
+
+    @property
+    def _leading(self) -> float:
+        """``-ln y`` past which the fields of a smooth surface are their oscillation."""
+        return self.depth / 2.0
+
+    @cached_property
+    def _phase(self) -> tuple[Any, Any]:
+        """Amplitude and phase at `_leading` of ``sqrt(y) (p + i q)``."""
+        f, mp = self.fixed, self.fixed.mp
+        at = f.of([mp.exp(-mp.mpf(self._leading))])
+        p, u = (f.numbers(one.at(at))[0] for one in self._series)
+        return mp.hypot(p, u), mp.atan2(u, p)
+
+    @property
+    def _theta(self) -> Any:
+        """``ln(3 - 4 nu)/(2 pi)``."""
+        return self.fixed.mp.atanh(2 * self.kappa) / self.fixed.mp.pi
+
+    def _oscillating(self, x: Any) -> tuple[Any, Any]:
+        """Return p and q, times ``sqrt(y)``, near the edge of a smooth surface."""
+        mp, (size, phase) = self.fixed.mp, self._phase
+        angle = phase + self._theta * (x - self._leading)
+        return size * mp.cos(angle), size * mp.sin(angle)
+
+    # the edge
+
+    @cached_property
+    def opening(self) -> Any:
+        """The largest distance from the edge at which p changes sign; None if it does not."""
+        f, mp, series = self.fixed, self.fixed.mp, self._series[0]
+        last = self._leading if self._smooth else self.depth
+        x = np.linspace(1e-3, last, ceil(4.0 * last))
+        signs = np.sign(f.floats(series.at(f.exp(-f.of(x)), f.of(x))))
+        negative = np.flatnonzero(signs <= 0.0)
+        if len(negative):
+            ends = x[negative[0] - 1], x[negative[0]]
+            root = mp.findroot(
+                lambda v: f.numbers(series.at(f.of([mp.exp(-v)])))[0],
+                [mp.mpf(float(end)) for end in ends],
+                solver="anderson",
+                maxsteps=100,
+                verify=False,  # the comparison of two meshes is more
+            )
+        elif self._smooth:
+            root = self._leading + (mp.pi / 2 - self._phase[1]) / self._theta
+        else:
+            return None
+        y = mp.exp(-root)
+        distance = y / (1 + mp.sqrt(1 - y))
+        return distance if distance > _CLOSEST else None
+
+    def edge_ratio(self) -> Any:
+        """Return q/p at the edge; None where it has no limit or no meaning."""
+        mp, scene = self.fixed.mp, self.scene
+        if self._smooth or self.opening is not None:
+            return None
+        if scene.normal_compliance == 0.0:
+            return mp.zero
+        p, u = (self.fixed.numbers(one.limit) for one in self._series)
+        return u / p if scene.tangential_compliance else mp.sign(u) * mp.inf
