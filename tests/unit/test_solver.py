@@ -325,6 +325,23 @@ def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch,
     assert (len(solution.work.steps) == 5) == (doubtful == 0.1)
 
 
+@pytest.mark.parametrize(
+    ("scene", "rtol"),
+    [
+        ((0.0475974282837913, 0.1375803269285279, 98.6131170692268, 0.000722673179489022), 1.7e-4),
+        (
+            (-0.6587428280233877, 0.009514174628818043, 0.2150930765688963, 0.1174487088765493),
+            4.7e-6,
+        ),
+    ],
+)
+def test_the_radius_is_honest_where_the_panels_of_the_pressure_cancel(scene, rtol):
+    """Both changes of the pressure move the rim by less than what is left does."""
+    loose, tight = solve(Scene(*scene), rtol), solve(Scene(*scene), 1e-12)
+    assert loose.converged
+    assert abs(loose.stick_radius / tight.stick_radius - 1.0) <= loose.error.stick_radius
+
+
 def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
     """One disk passed: any sense of slip is within an infinite error. The edge sticks, too."""
     alpha, beta = 3.553961268226942e-11, 4.3999760498522776e-11

@@ -48,7 +48,8 @@ def test_a_grid_has_the_numbers_of_solve_and_their_estimates():
             for name in SCALARS:
                 assert here[name] == pytest.approx(getattr(solution, name), rel=1e-13)
                 error = getattr(solution.error, name)
-                assert here[f"{name}_error"] == pytest.approx(error, rel=1e-6, abs=1e-15)
+                # what rounding has in an estimate is not the same from another start
+                assert here[f"{name}_error"] == pytest.approx(error, rel=1e-6, abs=1e-14)
 
 
 def test_coordinates_have_names_units_and_meanings():
