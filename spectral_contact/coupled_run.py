@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from spectral_contact.contact.coupled_stick import CoupledStick, solve_coupled_stick
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.errors import NotComputedError
-from spectral_contact.fields import CENTRE, EDGE, Radius
+from spectral_contact.fields import Radius
 from spectral_contact.planning import plan
 from spectral_contact.run import Run
 from spectral_contact.solution import (
@@ -19,9 +19,9 @@ from spectral_contact.solution import (
     PARTIAL_SLIP,
     SLIP_FIELD,
     ZONE_SEARCH,
+    Ending,
     PlannedStep,
     StepState,
-    Zone,
 )
 
 if TYPE_CHECKING:
@@ -122,10 +122,11 @@ class CoupledRun(Run):
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
 
     def _slipping(self, friction: float, critical: float) -> None:
-        """Take over the integrals and the zones of partial slip; its fields are not offered."""
+        """Take over partial slip."""
         from spectral_contact.contact.coupled_slip import NoCoupledDiskError, solve_coupled_slip
+        from spectral_contact.contact.stick_radius import NoStickDiskError
 
-        scene, begin = self.scene, perf_counter()
+        scene = self.scene
         try:
             solved = solve_coupled_slip(
                 scene.normal_compliance,
@@ -134,49 +135,50 @@ class CoupledRun(Run):
                 friction,
                 self._guess(),
                 self.rtol,
+                self.max_unknowns,
+                record=self.record,
             )
-        except NoCoupledDiskError as missing:
+        except (NoCoupledDiskError, NoStickDiskError) as missing:
             raise NotComputedError(
                 "coupled partial slip",
                 f"{missing}; with coupling one stick disk is solved for, and slip from it to the "
                 "edge; pass friction=math.inf, or coupling=False",
             ) from missing
-        self.record(PARTIAL_SLIP, solved, begin)
-        self.work[-1] = replace(self.work[-1], unknowns=solved.unknowns)
-        self.exceeded |= solved.unknowns > self.max_unknowns
-        self.pressure = self.traction = None
-        self.values.pop("opening", None)
-        for name in ("pressure", "traction", "slip"):
-            self.errors.pop(name, None)
-            if name in self.plan.quantities:
-                self.lacking[name] = "with coupling and slip the fields are not accurate enough"
-        rim = solved.radius
-        zones = Zone.between("stick", CENTRE, rim), Zone.between("slip", rim, EDGE)
+        self.pressure, self.traction, self.slip = solved.pressure, solved.traction, solved.slip
+        if "opening" in self.values:
+            self.values["opening"] = None
         self.values.update(
             approach=solved.approach,
             total_shear=solved.total_shear,
-            stick_radius=rim.value,
-            zones=zones,
+            stick_radius=solved.zones[0].outer,
+            zones=solved.zones,
         )
         self.errors.update(
             approach=solved.approach_error,
+            pressure=solved.pressure_error,
+            traction=max(solved.traction_error, solved.pressure_error),
             total_shear=solved.shear_error,
             stick_radius=solved.radius_error,
             zones=max(solved.radius_error, solved.edge_error),
+            slip=solved.slip_error,
+            violation=solved.violation,
         )
         below = f"friction is below the critical {critical:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
         one = PlannedStep(COUPLING, StepState.RUN, "pressure and traction are one system")
         self.outcome[COUPLING] = one
         self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
-        self.skip("its sense was checked; the field is not offered with coupling", SLIP_FIELD)
+        checked = PlannedStep(SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked")
+        self.outcome[SLIP_FIELD] = checked
+        if not solved.consistent:
+            self.endings.append(Ending.ZONES)
 
     def _guess(self) -> float:
         """Return the stick radius without coupling, as a logit."""
         plain = replace(self.scene, coupling=False)
         todo = plan(plain, ("zones",))
-        rim = Run(plain, todo, 1e-4, self.max_unknowns, self.shared).solution().zones[0]
-        if rim.kind == "slip" or rim.outer < 1e-3:
-            raise NotComputedError("coupled partial slip", "its stick disk is smaller than 1e-3")
+        rim = Run(plain, todo, 1e-3, self.max_unknowns, self.shared).solution().zones[0]
+        if rim.kind == "slip":
+            raise NotComputedError("coupled partial slip", "its stick disk is smaller than 1e-65")
         # where the paper's model sticks all over, slip is narrow
-        return 3.0 if rim.outer == 1.0 else Radius(rim.outer, rim.outer_from_edge).logit
+        return 3.0 if rim.outer_from_edge == 0.0 else Radius(rim.outer, rim.outer_from_edge).logit

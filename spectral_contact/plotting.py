@@ -387,6 +387,10 @@ def _draw_errors(axes: Axes, solution: Solution) -> None:
 
 def _pressure_series(solution: Solution) -> list[tuple[str, LogSeries]]:
     field = solution.pressure_field
+    if isinstance(field, ZonalField):
+        return [
+            found for one in field.pieces for found in _piece_series("$p^*$", one.field, "slip")
+        ]
     if field is None or field.series is None:
         return []
     return [("$p^*$, $d = 1 - s^2$", field.series)]
@@ -395,17 +399,20 @@ def _pressure_series(solution: Solution) -> list[tuple[str, LogSeries]]:
 def _traction_series(solution: Solution) -> list[tuple[str, LogSeries]]:
     field = solution.traction_field
     pieces = [p.field for p in field.pieces] if isinstance(field, ZonalField) else [field]
-    found: list[tuple[str, LogSeries]] = []
-    for piece in pieces:
-        if isinstance(piece, DiskSeries) and piece.series is not None:
-            c = piece.outer.value
-            place = "$d = 1 - s^2$" if c == 1.0 else rf"$d = 1 - s^2/c^2$, $c = {c:.4g}$"
-            found.append((f"$q^*$ in stick, {place}", piece.series))
-        elif isinstance(piece, AnnulusSeries):
-            ends = (piece.inner.value, piece.toward_inner), (piece.outer.value, piece.toward_outer)
-            for end, series in ends:
-                found.append((f"$q^*$ in a stick annulus, toward $s = {end:.4g}$", series))
-    return found
+    # a series without the factor s is a pressure: that is friction times it, in slip
+    stuck = [one for one in pieces if not isinstance(one, AnnulusSeries) or one.power == 1]
+    return [found for one in stuck for found in _piece_series("$q^*$", one, "a stick annulus")]
+
+
+def _piece_series(name: str, piece: object, annulus: str) -> list[tuple[str, LogSeries]]:
+    if isinstance(piece, DiskSeries) and piece.series is not None:
+        c = piece.outer.value
+        place = "$d = 1 - s^2$" if c == 1.0 else rf"$d = 1 - s^2/c^2$, $c = {c:.4g}$"
+        return [(f"{name} in stick, {place}", piece.series)]
+    if isinstance(piece, AnnulusSeries):
+        ends = (piece.inner.value, piece.toward_inner), (piece.outer.value, piece.toward_outer)
+        return [(f"{name} in {annulus}, toward $s = {end:.4g}$", one) for end, one in ends]
+    return []
 
 
 def _why_no_series(solution: Solution) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.normal import NormalContact, solve_normal
-from spectral_contact.fields import CENTRE, EDGE, PressureField
+from spectral_contact.fields import CENTRE, EDGE, PressureField, ZonalField
 from spectral_contact.scene import Scene
 from spectral_contact.sharing import Shared, ZonePath
 from spectral_contact.solution import (
@@ -78,7 +78,7 @@ class Run:
         self.lacking: dict[str, str] = {}
         self.values: dict[str, Any] = {}
         self.errors: dict[str, float] = {}
-        self.pressure: PressureField | None = None
+        self.pressure: PressureField | ZonalField | None = None
         self.traction: TractionField = None
         self.slip: TractionField = None
 

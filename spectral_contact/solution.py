@@ -94,7 +94,7 @@ class Solution:
     ending: Ending
     work: Work
     values: dict[str, Any]
-    pressure_field: PressureField | None = None
+    pressure_field: PressureField | ZonalField | None = None
     traction_field: TractionField = None
     slip_field: TractionField = None
 
@@ -133,7 +133,7 @@ class Solution:
         from spectral_contact.bounds import approach_bounds
 
         field = self.pressure_field
-        assert field is not None
+        assert isinstance(field, PressureField)
         return approach_bounds(self.scene.normal_compliance, self.values["approach"], field)
 
     def _coupled_bounds(self) -> tuple[float, float]:

@@ -53,6 +53,10 @@ COUPLED = [
     ("full stick, coupled", 0.5, float("inf"), 1e-12, None, 3.0, 0.5),
     ("full stick, coupled", 1e-6, float("inf"), 1e-12, None, 3.0, 0.5),
     ("full stick, coupled", 0.0, float("inf"), 1e-12, None, None, None),
+    ("partial slip, coupled", 0.5, 0.3, 1e-12, None, None, 5.0),
+    ("partial slip, coupled", 0.5, 0.3, 1e-6, None, None, None),
+    ("partial slip, coupled", 1e-6, 2.0, 1e-12, None, None, 5.0),
+    ("partial slip, coupled", 0.0, 2.0, 1e-12, None, None, None),
 ]
 
 _COLD = """

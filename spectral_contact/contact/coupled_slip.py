@@ -1,59 +1,51 @@
-"""Partial slip with elastic coupling: one stick disk, and slip from its rim to the edge.
-
-Pressure and traction are unknown together, so at every trial radius the whole system is solved. To
-a radius belongs the friction that makes the traction continuous, (5.9): with any other both fields
-are singular at the rim, or jump. Approach, shear and radius come out of it to as many digits as
-elsewhere. The fields do not: next to the rim they are small differences, which the uncoupled
-problem takes without subtraction and this one does not. They serve to check the friction law.
-"""
+"""Partial slip with elastic coupling: one stick disk, its fields, and the friction law, checked."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import exp, log, sqrt
+from dataclasses import dataclass, replace
+from math import atan, ceil, pi
+from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
-from spectral_contact.contact.resolution import (
-    ROUNDING,
-    boundary_error,
-    series_of,
-    share_of_change,
-    starting_resolution,
+from spectral_contact.contact.coupled_disk import LEADING, CoupledDisk, solve_coupled_disk
+from spectral_contact.contact.friction_law import obeys, unknown_slip
+from spectral_contact.contact.resolution import ROUNDING, series_of
+from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
+from spectral_contact.fields import (
+    CENTRE,
+    EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    LogSeries,
+    ZonalField,
+    ZonePiece,
 )
-from spectral_contact.fields import EDGE, Radius
-from spectral_contact.spectral.annulus import gap
-from spectral_contact.spectral.sliding import Sliding, SlidingDisk
+from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, Zone
+from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.sliding import SlidingDisk
 
 __all__ = ["CoupledSlip", "NoCoupledDiskError", "solve_coupled_slip"]
 
 Array = NDArray[np.float64]
+Record = Callable[[str, Any, float], Any]
 
-#: Rims are looked for between 1e-3 and 1 - 4e-7 of the radius.
-_LEAST_LOGIT, _LARGEST_LOGIT = -14.0, 14.0
-#: Tolerance of the spaces in which the radius is bracketed.
-_ROUGH = 1e-3
-#: Spaces that are compared, each for a tenth of the tolerance; the first is no tighter than this.
-_LEVELS, _TIGHTEST = 3, 1e-11
-#: How much of the distance of the first to the last of them is left at least.
-_FALL = 0.1
-#: Least depth in ``-ln d`` of the panels inside a rim with compliance, past its layers.
-_AT_RIM = 32.0
-#: Most steps to the friction of a radius, and to a radius.
-_STEPS, _TRIALS = 6, 8
-#: Relative change of the friction of a radius at which it is settled.
-_SETTLED = 1e-11
-#: Rounding error of the logit of a radius, measured.
-_LOGIT_ROUNDING = 1e-13
-#: Depth in ``-ln d`` down to which the friction law is checked, and what may be missed there.
-_CHECKED, _ALLOWED = 12.0, 1e-6
+#: A violation of the friction law that other zones are to blame for, not rounding.
+_BROKEN = 1e-6
+#: Stick at the edge of a smooth surface with tangential compliance that is wider than this counts.
+_FINEST = 1e-80
+#: Depth in ``-ln d`` down to which the traction is compared with friction.
+_CHECKED = 36.0
+#: Degrees that the panels of the displacement have beyond those of the pressure.
+_FINER = 8
 
 
 class NoCoupledDiskError(ArithmeticError):
-    """No radius in the range searched obeys the friction law; the text says what is amiss."""
+    """One stick disk does not obey the friction law; the text says what is amiss."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,195 +54,63 @@ class CoupledSlip:
 
     Attributes
     ----------
-    radius : Radius
-        ``c*``.
+    zones : tuple of Zone
+    pressure, traction, slip : ZonalField
     approach, total_shear : float
         ``delta*`` and ``Q*``.
-    unknowns : int
-        Of the larger space.
     approach_error, shear_error : float
         Estimates of relative errors.
+    pressure_error, traction_error : float
+        The same of p and of q/s, pointwise.
+    slip_error : float
+        Relative to the largest slip.
     radius_error, edge_error : float
         Of ``c`` and of ``1 - c``.
+    violation : float
+        By how much the friction law is broken, see `ErrorEstimates`.
+    consistent : bool
+        Whether the violation is within the errors.
     """
 
-    radius: Radius
+    zones: tuple[Zone, ...]
+    pressure: ZonalField
+    traction: ZonalField
+    slip: ZonalField
     approach: float
     total_shear: float
-    unknowns: int
     approach_error: float
     shear_error: float
+    pressure_error: float
+    traction_error: float
+    slip_error: float
     radius_error: float
     edge_error: float
+    violation: float
+    consistent: bool
 
 
 @dataclass(frozen=True, slots=True)
-class _Trial:
-    """The contact at one radius, with the friction that belongs to it and how unsettled that is."""
+class _InY:
+    """A field as a function of ``y = 1 - s**2``."""
 
-    disk: SlidingDisk
-    solution: Sliding
-    friction: float
-    unsettled: float
+    field: ZonalField
 
-
-@dataclass(frozen=True, slots=True)
-class _Root:
-    """The contact at the radius of the scene, as a logit, and by how much that may be off."""
-
-    trial: _Trial
-    logit: float
-    off: float
-
-
-class _Problem:
-    """One scene; solves it at any radius and in any space."""
-
-    def __init__(self, alpha: float, beta: float, kappa: float, friction: float) -> None:
-        self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
-
-    def trial(self, logit: float, tolerance: float, start: float) -> _Trial:
-        """Solve at one radius, with the friction that belongs to it; `start` is about that."""
-        radius = Radius.from_logit(logit)
-        spaces = self._spaces(radius, tolerance)
-        disk = SlidingDisk(
-            radius,
-            (spaces[0].panels, spaces[1].panels, spaces[2].panels),
-            (spaces[0].degrees, spaces[1].degrees, spaces[2].degrees),
-        )
-        # the friction of this radius makes the traction continuous, to all digits by the last step
-        size = self._size(disk)
-
-        def at(friction: float) -> tuple[Sliding, float]:
-            compliances = self.alpha, self.beta, self.kappa
-            solution = disk.solve(*compliances, friction, size, tolerance)
-            return solution, self._jump(disk, solution, friction)
-
-        near, far = start, start * (1.0 + 1e-3)
-        first, second = at(near), at(far)
-        for step in range(_STEPS + 1):
-            if first[1] == second[1]:
-                raise NoCoupledDiskError("no friction makes the traction continuous")
-            share = first[1] / (first[1] - second[1])
-            place = near + share * (far - near)
-            unsettled = abs(place / far - 1.0)
-            if unsettled <= _SETTLED or step == _STEPS:
-                break
-            near, first, far, second = far, second, place, at(place)
-        # the last step of the secant method wins as many digits as the one before it
-        left = unsettled if unsettled > _SETTLED else 0.0
-        return _Trial(disk, first[0].toward(second[0], share), place, left)
-
-    def _jump(self, disk: SlidingDisk, solution: Sliding, friction: float) -> float:
-        """Return ``q/f - p`` at the deepest place inside the rim."""
-        own = disk.panels[0]
-        d = np.array([exp(-(own.panels - 0.5) * own.width)])
-        p, u = (series_of(own, one) for one in (solution.disk, solution.traction))
-        return disk.radius.value * float(u(d)[0]) / friction - float(p(d)[0])
-
-    def _layer(self, extent: float) -> float:
-        """Return ``-ln`` of the thinnest layer at the rim, in units of an extent in ``s**2``."""
-        widths = [c / extent for c in (self.alpha, self.beta) if c > 0.0]
-        return -log(min([1.0, *widths]))
-
-    def _spaces(self, radius: Radius, tolerance: float) -> tuple[Resolution, ...]:
-        """Return the spaces on the disk, above its rim, and below the edge."""
-        half = gap(radius, EDGE) / 2.0
-        rate = 0.5 if self.beta == 0.0 else 1.0
-        layer = max(self._layer(radius.square), -log(min(half / radius.square, 1.0)))
-        if self.beta > 0.0:  # where the traction is seen to be continuous, up to d ln d
-            layer += max(_AT_RIM + log(tolerance), 0.0)
-        near = starting_resolution(layer, tolerance, rate=rate)
-        above = starting_resolution(
-            max(self._layer(half), -log(min(radius.square / half, 1.0))), tolerance, rate=rate
-        )
-        edge = starting_resolution(
-            self._layer(half), tolerance, power=-0.5 if self.alpha == 0.0 else 0.0
-        )
-        return near, above, edge
-
-    def _size(self, disk: SlidingDisk) -> Callable[[Array, Array, Array, Array], float]:
-        own = disk.panels[0]
-
-        def size(p: Array, u: Array, p_moved: Array, u_moved: Array) -> float:
-            pairs = (p, p_moved), (u, u_moved)
-            shares = (
-                share_of_change(own, moved, series_of(own, one).at_ends()) for one, moved in pairs
-            )
-            return max(float(share.max()) for share in shares)
-
-        return size
-
-    def check(self, trial: _Trial) -> None:
-        """Refuse a solution that breaks the friction law."""
-        disk, found = trial.disk, trial.solution
-        own, inner, outer = disk.panels
-        d = np.exp(-np.linspace(0.02, _CHECKED, 200))
-        q = disk.radius.value * np.sqrt(1.0 - d) * series_of(own, found.traction)(d)
-        most = self.friction * series_of(own, found.disk)(d)
-        if not (np.abs(q) <= most + _ALLOWED * np.abs(most)).all():
-            raise NoCoupledDiskError("the traction in stick exceeds friction")
-        pressures = series_of(inner, found.inner)(d), series_of(outer, found.outer)(d)
-        if not min(float(p.min()) for p in pressures) > 0.0:
-            raise NoCoupledDiskError("the pressure is negative in slip")
-        moved = disk.displacement(found, self.beta, self.kappa, self.friction)
-        slips = np.concatenate([one(d) for one in moved])
-        if not float(slips.max()) <= _ALLOWED * float(np.abs(slips).max()):
-            raise NoCoupledDiskError("the surface slips with the traction")
-
-    def roughly(self, guess: float) -> float:
-        """Return the radius roughly, as a logit."""
-        frictions: list[float] = []
-
-        def excess(logit: float) -> float:
-            """Return by how much the friction of a radius exceeds that of the scene."""
-            start = frictions[-1] if frictions else self.friction
-            frictions.append(self.trial(logit, _ROUGH, start).friction)
-            return frictions[-1] / self.friction - 1.0
-
-        (a, fa), step = (guess, excess(guess)), 0.3
-        direction = -1.0 if fa > 0.0 else 1.0  # more friction, more stick
-        while True:
-            b = a + direction * step
-            if not _LEAST_LOGIT < b < _LARGEST_LOGIT:
-                raise NoCoupledDiskError("no stick disk in the range searched")
-            fb = excess(b)
-            if fa * fb <= 0.0:
-                break
-            a, fa, step = b, fb, 1.5 * step
-        for _ in range(20):
-            place = b - fb * (b - a) / (fb - fa)
-            value = excess(place)
-            a, fa = (b, fb) if value * fb <= 0.0 else (a, 0.5 * fa)  # Illinois
-            b, fb = place, value
-            if abs(fb) < 10.0 * _ROUGH or abs(b - a) < _ROUGH:
-                break
-        return b
-
-    def root(self, logit: float, tolerance: float) -> _Root:
-        """Return the solution at the radius."""
-        trial = self.trial(logit, tolerance, self.friction)
-        before, place = logit, logit + 1e-3
-        excess = trial.friction / self.friction - 1.0
-        for _ in range(_TRIALS):
-            last, trial = excess, self.trial(place, tolerance, self.friction)
-            excess = trial.friction / self.friction - 1.0
-            if excess == last:
-                raise NoCoupledDiskError("the friction does not depend on the radius")
-            slope = (place - before) / (excess - last)
-            off = abs(slope) * (abs(excess) + trial.unsettled)
-            if off < _LOGIT_ROUNDING * (1.0 + abs(place)) / 5.0:
-                break
-            found, before, place = place, place, place - slope * excess
-            if place == before:
-                break
-        else:
-            place = found
-        return _Root(trial, place, off)
+    def at(self, y: Array) -> Array:
+        """Evaluate."""
+        s = np.sqrt(np.maximum(1.0 - y, 0.0))
+        return self.field(s, y / (1.0 + s))
 
 
 def solve_coupled_slip(
-    alpha: float, beta: float, kappa: float, friction: float, guess: float, tolerance: float
+    alpha: float,
+    beta: float,
+    kappa: float,
+    friction: float,
+    guess: float,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    record: Record,
 ) -> CoupledSlip:
     """Solve coupled partial slip with one stick disk.
 
@@ -261,66 +121,150 @@ def solve_coupled_slip(
     kappa, friction : float
         The coupling, positive, and Coulomb's coefficient.
     guess : float
-        Stick radius to begin with, as a logit.
+        Stick radius to begin with, as ``ln(c**2/(1 - c**2))``.
     tolerance : float
-        Bound on the relative errors of approach and shear that is aimed at.
-
-    Returns
-    -------
-    CoupledSlip
-        The last of three solutions in growing spaces, each with a radius of its own; how far the
-        others are from it is the estimate of its error.
+        Bound on the relative errors of both fields.
+    max_unknowns : int
+        Most unknowns of a space.
+    record : callable
+        Takes the name of a step, its outcome and its beginning, returns the value.
 
     Raises
     ------
+    NoStickDiskError
+        If no radius makes the traction continuous.
     NoCoupledDiskError
-        If no radius makes the traction continuous, or the friction law is broken at the one that
-        does: there are other zones.
+        If the friction law is broken at the one that does: there are other zones.
     """
-    problem = _Problem(alpha, beta, kappa, friction)
-    logit = problem.roughly(guess)
-    best: CoupledSlip | None = None
-    # continuity at a rim with compliance is pointwise; all else errs by the square of the fields
-    aim = max(tolerance if beta > 0.0 else sqrt(tolerance), _TIGHTEST)
-    while True:
-        found = []
-        for level in range(_LEVELS):
-            found.append(problem.root(logit, aim * 0.1**level))
-            logit = found[-1].logit
-        solved = _compared(found)
-        if best is None or _worst(solved) < _worst(best):
-            best = solved
-        if _worst(best) <= tolerance or aim <= _TIGHTEST:
-            break
-        aim = max(0.1 * aim, _TIGHTEST)
-    problem.check(found[-1].trial)
-    return best
+    if alpha == 0.0 < beta and (friction * beta) ** 2 > _FINEST:
+        raise NoCoupledDiskError("the edge sticks, as the pressure is infinite there and q is not")
+    begin = perf_counter()
+    refinement = solve_coupled_disk(alpha, beta, kappa, friction, tolerance, max_unknowns, guess)
+    solved: CoupledDisk = record(PARTIAL_SLIP, refinement, begin)
+    begin = perf_counter()
+    outcome: CoupledSlip = record(SLIP_FIELD, _outcome(solved, beta, kappa, friction), begin)
+    return outcome
 
 
-def _worst(solved: CoupledSlip) -> float:
-    return max(solved.approach_error, solved.shear_error)
-
-
-def _compared(found: list[_Root]) -> CoupledSlip:
-    """Return the last of solutions in growing spaces, with its distance to the others as error."""
-    fine = found[-1].trial
-    radius, new = fine.disk.radius, fine.solution
-    values = np.array([[s.approach, s.total_shear] for s in (one.trial.solution for one in found)])
-    approach, shear = (_left(column / column[-1]) for column in values.T)
-    off = max(one.off for one in found)
-    shift = off + _left(np.array([one.logit for one in found]))
+def _outcome(solved: CoupledDisk, beta: float, kappa: float, friction: float) -> CoupledSlip:
+    """Add fields, displacement and checks to the solution on the disk."""
+    rim, (own, above, below, shear) = solved.radius, solved.series
+    around = AnnulusSeries(rim, EDGE, above, _as_power(below, kappa * friction), power=0)
+    inside = DiskSeries(rim, own, power=0)
+    pressure = ZonalField((ZonePiece(rim, inside), ZonePiece(EDGE, around)))
+    stuck = DiskSeries(rim, shear.times(rim.value))
+    traction = ZonalField((ZonePiece(rim, stuck), ZonePiece(EDGE, around, friction)))
+    annulus, misfit, lost = _misfit(solved, kappa, friction)
+    at = _InY(pressure)
+    fields, samples, largest, unresolved = slip_displacement(
+        [solved.stuck], [Slipping(annulus, 1, misfit)], at, beta, friction
+    )
+    slip = ZonalField((ZonePiece(rim, None), ZonePiece(EDGE, fields[0])))
+    excess = _excess(solved, friction)
+    wrong = float(samples[0].max()) / largest
+    lowest = min(float(f(np.exp(-np.linspace(0.0, 60.0, 500))).min()) for f in (own, above, below))
+    if not lowest > 0.0:
+        raise NoCoupledDiskError("the pressure is not positive")
+    if excess > _BROKEN:
+        raise NoCoupledDiskError("the traction in stick exceeds friction")
+    if wrong > _BROKEN:
+        raise NoCoupledDiskError("the surface slips with the traction")
+    # beta f p is part of the displacement, as large as the rest of it or less
+    direct = beta * friction * float(np.abs(above(np.array([0.0]))[0])) * solved.pressure_error
+    stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
+    slip_error = stray / max(largest, 1e-300)
     return CoupledSlip(
-        radius,
-        new.approach,
-        new.total_shear,
-        fine.disk.unknowns,
-        approach + off + 4.0 * ROUNDING,
-        shear + off + 20.0 * ROUNDING,
-        *boundary_error(shift + _LOGIT_ROUNDING, radius),
+        (Zone.between("stick", CENTRE, rim), Zone.between("slip", rim, EDGE)),
+        pressure,
+        traction,
+        slip,
+        solved.approach,
+        solved.total_shear,
+        solved.approach_error,
+        solved.shear_error,
+        solved.pressure_error,
+        solved.traction_error,
+        max(slip_error if slip_error <= 1.0 else np.inf, unknown_slip(solved.edge_error)),
+        solved.radius_error,
+        solved.edge_error,
+        max(excess, wrong, 0.0),
+        obeys(excess, solved.traction_error, wrong, slip_error),
     )
 
 
-def _left(values: Array) -> float:
-    """Estimate the error of the last value: two may agree by accident, hardly all three."""
-    before, last = np.abs(values[:-1] - values[-1])
-    return float(max(last, _FALL * before))
+def _excess(solved: CoupledDisk, friction: float) -> float:
+    """Return the largest ``|q|/(f p) - 1`` on the disk, or 0."""
+    own, _, _, shear = solved.series
+    d = np.exp(-np.linspace(1e-3, _CHECKED, 400))
+    ratio = solved.radius.value * np.sqrt(1.0 - d) * np.abs(shear(d)) / (friction * own(d))
+    return max(float(ratio.max()) - 1.0, 0.0)
+
+
+def _misfit(
+    solved: CoupledDisk, kappa: float, friction: float
+) -> tuple[Annulus, tuple[Array, Array], float]:
+    """Return E = kappa R - G at the sampling points of the annulus, and its largest change.
+
+    The displacement changes by a quarter of that at most; E is seen at these points alone.
+    """
+    disk = solved.disk
+    own, *around, _ = (
+        np.column_stack(pair) for pair in zip(solved.parts, solved.change, strict=True)
+    )
+    # the far end of the annulus is a singularity ln 2 before the first panels
+    plain = [replace(p, power=0.0, degree=p.degree + _FINER) for p in disk.panels[1:]]
+    annulus = Annulus(solved.radius, EDGE, plain[0], plain[1])
+    values, lost = [], 0.0
+    integrals = _integrals(disk, annulus, around)
+    for family, (inner, halves) in zip(annulus.families, integrals, strict=True):
+        points = family.sampling()
+        driven = (disk.from_disk(points, own) + inner) / np.sqrt(points.z)[:, None]
+        missed = 2.0 * kappa * driven - friction * halves
+        values.append(np.ascontiguousarray(missed[:, 0]))
+        lost = max(lost, float(np.abs(missed[:, 1]).max()))
+    return annulus, (values[0], values[1]), lost
+
+
+def _integrals(
+    disk: SlidingDisk, annulus: Annulus, around: list[Array]
+) -> list[tuple[Array, Array]]:
+    """Return both integrals of the annulus's pressure, see `SlidingDisk.from_annulus`.
+
+    They are taken at the sampling points of its halves, of pressures as columns.
+    """
+    if disk.panels[2].power != 0.0:  # for which there are matrices alone
+        whole = np.concatenate(around)
+        return [disk.from_annulus(one.sampling(), whole) for one in annulus.families]
+    inner, halves = [], []
+    for pressure in zip(*(np.ascontiguousarray(one.T) for one in around), strict=True):
+        values, over = [], []
+        for family, panels, own in zip(annulus.families, disk.panels[1:], pressure, strict=True):
+            sampled = family.panels.sampling(), family.panels.tail_sampling()
+            d = np.concatenate([np.exp(-sampled[0]).ravel(), sampled[1]])
+            values.append(series_of(panels, own)(d))
+            over.append(values[-1] / np.sqrt(family.sampling().z))
+        inner.append(annulus.own_inner_integral(annulus.expand(values)))
+        halves.append(annulus.own_half_integral(annulus.expand(over)))
+    split = [annulus.sampling_split]
+    pairs = (np.split(np.column_stack(one), split) for one in (inner, halves))
+    return list(zip(*pairs, strict=True))
+
+
+def _as_power(series: LogSeries, coupling: float) -> LogSeries:
+    """Return a pressure under a smooth punch as the power of y that it is next to the edge.
+
+    ``p ~ y**(theta - 1/2)`` with ``tan(pi theta) = 2 kappa f``: far below the edge's panels the
+    series ends in this law instead of a polynomial.
+    """
+    if series.power == 0.0:
+        return series
+    theta, width = atan(2.0 * coupling) / pi, series.width
+    count = min(ceil(LEADING / width), len(series.coefficients))
+    terms = series.coefficients.shape[1]
+    g, _ = gauss_rule(terms + 8)
+    x = width * (np.arange(count)[:, None] + (1.0 + g) / 2.0)
+    values = series.coefficients[:count] @ legendre_values(g, terms - 1).T * np.exp(theta * x)
+    table = values @ legendre_expansion_matrix(terms + 8, terms + 7).T
+    return replace(
+        series, coefficients=table, tail=np.array([table[-1].sum()]), power=series.power + theta
+    )

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -38,6 +39,7 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
 __all__ = [
+    "InY",
     "Slipping",
     "Stuck",
     "annulus_between",
@@ -50,6 +52,14 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+
+class InY(Protocol):
+    """A field as a function of ``y = 1 - s**2``."""
+
+    def at(self, y: Array) -> Array:
+        """Evaluate."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +131,7 @@ def pressure_expansion(annulus: Annulus, pressure: PressureField) -> Array:
 
 
 def slip_displacement(
-    stuck: list[Stuck], zones: list[Slipping], pressure: PressureField, beta: float, friction: float
+    stuck: list[Stuck], zones: list[Slipping], pressure: InY, beta: float, friction: float
 ) -> tuple[list[AnnulusSeries], list[Array], float, float]:
     """Return the displacement on every slip zone.
 
@@ -129,7 +139,7 @@ def slip_displacement(
     ----------
     stuck, zones : list
         The zones of both kinds, each ordered outward.
-    pressure : PressureField
+    pressure : InY
     beta, friction : float
         ``beta*`` and ``f / kappa``.
 

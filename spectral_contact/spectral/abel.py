@@ -34,8 +34,11 @@ __all__ = [
     "deeper",
     "deeper_blocks",
     "deeper_tail",
+    "fall",
+    "far_fall",
     "outer",
     "outer_blocks",
+    "rise",
     "root_sums",
     "tail_values",
 ]
@@ -315,13 +318,77 @@ def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
 
     Shapes are those of `deeper`.
     """
-    end = np.exp(-panels * width)
+    blocks = _plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1))
+    return np.hstack([blocks, _beyond_tail(e, np.exp(-panels * width))])
+
+
+def _beyond_tail(e: Array, end: float) -> Array:
+    """Return the `beyond` integral of the tail polynomials, (n, TAIL_TERMS)."""
     g, w = gauss_rule(TAIL_TERMS + 1)
     a, b = np.sqrt(e)[:, None], np.sqrt(e + end)[:, None]
     span = end / (a + b)
     step = span * (1.0 + g) / 2.0
     source = step * (2.0 * a + step)
-    tail = _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
-    return np.hstack(
-        [_plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1)), tail]
-    )
+    return np.asarray(_panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
+
+
+def fall(e: Array, panels: int, width: float, degree: int) -> tuple[Array, Array]:
+    """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels."""
+    end = np.exp(-panels * width)
+    g, _ = gauss_rule(degree + _EXTRA)
+    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    near, far = np.sqrt(source), np.sqrt(source + e[:, None, None])
+    project = (0.25 * width) * legendre_projection_matrix(len(g), degree)
+    plain = np.hstack([((source / far) @ project).reshape(len(e), -1), _beyond_tail(e, end)])
+    blocks = (near * (e[:, None, None] / (far * (near + far)))) @ project
+    tail = _beyond_tail(np.zeros(1), end) - plain[:, -TAIL_TERMS:]
+    small = e < 1e-3 * end  # there the constant, which is all that matters, is known better
+    root, roots = np.sqrt(e[small]), np.sqrt(e[small] + end) + np.sqrt(end)
+    tail[small, 0] = root * (1.0 - root / roots)
+    return plain, np.hstack([blocks.reshape(len(e), -1), tail])
+
+
+def far_fall(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+    """Return ``1/2 int d'**power psi (1/sqrt(2 - d') - 1/sqrt(2 + e - d')) dd'`` for ``e > -1``.
+
+    Shapes are those of `deeper`: it is how this integral falls past the distance 2.
+    """
+    end = np.exp(-panels * width)
+
+    def kernel(source: Array) -> Array:
+        near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None, None])
+        return np.asarray(e[:, None, None] / (near * far * (near + far)))
+
+    g, _ = gauss_rule(degree + _EXTRA)
+    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    values = (0.25 * width) * source ** (1.0 + power) * kernel(source)
+    blocks = values @ legendre_projection_matrix(len(g), degree)
+    g, w = gauss_rule(TAIL_TERMS + 9)
+    v = (1.0 + g) / 2.0
+    source = end * v**2
+    values = w / 2.0 * v * end * source**power * kernel(source[None])[:, 0]
+    tail = values @ tail_values(source, end, TAIL_TERMS, False)
+    return np.hstack([blocks.reshape(len(e), panels * (degree + 1)), tail])
+
+
+def rise(d: Array, panels: int, width: float, degree: int) -> Array:
+    """Return by how much `outer` is more at distances `d` in [0, 1] than at the boundary itself.
+
+    Shapes are those of `deeper`. What is far from the boundary contributes a difference that is
+    taken as such, what is as near as the point is as small as its distance.
+    """
+    whole = beyond(np.zeros(1), panels, width, degree)[0]
+    matrix = outer(d, panels, width, degree) - whole
+    g, _ = gauss_rule(degree + _EXTRA)
+    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    x = np.maximum(-np.log(np.maximum(d, 1e-300)), 0.0)
+    own = np.minimum(np.floor(x / width).astype(int), panels + 1)
+    for i in np.unique(own[own >= 2]):
+        rows, far = np.flatnonzero(own == i), slice(0, min(i - 1, panels))
+        near = source[far]
+        e = d[rows, None, None]
+        roots = np.sqrt(near - e), np.sqrt(near)
+        values = (0.25 * width) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
+        blocks = values @ legendre_projection_matrix(len(g), degree)
+        matrix[rows, : blocks.shape[1] * (degree + 1)] = blocks.reshape(len(rows), -1)
+    return np.asarray(matrix)

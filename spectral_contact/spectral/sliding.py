@@ -2,206 +2,291 @@ r"""Elastic coupling with a stick disk and a slip annulus: one unsymmetric syste
 
 The pressure is unknown everywhere, the traction on the disk, ``q = s u``; on the annulus it is
 ``f p``. The pressure has panels to the rim from both sides and to the edge. The equations are those
-of `coupled`, the normal one on the whole contact and the tangential one on the disk:
+of `coupled`, the normal one on the whole contact and the tangential one on the disk alone:
 
     alpha p + N p - kappa int_s^1 q deta = delta,    beta q + T q - kappa g = 0,
 
 with what the slipping traction adds to both. It enters as ``f p / s`` times s, so the factor 1/s is
-expanded panel by panel. As there, a correction with the residual in the half-integral restores what
-the first-kind parts lose.
+expanded panel by panel. What the first-kind parts lose next to the rim is restored by corrections
+with the residual in the half-integrals. With ``F``, ``G`` those of p and q and
+
+    W(t) = 2 delta + 2 kappa (int_0^1 q ds - t I(t)) - F(t),    E(t) = kappa R(t) - G(t),
+    I(t) = int_0^t q ds / sqrt(t^2 - s^2),    R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2),
+
+both are taken as their value at the rim and a difference to it, in which nothing cancels. An error
+of ``W(c)`` is one of delta. ``E(c)``, which is small or zero, is an unknown of its own, the `lift`:
+it makes the traction continuous. That it is what p makes it is the condition of the radius.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
-from itertools import pairwise
-from typing import Any
+from functools import cached_property
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from spectral_contact.fields import EDGE, LogSeries, Radius
-from spectral_contact.spectral.abel import beyond
-from spectral_contact.spectral.annulus import Annulus, Family, Points, gap, sampled_series
-from spectral_contact.spectral.coupled import inner_moments, moments
-from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.fields import EDGE, Radius
+from spectral_contact.spectral.abel import beyond, fall, far_fall
+from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, Family, Points, gap
+from spectral_contact.spectral.around_rim import OverRadius, around, inside
+from spectral_contact.spectral.coupled import moments
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.transforms import transforms
 
-__all__ = ["Sliding", "SlidingDisk"]
+__all__ = ["SlidingDisk", "SlidingFactored"]
 
 Array = NDArray[np.float64]
-
-#: Degrees that the panels have beyond those used, for the factor 1/s.
-_SPARE = 4
-_CORRECTIONS = 6
-
-
-@dataclass(frozen=True, slots=True)
-class Sliding:
-    """A solution for unit load; coefficients are of the whole bases, zero where not used.
-
-    Attributes
-    ----------
-    approach, total_shear : float
-    disk, inner, outer : ndarray
-        Coefficients of the pressure on the disk, above its rim, and below the edge.
-    traction : ndarray
-        Of ``u = q/s`` on the disk.
-    left : float
-        Estimate of what rounding leaves of the error of the disk's fields, relative.
-    """
-
-    approach: float
-    total_shear: float
-    disk: Array
-    inner: Array
-    outer: Array
-    traction: Array
-    left: float
-
-    def toward(self, other: Sliding, share: float) -> Sliding:
-        """Return the combination ``(1 - share) self + share other``."""
-        values: dict[str, Any] = {
-            one.name: (1.0 - share) * getattr(self, one.name) + share * getattr(other, one.name)
-            for one in fields(self)
-        }
-        return Sliding(**values)
+Degrees = tuple[int, ...]
 
 
 class SlidingDisk:
     """The operators of a disk that sticks and of the annulus around it, to the edge.
 
+    Vectors hold the coefficients of the pressure on the disk, above its rim, and below the edge,
+    then those of ``u = q/s`` on the disk.
+
     Parameters
     ----------
     radius : Radius
         Rim of the disk.
-    disk, inner, outer : LogPanels
+    panels : tuple of LogPanels
         Of both fields on the disk, and of the pressure above the rim and below the edge.
     degrees : tuple of tuple of int
         Highest degrees on the panels of each.
+    weighted : tuple of bool
+        Whether the normal and the tangential equation are without compliance: they are of the
+        first kind then, with misfits that vanish, and count by the inverse distance from the rim.
+        Else what is missed far away would spoil what is next to it.
     """
 
     def __init__(
         self,
         radius: Radius,
         panels: tuple[LogPanels, LogPanels, LogPanels],
-        degrees: tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...]],
+        degrees: tuple[Degrees, Degrees, Degrees],
+        weighted: tuple[bool, bool] = (False, False),
     ) -> None:
-        self.radius = radius
-        own, *rest = (
-            replace(one, degree=max(used) + _SPARE)
-            for one, used in zip(panels, degrees, strict=True)
-        )
-        self.panels = own, *rest
+        self.radius, self.panels, self.degrees = radius, panels, degrees
+        self._weighted = weighted
         self.half = gap(radius, EDGE) / 2.0
+        own, above, below = panels
         self.families = (
-            Family(radius, 1, self.half, rest[0]),
-            Family(EDGE, -1, self.half, rest[1]),
+            Family(radius, 1, self.half, above),
+            Family(EDGE, -1, self.half, below),
         )
-        self._index = [_index(one, used) for one, used in zip(self.panels, degrees, strict=True)]
-        self.count, self._inside = sum(map(len, self._index)), len(self._index[0])
-        self._disk = disk_operators(own)
-        self._own = self._disk.half_integral[:, self._index[0]]
-        self._over_s = [
-            _over_radius(one)[:, used]
-            for one, used in zip(self.families, self._index[1:], strict=True)
-        ]
-        self._assemble_disk()
-        self._outside = [self._at_nodes(one) for one in self.families]
-        self._assemble()
+        self._inside = inside(own, degrees[0])
+        self._around = around(above, below, degrees[1], degrees[2])
+        split, used = self._around.split, self._around.index
+        self._index = [self._inside.index, used[:split], used[split:] - above.size]
+        self.inside = len(self._index[0])
+        #: number of unknowns of the pressure
+        self.count = self.inside + len(used)
+        self._over = OverRadius(self.families, degrees[1:])
+        self._assemble_transforms()
 
     @property
     def unknowns(self) -> int:
         """Number of unknowns."""
-        return self.count + self._inside
+        return self.count + self.inside
 
-    def _halves(self, points: Points) -> tuple[Array, Array]:
-        """Return half-integrals of the annulus's pressure, and of it over s."""
-        whole = [one.half_integral(points) for one in self.families]
-        used = zip(whole, self._index[1:], strict=True)
-        over = zip(whole, self._over_s, strict=True)
-        return np.hstack([one[:, k] for one, k in used]), np.hstack([one @ m for one, m in over])
+    def split(self, values: Array) -> tuple[Array, Array, Array, Array]:
+        """Return the coefficients in the whole bases of the parts of a vector."""
+        n = self.inside
+        bounds = np.cumsum([n, *map(len, self._index[1:])])
+        parts = [*np.split(values[: self.count], bounds[:-1]), values[self.count :]]
+        full = []
+        for part, k in zip(parts, (0, 1, 2, 0), strict=True):
+            whole = np.zeros((self.panels[k].size, *values.shape[1:]))
+            whole[self._index[k]] = part
+            full.append(whole)
+        return full[0], full[1], full[2], full[3]
 
-    def _assemble_disk(self) -> None:
-        c, nodes = self.radius.value, self._disk.nodes
-        points = Points(self.radius, -self.radius.square * nodes.d)
-        plain, over = self._halves(points)
-        self._root = np.sqrt(nodes.rest)
-        self._normal = np.hstack([c * self._own, plain])
-        self._tangential = over
+    @cached_property
+    def shed(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+        """Places in a vector of the top two degrees of every panel, and of the top one."""
+        start = 0
+        both: list[NDArray[np.int_]] = []
+        top: list[NDArray[np.int_]] = []
+        for k in (0, 1, 2, 0):
+            index, degrees = self._index[k], self.degrees[k]
+            degree, panel = (
+                index % (self.panels[k].degree + 1),
+                index // (self.panels[k].degree + 1),
+            )
+            own = panel < len(degrees)
+            highest = np.array([*degrees, 0])[np.minimum(panel, len(degrees))]
+            for shed, least in ((both, highest - 2), (top, highest - 1)):
+                found = own & (degree > np.maximum(least, 0))
+                found[-1] = True
+                shed.append(start + np.flatnonzero(found))
+            start += len(index)
+        return np.concatenate(both), np.concatenate(top)
+
+    # transforms
+
+    def _assemble_transforms(self) -> None:
+        own, above, below = self.panels
+        c, disk, annulus = self.radius.value, self._inside, self._around
+        nodes, scale = disk.nodes, np.sqrt(self.half)
+        form, first = (own.panels, own.width, own.degree), (above.panels, above.width, above.degree)
+        self.nodes = nodes
+        plain, falls = fall(self.radius.square / self.half * nodes.d, *first)
+        far = self._far_fall(self.radius.square / self.half * nodes.d)
+        falls = np.hstack([falls, far])
+        self._fall, self._fall_over = (
+            scale * falls[:, one] for one in (annulus.index, annulus.over)
+        )
+        # what lies deeper than a node is far hardly seen there, which no difference can tell
+        plain = np.hstack([plain, annulus.at_rim[above.size :] - far])
+        self._around_half = scale * plain[:, annulus.index]
+        self._at_rim = scale * annulus.at_rim
+        #: above the rim: t, t - c, and by how much less is seen of the disk
+        step = self.half * annulus.e
+        t = np.sqrt(self.radius.square + step)
+        falls = fall(step / self.radius.square, *form)[1][:, disk.index]
+        self._above = t, step / (t + c), c * falls
+        above_weights = self.half * annulus.weights / (2.0 * np.pi * t)
+        #: below the edge: t, and what is seen of the disk
+        t = np.sqrt(1.0 - self.half * annulus.d)
+        depth = self.half / self.radius.square * (2.0 - (1.0 + FAR_NODES) / 2.0)
+        seen = FAR_FIT @ beyond(depth, *form)[:, disk.index]
+        self._below = t, c * chebyshev.chebvander(2.0 * annulus.d - 1.0, len(seen) - 1) @ seen
+        self._below_weights = self.half * annulus.edge_weights / (2.0 * np.pi * t)
         self._weights = nodes.weights * c / np.pi
-
-    def _at_nodes(self, family: Family) -> tuple[Array, ...]:
-        """Return t, weights, and half- and inner integrals at the nodes of half the annulus."""
-        points, weights = family.nodes()
-        t, own = np.sqrt(points.z), self.panels[0]
-        depth = -points.before(self.radius) / self.radius.square
-        inner = beyond(depth, own.panels, own.width, own.degree)[:, self._index[0]]
-        pairs = zip(self.families, self._over_s, strict=True)
-        over = np.hstack([one.inner_integral(points) @ m for one, m in pairs])
-        plain, _ = self._halves(points)
-        return t, weights / (2.0 * np.pi * t), plain, self.radius.value * inner, over
-
-    def _assemble(self) -> None:
-        """Assemble what depends on neither compliances, kappa nor friction."""
-        n, c = self._inside, self.radius.value
-        gram = (self._normal * self._weights[:, None]).T @ self._normal
-        for _, weights, plain, *_ in self._outside:
-            gram[n:, n:] += (plain * weights[:, None]).T @ plain
-        self._gram = gram
-        weights = self._weights * self.radius.square * self._root**2
-        weighted = c * (self._own * weights[:, None]).T
-        self._shear_gram, self._shear_by = c * weighted @ self._own, weighted @ self._tangential
-        pairs = list(zip(self.panels, self._index, strict=True))
+        self._shear_weights = self._weights * self.radius.square * nodes.rest
+        reach = min(self.radius.square, self.half)
+        closer = np.maximum(reach / (self.radius.square * nodes.d), 1.0)
+        if self._weighted[0]:
+            self._weights = self._weights * closer
+            above_weights *= np.maximum(reach / (self.half * annulus.e), 1.0)
+        if self._weighted[1]:
+            self._shear_weights = self._shear_weights * closer
+        self._above_weights = above_weights
         extents = 0.5 * self.radius.square, 0.5 * self.half, 0.5 * self.half
+        parts = [
+            e * moments(p)[k] for e, p, k in zip(extents, self.panels, self._index, strict=True)
+        ]
         #: ``int p s ds``, ``int q ds`` of the disk, and ``int p ds`` of the annulus
-        parts = [e * moments(p)[k] for e, (p, k) in zip(extents, pairs, strict=True)]
-        self._load, self._pull = np.concatenate(parts), parts[0]
-        over = [
-            0.5 * self.half * moments(one.panels) @ m
-            for one, m in zip(self.families, self._over_s, strict=True)
-        ]
-        self._drag = np.concatenate(over)
-        self._lifted = self._slip_lift(parts, over)
-        index = self._index[0]
-        inner = inner_moments(self.panels[0], self.panels[0])[np.ix_(index, index)]
-        self._coupling = inner * (0.25 * c**4)
-        self._shear = 2.0 * np.pi * c**3 * (self._disk.nodes.weights * self._root) @ self._own
-        self._masses = [
-            e * one.mass(k, 1.0, 0.0) if one.power == 0.0 else np.zeros((len(k), len(k)))
-            for e, (one, k) in zip(extents, pairs, strict=True)
-        ]
-        self._shear_mass = c**4 * self.panels[0].mass(index, 0.5, -0.5)
+        self.load, self._pull = np.concatenate(parts), parts[0]
+        around_moments = 0.5 * self.half * np.concatenate([moments(above), moments(below)])
+        self._drag = self._over.after(around_moments[None, annulus.over])[0]
+        self.shear_moments = 2.0 * np.pi * c**3 * (nodes.weights * disk.root) @ disk.half
 
-    def _slip_lift(self, loads: list[Array], drags: list[Array]) -> Array:
-        """Return ``int_annulus p(eta) int_0^eta phi s ds deta`` for all phi and p."""
-        n = self._inside
-        lift = np.zeros((self.count, self.count))
-        middle = n + len(self._index[1])
-        lift[:n, n:] = np.outer(loads[0], self._drag)
-        lift[n:middle, middle:] = np.outer(loads[1], drags[1])
-        lift[middle:, middle:] = np.outer(loads[2], drags[1])
-        # in the half above the rim what lies deeper comes first, in the other half last
-        for k, (sign, block) in enumerate(((1.0, slice(n, middle)), (-1.0, slice(middle, None)))):
-            own = inner_moments(self.families[k].panels, self.families[k].panels)
-            inner = own[:, self._index[k + 1]].T @ self._over_s[k]
-            lift[block, block] += sign * 0.25 * self.half**2 * inner
-        return lift
+    def _far_fall(self, e: Array) -> Array:
+        """Return `far_fall` of the outer half, interpolated where it is a polynomial over e."""
+        below = self.panels[2]
+        form = below.panels, below.width, below.degree, below.power
+        values, near = np.empty((len(e), below.size)), e <= 1.0
+        values[~near] = far_fall(e[~near], *form)
+        nodes = (1.0 + FAR_NODES) / 2.0
+        fit = FAR_FIT @ (far_fall(nodes, *form) / nodes[:, None])
+        table = chebyshev.chebvander(2.0 * e[near] - 1.0, len(fit) - 1)
+        values[near] = e[near, None] * (table @ fit)
+        return values
 
-    def solve(
-        self,
-        alpha: float,
-        beta: float,
-        kappa: float,
-        friction: float,
-        size: Callable[[Array, Array, Array, Array], float],
-        tolerance: float,
-    ) -> Sliding:
-        """Solve for unit load.
+    # matrices
+
+    @cached_property
+    def _masses(self) -> tuple[list[Array], Array]:
+        """Masses of the pressure's parts, and of the traction."""
+        extents = 0.5 * self.radius.square, 0.5 * self.half, 0.5 * self.half
+        masses = [
+            e * p.mass(k, 1.0, 0.0) if p.power == 0.0 else np.zeros((len(k), len(k)))
+            for e, p, k in zip(extents, self.panels, self._index, strict=True)
+        ]
+        return masses, self.radius.value**4 * self.panels[0].mass(self._index[0], 0.5, -0.5)
+
+    def matrix(self, alpha: float, beta: float, kappa: float, friction: float) -> Array:
+        """Return the matrix of both equations; parameters are those of `factor`.
+
+        It is that of `residual` but for roundings.
+        """
+        n, c, scale = self.inside, self.radius.value, np.sqrt(self.half)
+        disk, annulus = self._inside, self._around
+        m = n + annulus.split
+        matrix = np.zeros((self.unknowns, self.unknowns))
+        tests = (
+            (np.hstack([c * disk.half, self._around_half]), self._weights, 0),
+            (scale * annulus.half, self._above_weights, n),
+            (scale * annulus.edge_half, self._below_weights, m),
+        )
+        tested = np.zeros(self.count)
+        # t I(t) at all nodes: of the disk, and of what lies inside on the annulus
+        t, _, falling = self._above
+        t_below, seen = self._below
+        of_disk = (
+            c**2 * disk.root[:, None] * (disk.rise + disk.start),
+            t[:, None] * (c * disk.start - falling),
+            t_below[:, None] * seen,
+        )
+        of_slip = None, t[:, None] * annulus.inner, t_below[:, None] * annulus.edge_inner
+        for (test, weights, start), stuck, slip in zip(tests, of_disk, of_slip, strict=True):
+            root = test * np.sqrt(weights)[:, None]
+            rows = slice(start, self.count)
+            matrix[rows, rows] += root.T @ root
+            weighted = (test * weights[:, None]).T
+            matrix[rows, self.count :] += 2.0 * kappa * (weighted @ stuck)
+            tested[rows] += weighted.sum(axis=1)
+            if slip is not None:
+                swept = self._over.after(weighted @ slip)
+                matrix[rows, n : self.count] += 2.0 * kappa * friction * scale * swept
+        pull = np.concatenate([friction * self._drag, self._pull])
+        matrix[: self.count, n:] -= np.outer(2.0 * kappa * tested, pull)
+        weighted = (disk.half * (c * self._shear_weights[:, None])).T
+        root = disk.root[:, None]
+        far = np.outer(self.nodes.d / (disk.root * (1.0 + disk.root)), disk.start)
+        matrix[self.count :, :n] = -2.0 * kappa * (weighted @ (disk.rise / root + far))
+        matrix[self.count :, n : self.count] = -friction * self._over.after(
+            weighted @ self._fall_over
+        )
+        matrix[self.count :, self.count :] = weighted @ (c * disk.half)
+        masses, shear_mass = self._masses
+        begin = 0
+        for mass in masses:
+            rows = slice(begin, begin + len(mass))
+            matrix[rows, rows] += alpha * mass
+            begin = rows.stop
+        matrix[self.count :, self.count :] += beta * shear_mass
+        return matrix
+
+    def balance(self, kappa: float, friction: float) -> Array:
+        """Return ``kappa R(c) - f int_c^1 p ds / sqrt(s^2 - c^2)`` as a functional of vectors."""
+        row = np.zeros(self.unknowns)
+        row[: self.inside] = 2.0 * kappa * self._inside.start
+        row[self.inside : self.count] = (
+            -friction * self._over.after(self._at_rim[None, self._around.over])[0]
+        )
+        return row
+
+    def from_disk(self, points: Points, own: Array) -> Array:
+        """Return ``int_0^c s p ds / sqrt(t^2 - s^2)`` outside the disk, for columns."""
+        panels = self.panels[0]
+        depth = -points.before(self.radius) / self.radius.square
+        values = beyond(depth, panels.panels, panels.width, panels.degree) @ own
+        return np.asarray(self.radius.value * values)
+
+    def from_annulus(self, points: Points, around: Array) -> tuple[Array, Array]:
+        """Return what the pressure of the annulus contributes outside the disk.
+
+        Parameters
+        ----------
+        points : Points
+        around : ndarray
+            Coefficients in the whole bases of its halves, columns.
+
+        Returns
+        -------
+        inner, halves : ndarray
+            ``int_c^t s p ds / sqrt(t^2 - s^2)`` and ``int_t^1 p ds / sqrt(s^2 - t^2)``.
+        """
+        inner = np.hstack([one.inner_integral(points) for one in self.families]) @ around
+        halves = np.hstack([one.half_integral(points) for one in self.families])
+        over = self._over.of(around[self._around.index])
+        return inner, halves[:, self._around.over] @ over
+
+    def factor(self, alpha: float, beta: float, kappa: float, friction: float) -> SlidingFactored:
+        """Factor the system.
 
         Parameters
         ----------
@@ -211,160 +296,142 @@ class SlidingDisk:
             The coupling.
         friction : float
             ``q/p`` on the annulus.
-        size : callable
-            How large a change on the disk is: of the coefficients of p, u, and their changes.
-        tolerance : float
-            Corrections end where less than a share of this is left.
         """
-        n, count = self._inside, self.count
-        ends = np.cumsum([0, *map(len, self._index)])
-        matrix = np.empty((count + n, count + n))
-        matrix[:count, :count] = self._gram - kappa * friction * self._lifted
-        for mass, a, b in zip(self._masses, ends[:-1], ends[1:], strict=True):
-            matrix[a:b, a:b] += alpha * mass
-        matrix[:count, count:] = matrix[count:, :count] = 0.0
-        matrix[:n, count:] = -kappa * self._coupling
-        matrix[count:, :n] = -kappa * self._coupling.T
-        matrix[count:, n:count] = friction * self._shear_by
-        matrix[count:, count:] = self._shear_gram + beta * self._shear_mass
-        scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
-        factor = lu_factor(matrix * scale * scale[:, None], overwrite_a=True, check_finite=False)
+        return SlidingFactored(self, alpha, beta, kappa, friction)
 
-        def step(right: Array) -> Array:
-            return np.asarray(lu_solve(factor, right * scale, check_finite=False) * scale)
+    def misfit(
+        self, values: Array, kappa: float, friction: float, approach: Array, lift: Array
+    ) -> tuple[Array, Array, Array, Array]:
+        """Return W on the disk, above its rim and below the edge, and E on the disk, at the nodes.
 
-        values = step(np.concatenate([self._load, np.zeros(n)]))
-        before, left, parts = np.inf, np.inf, (slice(0, n), slice(count, None))
-        for _ in range(_CORRECTIONS):
-            change = step(self._residual(values, alpha, beta, kappa, friction))
-            values += change
-            disk = [self._full(one[part], 0) for one in (values, change) for part in parts]
-            moved = size(*disk)
-            left = moved * max(0.01, min(moved / before, 1.0))
-            before = moved
-            if left < 0.02 * tolerance:
-                break
-        approach = 1.0 / (2.0 * np.pi * float(self._load @ values[:count]))
-        values *= approach
-        slip = 2.0 * np.pi * friction * float(self._load[n:] @ values[n:count])
-        held, inner, outer = (self._full(values[a:b], k) for k, (a, b) in enumerate(pairwise(ends)))
-        shear = float(self._shear @ values[count:]) + slip
-        return Sliding(approach, shear, held, inner, outer, self._full(values[count:], 0), left)
+        Parameters
+        ----------
+        values : ndarray, shape (unknowns, k)
+        kappa, friction : float
+        approach, lift : ndarray, shape (k,)
+            delta, and ``E(c)``.
+        """
+        n, c, disk, annulus = self.inside, self.radius.value, self._inside, self._around
+        p, slipping, u = values[:n], values[n : self.count], values[self.count :]
+        scale, over = np.sqrt(self.half), self._over.of(slipping)
+        start_u, start_p = disk.start @ u, disk.start @ p
+        pull = self._pull @ u + friction * (self._drag @ slipping)
+        bearing = self._at_rim[annulus.index] @ slipping
+        at_rim = 2.0 * approach + kappa * 2.0 * (pull - c**2 * start_u) - bearing
+        d, root = self.nodes.d[:, None], disk.root[:, None]
+        swept = root * (disk.rise @ u) - start_u * (d / (1.0 + root))
+        within = at_rim - 2.0 * kappa * c**2 * swept - c * (disk.half @ p)
+        within += self._fall @ slipping
+        drive = (disk.rise @ p) / root + start_p * (d / (root * (1.0 + root)))
+        lacking = lift + 2.0 * kappa * drive + friction * (self._fall_over @ over)
+        lacking -= c * (disk.half @ u)
+        t, step, falling = self._above
+        t, step = t[:, None], step[:, None]
+        swept = friction * scale * (annulus.inner @ over[: annulus.inner.shape[1]]) - falling @ u
+        above = at_rim - 2.0 * kappa * (t * swept + step * (c * start_u))
+        above -= scale * (annulus.rise @ slipping)
+        t, seen = self._below
+        swept = t[:, None] * (seen @ u + friction * scale * (annulus.edge_inner @ over))
+        below = at_rim - 2.0 * kappa * (swept - c**2 * start_u) + bearing
+        below -= scale * (annulus.edge_half @ slipping[annulus.split :])
+        return within, above, below, lacking
 
-    def _residual(
-        self, values: Array, alpha: float, beta: float, kappa: float, friction: float
+    def residual(
+        self,
+        values: Array,
+        alpha: float,
+        beta: float,
+        kappa: float,
+        friction: float,
+        approach: Array,
+        lift: Array,
     ) -> Array:
-        """Return what both equations miss, for unit approach, tested with all functions."""
-        n, count, c = self._inside, self.count, self.radius.value
-        p, u = values[:count], values[count:]
-        pull = 2.0 * float(self._pull @ u + friction * (self._drag @ p[n:]))
-        inner = 2.0 * c**2 * self._root * self._disk.outer(self._full(u, 0))
-        missed = 2.0 + kappa * (pull - inner) - self._normal @ p
-        normal = (self._weights * missed) @ self._normal
-        for t, weights, plain, disk, over in self._outside:
-            inner = 2.0 * t * (disk @ u + friction * (over @ p[n:]))
-            missed = 2.0 + kappa * (pull - inner) - plain @ p[n:]
-            normal[n:] += (weights * missed) @ plain
-        ends = np.cumsum([0, *map(len, self._index)])
-        for mass, a, b in zip(self._masses, ends[:-1], ends[1:], strict=True):
-            normal[a:b] -= alpha * (mass @ p[a:b])
-        drive = 2.0 / self._root * self._disk.outer(self._full(p[:n], 0))
-        missed = kappa * drive - c * (self._own @ u) - friction * (self._tangential @ p[n:])
-        weights = self._weights * self.radius.square * self._root**2
-        tangential = c * ((weights * missed) @ self._own) - beta * (self._shear_mass @ u)
-        return np.concatenate([normal, tangential])
+        """Return what both equations miss, tested with all functions; see `misfit`."""
+        n, scale = self.inside, np.sqrt(self.half)
+        disk, annulus = self._inside, self._around
+        m = n + annulus.split
+        within, above, below, lacking = self.misfit(values, kappa, friction, approach, lift)
+        missed = np.zeros_like(values)
+        within *= self._weights[:, None]
+        above *= scale * self._above_weights[:, None]
+        below *= scale * self._below_weights[:, None]
+        lacking *= self.radius.value * self._shear_weights[:, None]
+        missed[:n] = self.radius.value * (disk.half.T @ within)
+        missed[n : self.count] = self._around_half.T @ within + annulus.half.T @ above
+        missed[m : self.count] += annulus.edge_half.T @ below
+        missed[self.count :] = disk.half.T @ lacking
+        masses, shear_mass = self._masses
+        if alpha:
+            start = 0
+            for mass in masses:
+                rows = slice(start, start + len(mass))
+                missed[rows] -= alpha * (mass @ values[rows])
+                start = rows.stop
+        if beta:
+            missed[self.count :] -= beta * (shear_mass @ values[self.count :])
+        return missed
 
-    def displacement(
-        self, solution: Sliding, beta: float, kappa: float, friction: float
-    ) -> tuple[LogSeries, LogSeries]:
-        """Return s times the radial displacement of the annulus, as series to both its ends.
 
-        With ``E = kappa R - G`` it is ``beta s q - (1/pi) int_0^s t^2 E dt / sqrt(s^2 - t^2)``.
+class SlidingFactored:
+    """Partial slip with coupling in one space, factored."""
+
+    def __init__(
+        self, disk: SlidingDisk, alpha: float, beta: float, kappa: float, friction: float
+    ) -> None:
+        self.disk = disk
+        self.parameters = alpha, beta, kappa, friction
+        matrix = disk.matrix(alpha, beta, kappa, friction)
+        self.scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
+        matrix *= self.scale
+        matrix *= self.scale[:, None]
+        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
+
+    def step(self, right: Array, *, transposed: bool = False) -> Array:
+        """Return the solution as factored, of right-hand sides as columns."""
+        scale = self.scale[:, None]
+        step = lu_solve(self._factor, right * scale, trans=int(transposed), check_finite=False)
+        return np.asarray(step * scale)
+
+    def start(self) -> Array:
+        """Return the solutions for unit approach and, with compliance, for a unit lift.
+
+        They are columns, and not corrected.
         """
-        plain = Annulus(self.radius, EDGE, *(replace(one, power=0.0) for one in self.panels[1:]))
-        own, lacking, slipping = self.panels[0], [], []
-        for family in plain.families:
-            points = family.sampling()
-            depth = -points.before(self.radius) / self.radius.square
-            disk = self.radius.value * beyond(depth, own.panels, own.width, own.degree)
-            inner, halves = disk @ solution.disk, np.zeros(len(depth))
-            pieces = zip(self.families, (solution.inner, solution.outer), strict=True)
-            for k, (source, values) in enumerate(pieces):
-                used = values[self._index[k + 1]]
-                inner = inner + source.inner_integral(points) @ values
-                halves += source.half_integral(points) @ (self._over_s[k] @ used)
-            t = np.sqrt(points.z)
-            # t E; the displacement has it in the measure dz / 2 = t dt
-            lacking.append(2.0 * kappa * inner - friction * t * halves)
-            slipping.append(t)
-        moved = plain.own_inner_integral(plain.expand(lacking))
-        stuck = self._lacking_in_stick(solution, kappa, friction)
-        for part, family in zip(
-            np.split(moved, [plain.sampling_split]), plain.families, strict=True
-        ):
-            depth = -family.sampling().before(self.radius) / self.radius.square
-            disk = beyond(depth, own.panels, own.width, own.degree)
-            part += self.radius.value * (disk @ stuck)
-        moved /= -np.pi
-        parts = np.split(moved, [plain.sampling_split])
-        if beta > 0.0:
-            own_parts = zip(self.panels[1:], (solution.inner, solution.outer), strict=True)
-            for part, t, (panels, values) in zip(parts, slipping, own_parts, strict=True):
-                d = np.concatenate([np.exp(-panels.sampling()).ravel(), panels.tail_sampling()])
-                part += beta * friction * t * _series(panels, values)(d)
-        first, second = (
-            family.series(family.expand(part))
-            for family, part in zip(plain.families, parts, strict=True)
-        )
-        return first, second
+        columns = 2 if self.parameters[1] else 1
+        return self.correction(np.zeros((self.disk.unknowns, columns)))
 
-    def _lacking_in_stick(self, solution: Sliding, kappa: float, friction: float) -> Array:
-        """Return coefficients of ``t E`` on the disk, where it balances ``beta q``."""
-        own, c = self.panels[0], self.radius.value
-        at = transforms(own)
-        root = np.sqrt(1.0 - at.distances)
-        _, over = self._halves(Points(self.radius, -self.radius.square * at.distances))
-        slipping = (solution.inner, solution.outer)
-        used = np.concatenate([v[k] for v, k in zip(slipping, self._index[1:], strict=True)])
-        drive = 2.0 / root * at.outer(solution.disk)
-        half = c * at.deeper(solution.traction) + friction * (over @ used)
-        series = sampled_series(own, c * root * (kappa * drive - half))
-        table = series.coefficients[:, : own.degree + 1]
-        return np.concatenate([table.ravel(), series.tail[: own.tail_terms]])
+    def correction(self, values: Array, disk: SlidingDisk | None = None) -> Array:
+        """Return by how much the solutions are off, from their misfits.
 
-    def _full(self, values: Array, part: int) -> Array:
-        """Return coefficients in the whole basis of one of the panels."""
-        full = np.zeros(self.panels[part].size)
-        full[self._index[part]] = values
-        return full
+        Parameters
+        ----------
+        values : ndarray
+            As `start` returns them.
+        disk : SlidingDisk, optional
+            Another disk, hardly larger or smaller, whose solutions they are.
+        """
+        disk = disk or self.disk
+        columns = np.eye(2)[:, : values.shape[1]]
+        return self.step(disk.residual(values, *self.parameters, columns[0], columns[1]))
 
+    def change(self, values: Array, disk: SlidingDisk | None = None) -> list[Array]:
+        """Return what the top two degrees of every panel, and the top one, contribute.
 
-def _series(panels: LogPanels, values: Array) -> LogSeries:
-    table = values[: -panels.tail_terms].reshape(panels.panels, -1)
-    return LogSeries(table, values[-panels.tail_terms :], panels.width, panels.power)
-
-
-def _index(panels: LogPanels, degrees: tuple[int, ...]) -> NDArray[np.int_]:
-    """Return the functions up to these degrees, and the tail."""
-    terms = panels.degree + 1
-    used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
-    return np.concatenate([*used, np.arange(panels.panels * terms, panels.size)])
-
-
-def _over_radius(family: Family) -> Array:
-    """Return the matrix from the coefficients of a function to those of it over s."""
-    panels = family.panels
-    terms, points = panels.degree + 1, panels.degree + 11
-    expand = legendre_expansion_matrix(points, panels.degree)
-    g, _ = gauss_rule(points)
-    values = legendre_values(g, panels.degree)
-    matrix = np.zeros((panels.size, panels.size))
-    x = panels.sampling(points)
-    for j in range(panels.panels):
-        rows = slice(j * terms, (j + 1) * terms)
-        s = np.sqrt(family.points(np.exp(-x[j])).z)
-        matrix[rows, rows] = expand @ (values / s[:, None])
-    tail = slice(panels.panels * terms, None)
-    s = np.sqrt(family.points(np.array([panels.end / 2.0])).z)  # the same to rounding
-    matrix[tail, tail] = np.eye(panels.tail_terms) / s
-    return matrix
+        They are the differences to the solutions without them, as columns.
+        """
+        disk = disk or self.disk
+        both, top = disk.shed
+        right = np.zeros((disk.unknowns, len(both)))
+        right[both, np.arange(len(both))] = 1.0
+        response = self.step(right)
+        changes = []
+        for shed in (both, top):
+            columns = response[:, np.isin(both, shed)]
+            own = columns[shed] / self.scale[shed, None] / self.scale[shed]
+            forces = np.linalg.solve(own, values[shed] / self.scale[shed, None])
+            forces /= self.scale[shed, None]
+            change, nothing = columns @ forces, np.zeros(values.shape[1])
+            missed = disk.residual(change, *self.parameters, nothing, nothing)
+            missed[shed] += forces
+            changes.append(change + self.step(missed))
+        return changes

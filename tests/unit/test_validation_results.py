@@ -32,6 +32,7 @@ def record(study):
         ("bad_inputs", "cases", 10_000),
         ("bounds", "count", 30),
         ("costs", "count", 198),
+        ("coupled_slip_honesty", "scenes", 120),
         ("coupling", "count", 450),
         ("hard_cases", "count", 19),
         ("honesty", "scenes", 10_000),
@@ -49,6 +50,11 @@ def test_results_are_fresh_and_of_full_size(study, counted, least):
     assert found["library"] == __version__
     assert found[counted] >= least
     assert (RESULTS / f"{study}.md").read_text(encoding="utf-8").startswith(str(found[counted]))
+
+
+def test_no_estimate_of_coupled_slip_was_too_small():
+    rows = record("coupled_slip_honesty")["rows"]
+    assert max(ratio for row in rows for ratio in row.get("ratios", {}).values()) <= 1.0
 
 
 def test_some_truths_of_the_honesty_study_have_twenty_digits():

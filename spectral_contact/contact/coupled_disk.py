@@ -1,0 +1,352 @@
+r"""Elastic coupling with one central stick disk and slip from its rim to the edge.
+
+Pressure and traction are unknown together. For a given radius the system is linear in the value
+``m`` at the rim of what the half-integral of the traction lacks. Continuity, (5.9), gives the m
+that the disk needs, and the radius is the root of ``kappa R(c) - f P(c) - m``: as without coupling,
+see `one_disk`, and with the same differences, in which nothing cancels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise
+from math import ceil, inf, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.coupled_trial import CoupledTrial
+from spectral_contact.contact.resolution import (
+    LEAST_RATE,
+    ROUNDING,
+    SAFETY,
+    TRACTION_ROUNDING,
+    boundary_error,
+    decay_rates,
+    expected_error,
+    series_of,
+    share_of_change,
+    starting_resolution,
+)
+from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
+from spectral_contact.contact.stick_radius import polished_root, root_near
+from spectral_contact.fields import EDGE, LogSeries, Radius
+from spectral_contact.spectral.annulus import Points, gap
+from spectral_contact.spectral.sliding import SlidingDisk, SlidingFactored
+
+__all__ = ["LEADING", "CoupledDisk", "solve_coupled_disk"]
+
+Array = NDArray[np.float64]
+
+#: Tolerance of the spaces in which the radius is bracketed, and how well it is known then.
+_ROUGH, _SETTLED = 1e-3, 1e-3
+#: Most corrections, the share of its step that one leaves at least, and from which share on it is
+#: the factor or rounding that is not good enough.
+_CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
+#: A correction that is smaller and does not fall any more is rounding.
+_ROUNDED = 1e-9
+#: Rounding of a radius next to the rim, closer to which nothing can be asked; panels go deeper by
+#: this in ``-ln d``, as where they end is felt for a while.
+_CLOSEST, _DEEPER = 2.2e-16, 10.0
+#: Depth in ``-ln y``, past the layer, from which a singular pressure is a power of y, to 1e-13.
+LEADING = 30.0
+#: A step of the radius, as a logit, that is left out: its fields are not solved for again.
+_UNFELT = 1e-13
+#: Degrees that the first panels have more, over ``-ln`` of the tolerance, measured: the far end of
+#: the annulus is a singularity ln 2 before them.
+_FIRST_INSIDE, _FIRST_AROUND = (0.2, 0.08), (0.4, 0.08)
+
+
+@dataclass(frozen=True, slots=True)
+class CoupledDisk:
+    """Coupled partial slip with one stick disk, for unit load.
+
+    Attributes
+    ----------
+    radius : Radius
+        ``c*``.
+    approach, total_shear : float
+        ``delta*`` and ``Q*``.
+    disk : SlidingDisk
+        The operators.
+    parts : tuple of ndarray
+        Coefficients of p on the disk, above its rim and below the edge, and of q/s on the disk.
+    change : tuple of ndarray
+        What the top two degrees of every panel contribute to them.
+    series : tuple of LogSeries
+        The parts as functions.
+    stuck : Stuck
+        Quadrature of ``t^2 E dt`` over the disk, for the displacement outside it.
+    approach_error, shear_error, pressure_error, traction_error : float
+        Estimates of relative errors; those of the fields are pointwise.
+    radius_error, edge_error : float
+        Of ``c`` and of ``1 - c``.
+    stray : float
+        Estimate of the largest error of E.
+    """
+
+    radius: Radius
+    approach: float
+    total_shear: float
+    disk: SlidingDisk
+    parts: tuple[Array, Array, Array, Array]
+    change: tuple[Array, Array, Array, Array]
+    series: tuple[LogSeries, ...]
+    stuck: Stuck
+    approach_error: float
+    shear_error: float
+    pressure_error: float
+    traction_error: float
+    radius_error: float
+    edge_error: float
+    stray: float
+
+
+class _CoupledDiskProblem:
+    """Spaces for the disk and the annulus; the radius is found anew in each of them."""
+
+    def __init__(
+        self,
+        alpha: float,
+        beta: float,
+        kappa: float,
+        friction: float,
+        tolerance: float,
+        guess: float,
+    ) -> None:
+        self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
+        self.tolerance = tolerance
+        self.logit, self.slope = root_near(self._rough_mismatch, guess, 1.0, _SETTLED)
+        # the radius superconverges: a space for half the digits has nearly all of its
+        halfway = sqrt(tolerance)
+        if halfway < 0.1 * _ROUGH:
+            self._root(self._spaces(Radius.from_logit(self.logit), halfway), halfway)
+
+    def _rough_mismatch(self, logit: float) -> float:
+        """Return the mismatch in a small space."""
+        spaces = self._spaces(Radius.from_logit(logit), _ROUGH)
+        return self._trial(spaces, logit, _ROUGH).mismatch
+
+    # spaces
+
+    def _layer(self, extent: float) -> float:
+        """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
+        widths = [c / extent for c in (self.alpha, self.beta) if c > 0.0]
+        return -log(min([1.0, *widths]))
+
+    def _spaces(self, radius: Radius, tolerance: float) -> list[Resolution]:
+        """Return the first spaces on the disk, above its rim, and below the edge."""
+        half = gap(radius, EDGE) / 2.0
+        rate = 1.0 if min(self.alpha, self.beta) > 0.0 else 0.5
+        apart = abs(log(half / radius.square))
+        smooth = self.alpha == 0.0
+        spaces = []
+        for extent, other in ((radius.square, half), (half, radius.square)):
+            layer = max(self._layer(extent), apart if extent > other else 0.0)
+            space = starting_resolution(layer, tolerance, rate=rate)
+            if not smooth:
+                deepest = _DEEPER - log(_CLOSEST * min(radius.square, radius.rest) / extent)
+                count = min(space.panels.panels, ceil(deepest / space.panels.width))
+                panels = replace(space.panels, panels=count)
+                space = Resolution(panels, space.degrees[:count])
+            spaces.append(space)
+        layer = max(self._layer(half), LEADING if smooth else 0.0)
+        edge = starting_resolution(layer, tolerance, power=-0.5 if smooth else 0.0)
+        return [*spaces, edge]
+
+    def start(self) -> Resolution:
+        """Return the first space: the panels of the disk, then those of the annulus."""
+        spaces = self._spaces(Radius.from_logit(self.logit), self.tolerance)
+        digits = -log(self.tolerance)
+        for k, shares in enumerate((_FIRST_INSIDE, _FIRST_AROUND, _FIRST_AROUND)):
+            more = [ceil(share * digits) for share in shares]
+            degrees = spaces[k].degrees
+            raised = [n + extra for n, extra in zip(degrees, more, strict=False)]
+            spaces[k] = replace(spaces[k], degrees=(*raised, *degrees[len(raised) :]))
+        self._counts = [one.panels.panels for one in spaces]
+        degrees = tuple(n for one in spaces for n in one.degrees)
+        capacity = 4 * ceil((max(degrees) + 4) / 4)
+        return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
+
+    def _split(self, resolution: Resolution) -> list[Resolution]:
+        """Separate the panels of the disk and of both halves of the annulus."""
+        spaces = []
+        bounds = accumulate(self._counts, initial=0)
+        powers = 0.0, 0.0, -0.5 if self.alpha == 0.0 else 0.0
+        for (a, b), power in zip(pairwise(bounds), powers, strict=True):
+            panels = replace(resolution.panels, panels=b - a, power=power)
+            spaces.append(Resolution(panels, resolution.degrees[a:b]))
+        return spaces
+
+    # solutions
+
+    def _trial(
+        self,
+        spaces: list[Resolution],
+        logit: float,
+        tolerance: float,
+        like: CoupledTrial | None = None,
+    ) -> CoupledTrial:
+        """Solve at one radius; the factors of a like one serve as long as they do."""
+        disk = SlidingDisk(
+            Radius.from_logit(logit),
+            (spaces[0].panels, spaces[1].panels, spaces[2].panels),
+            (spaces[0].degrees, spaces[1].degrees, spaces[2].degrees),
+            (self.alpha == 0.0, self.beta == 0.0),
+        )
+        if like is not None:
+            trial, settled = self._corrected(disk, like.factored, like.values, tolerance)
+            if settled:
+                return trial
+        factored = disk.factor(self.alpha, self.beta, self.kappa, self.friction)
+        return self._corrected(disk, factored, factored.start(), tolerance)[0]
+
+    def _corrected(
+        self, disk: SlidingDisk, factored: SlidingFactored, values: Array, tolerance: float
+    ) -> tuple[CoupledTrial, bool]:
+        """Correct solutions; return whether rounding or a share of the tolerance is left."""
+        own, before, size = factored.disk is disk, inf, inf
+        for _ in range(_CORRECTIONS):
+            change = factored.correction(values, disk)
+            values = values + change
+            trial = CoupledTrial(disk, factored, values, 0.0)
+            shares = self._shares(trial, trial.combined(change, trial.lift), trial.solution)
+            before, size = size, max(float(one.max()) for one in shares)
+            left = size * max(_LEFT, min(size / before, 1.0))
+            rounded = size < _ROUNDED
+            if left < max(1e-2 * tolerance, ROUNDING):
+                break
+            if size > _SLOW * before and (rounded or not own):
+                break
+        return CoupledTrial(disk, factored, values, left), own or rounded
+
+    def _shares(self, trial: CoupledTrial, change: Array, size: Array) -> list[Array]:
+        """Return a change of p and of q/s on every panel, relative to their sizes there."""
+        disk, shares = trial.disk, []
+        pairs = zip(disk.split(change), disk.split(size), strict=True)
+        for k, (moved, values) in zip((0, 1, 2, 0), pairs, strict=True):
+            panels = disk.panels[k]
+            share = share_of_change(panels, moved, series_of(panels, values).at_ends())
+            x = panels.width * np.arange(panels.panels)
+            if panels.power != 0.0:  # by what is felt of it
+                share *= np.exp(-np.maximum(x - LEADING, 0.0))
+            elif k < 2:  # not closer to the rim than a radius is known
+                closest = _CLOSEST * min(disk.radius.square, disk.radius.rest)
+                share[x > -log(closest / (disk.radius.square, disk.half)[k])] = 0.0
+            shares.append(share)
+        return shares
+
+    def _root(self, spaces: list[Resolution], tolerance: float) -> CoupledTrial:
+        """Find the radius in given spaces; return the contact there."""
+        trials: list[tuple[float, CoupledTrial]] = []
+
+        def mismatch(logit: float) -> float:
+            like = trials[-1][1] if trials else None
+            trials.append((logit, self._trial(spaces, logit, tolerance, like)))
+            return trials[-1][1].mismatch
+
+        self.logit, self.slope = polished_root(mismatch, self.logit, self.slope)
+        (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
+        self.off = abs(self.logit - last)
+        if self.off <= _UNFELT * max(1.0, abs(last)):
+            return second
+        # what is linear in the last two trials is right to the product of the steps
+        share = (self.logit - last) / (last - before) if last != before else 0.0
+        like = CoupledTrial(second.disk, second.factored, second.toward(first, share), 0.0)
+        self.off = 0.0
+        return self._trial(spaces, self.logit, tolerance, like)
+
+    def attempt(self, resolution: Resolution) -> Attempt[CoupledDisk]:
+        spaces = self._split(resolution)
+        return self._assess(spaces, self._root(spaces, self.tolerance))
+
+    def _assess(self, spaces: list[Resolution], trial: CoupledTrial) -> Attempt[CoupledDisk]:
+        """Turn the final trial into a solution with its errors."""
+        disk = trial.disk
+        radius = disk.radius
+        whole = trial.solution * trial.approach
+        parts = disk.split(whole)
+        changes = trial.factored.change(trial.values, disk)
+        effects = [trial.moved(one) for one in changes]
+        moved = [trial.approach * one for one, _, _ in effects]
+        spaces = [*spaces, spaces[0]]
+        rates = [decay_rates(space, part) for space, part in zip(spaces, parts, strict=True)]
+        shares = self._shares(trial, moved[0], whole)
+        expected = [expected_error(*pair) for pair in zip(shares, rates, strict=True)]
+        worst = [float(one.max()) for one in expected]
+        pressure_error = max(worst[:3]) + trial.left + 20.0 * ROUNDING
+        traction_error = max(worst[1:]) + trial.left + TRACTION_ROUNDING
+        error = max(pressure_error, traction_error)
+        # what superconverges may change little by accident, but hardly against the square
+        squared = error**2
+        shear = trial.shear(whole)
+        sheared = max(abs(trial.shear(one)) for one in moved) / shear
+        noise = 40.0 * ROUNDING + trial.left * 1e-2
+        kept = 2.0 * SAFETY * LEAST_RATE
+        shift = kept * max(abs(mismatch) for _, mismatch, _ in effects) + squared + noise
+        shift = shift / abs(self.slope) + float(np.finfo(float).eps) * abs(self.logit) + self.off
+        points = Points(radius, -radius.square * disk.nodes.d)
+        weights = radius.value**3 * disk.nodes.weights * disk.nodes.rest
+        whole_misfit = trial.lacking(whole, trial.approach)
+        stuck, lost = (
+            Stuck(radius, ((points, weights * one),))
+            for one in (whole_misfit, trial.lacking(moved[0], 0.0))
+        )
+        value = CoupledDisk(
+            radius,
+            trial.approach,
+            shear,
+            disk,
+            parts,
+            disk.split(moved[0]),
+            tuple(series_of(space.panels, part) for space, part in zip(spaces, parts, strict=True)),
+            stuck,
+            max(abs(raised) for _, _, raised in effects) + squared + noise,
+            sheared + squared + noise + 2.0 * shift**2 * radius.rest,
+            pressure_error,
+            traction_error,
+            *boundary_error(shift, radius),
+            SAFETY * largest_displacement([lost], radius, EDGE),
+        )
+        indicators = np.concatenate([np.maximum(expected[0], expected[3]), *expected[1:3]])
+        rate = np.concatenate([np.maximum(rates[0], rates[3]), *rates[1:3]])
+        return Attempt(value, error, indicators, rate, disk.unknowns)
+
+
+def solve_coupled_disk(
+    alpha: float,
+    beta: float,
+    kappa: float,
+    friction: float,
+    tolerance: float,
+    max_unknowns: int,
+    guess: float,
+) -> Refinement[CoupledDisk]:
+    """Solve coupled partial slip under the assumption of one central stick disk.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        ``alpha*`` and ``beta*``, 0 or positive.
+    kappa, friction : float
+        The coupling, positive, and Coulomb's coefficient.
+    tolerance : float
+        Bound on the relative errors of both fields, pointwise.
+    max_unknowns : int
+        Most unknowns of a space.
+    guess : float
+        First guess of ``ln(c**2/(1 - c**2))``.
+
+    Returns
+    -------
+    Refinement
+        Whether the assumption holds is for the caller to check.
+
+    Raises
+    ------
+    NoStickDiskError
+        If no radius makes the traction continuous.
+    """
+    problem = _CoupledDiskProblem(alpha, beta, kappa, friction, tolerance, guess)
+    return refine(problem, tolerance, max_unknowns // 2)

@@ -1,0 +1,155 @@
+"""Transforms of a stick disk and of the annulus around it, at their own nodes, in scaled units.
+
+They depend on the panels and degrees alone, for which they are kept. Next to the rim an integral is
+its value there and a difference, in which nothing cancels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.abel import beyond, deeper, far_fall, outer, rise
+from spectral_contact.spectral.annulus import Family
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.galerkin import disk_operators
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Around", "Inside", "OverRadius", "around", "inside"]
+
+Array = NDArray[np.float64]
+Degrees = tuple[int, ...]
+
+#: Degrees that ``p / s`` has more than p.
+_SPARE = 4
+
+_INSIDE: BoundedCache[tuple[LogPanels, Degrees], Inside] = BoundedCache("sliding disks", 12)
+_AROUND: BoundedCache[tuple[LogPanels, LogPanels, Degrees, Degrees], Around] = BoundedCache(
+    "sliding annuli", 8
+)
+#: Distances, in units of the extent of the panels, up to which a difference is taken as such.
+_NEAR = 0.5
+
+
+def inside(panels: LogPanels, degrees: Degrees) -> Inside:
+    """Return the transforms of a disk (cached)."""
+    return _INSIDE.get((panels, degrees), lambda: Inside(panels, degrees))
+
+
+def around(above: LogPanels, below: LogPanels, first: Degrees, second: Degrees) -> Around:
+    """Return the transforms of an annulus (cached), from its inner end and below the edge."""
+    key = above, below, first, second
+    return _AROUND.get(key, lambda: Around(above, below, (first, second)))
+
+
+class Inside:
+    """Transforms of a disk at its own nodes, in units of its radius, of the functions in use."""
+
+    def __init__(self, panels: LogPanels, degrees: Degrees) -> None:
+        form = panels.panels, panels.width, panels.degree
+        disk = disk_operators(panels)
+        self.index = _used_functions(panels, degrees)
+        self.nodes, self.root = disk.nodes, np.sqrt(disk.nodes.rest)
+        self.half = disk.half_integral[:, self.index]
+        #: outer integrals at the rim, and by how much they are more at the nodes
+        self.start = beyond(np.zeros(1), *form)[0][self.index]
+        self.rise = rise(disk.nodes.d, *form)[:, self.index]
+
+
+class Around:
+    """Transforms of an annulus at its own nodes, in units of half its extent.
+
+    Those of tractions have the functions in which ``p / s`` is expanded, see `OverRadius`.
+    """
+
+    def __init__(
+        self, inner: LogPanels, outside: LogPanels, degrees: tuple[Degrees, Degrees]
+    ) -> None:
+        first = inner.panels, inner.width, inner.degree
+        second = outside.panels, outside.width, outside.degree
+        singular = (*second, outside.power)
+        self.split = len(_used_functions(inner, degrees[0]))
+        self.index = np.concatenate(
+            [_used_functions(inner, degrees[0]), _used_functions(outside, degrees[1]) + inner.size]
+        )
+        used, last = self.index, self.index[self.split :] - inner.size
+        more = [_finer(n, p) for n, p in zip(degrees, (inner, outside), strict=True)]
+        first_over = _used_functions(inner, more[0])
+        self.over = np.concatenate([first_over, _used_functions(outside, more[1]) + inner.size])
+        self.e, self.weights = inner.distance_nodes(mirrored=True)
+        self.d, self.edge_weights = outside.distance_nodes(mirrored=False)
+        #: half-integrals at the rim, at the nodes above it, and by how much they are more there
+        at_rim = [beyond(np.zeros(1), *first)[0], deeper(np.array([2.0]), *singular)[0]]
+        self.at_rim = np.concatenate(at_rim)
+        half = np.hstack([outer(self.e, *first), deeper(2.0 - self.e, *singular)])
+        higher, near = half - self.at_rim, self.e <= _NEAR
+        higher[near, : inner.size] = rise(self.e[near], *first)
+        higher[near, inner.size :] = -far_fall(-self.e[near], *singular)
+        self.half, self.rise = half[:, used], higher[:, used]
+        #: ``int_c^t . ds / sqrt(t^2 - s^2)`` above the rim
+        self.inner = deeper(self.e, *first)[:, first_over]
+        #: both integrals below the edge, one of the outer half alone, the other of both
+        self.edge_half = deeper(self.d, *singular)[:, last]
+        inner_integrals = deeper(2.0 - self.d, *first), outer(self.d, *singular)
+        self.edge_inner = np.hstack(inner_integrals)[:, self.over]
+
+
+def _used_functions(panels: LogPanels, degrees: Degrees) -> NDArray[np.int_]:
+    """Return the functions up to these degrees, and the tail."""
+    terms = panels.degree + 1
+    used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
+    return np.concatenate([*used, np.arange(panels.panels * terms, panels.size)])
+
+
+def _finer(degrees: Degrees, panels: LogPanels) -> Degrees:
+    """Return the degrees of a function over s."""
+    return tuple(min(n + _SPARE, panels.degree) for n in degrees)
+
+
+class OverRadius:
+    """The map from the coefficients of a pressure on an annulus to those of it over s.
+
+    It takes the functions in use to those of some degrees more, panel by panel.
+    """
+
+    def __init__(self, families: Sequence[Family], degrees: Sequence[Degrees]) -> None:
+        self._blocks: list[tuple[slice, slice, Array]] = []
+        row = column = 0
+        for family, used in zip(families, degrees, strict=True):
+            panels = family.panels
+            points = panels.degree + 11
+            expand = legendre_expansion_matrix(points, panels.degree)
+            values = legendre_values(gauss_rule(points)[0], panels.degree)
+            s = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
+            blocks = [
+                expand[: more + 1] @ (values[:, : n + 1] / one[:, None])
+                for one, n, more in zip(s, used, _finer(used, panels), strict=True)
+            ]
+            # on the tail s is the same to rounding
+            at_end = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))
+            blocks.append(np.eye(panels.tail_terms) / at_end)
+            for block in blocks:
+                rows, columns = block.shape
+                self._blocks.append(
+                    (slice(row, row + rows), slice(column, column + columns), block)
+                )
+                row, column = row + rows, column + columns
+        self.shape = row, column
+
+    def of(self, values: Array) -> Array:
+        """Return the coefficients of functions over s."""
+        result = np.empty((self.shape[0], *values.shape[1:]))
+        for rows, columns, block in self._blocks:
+            result[rows] = block @ values[columns]
+        return result
+
+    def after(self, matrix: Array) -> Array:
+        """Return the product of a matrix with this map, of which it may have the first rows."""
+        result = np.zeros((len(matrix), self.shape[1]))
+        for rows, columns, block in self._blocks:
+            if rows.stop <= matrix.shape[1]:
+                result[:, columns] = matrix[:, rows] @ block
+        return result
