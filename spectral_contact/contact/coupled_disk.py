@@ -40,7 +40,7 @@ __all__ = ["LEADING", "CoupledDisk", "solve_coupled_disk"]
 Array = NDArray[np.float64]
 
 #: Tolerance of the spaces in which the radius is bracketed, and how well it is known then.
-_ROUGH, _SETTLED = 1e-3, 1e-3
+_ROUGH, _SETTLED = 1e-3, 1e-4
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
