@@ -342,10 +342,23 @@ def fall(e: Array, panels: int, width: float, degree: int) -> tuple[Array, Array
     plain = np.hstack([((source / far) @ project).reshape(len(e), -1), _beyond_tail(e, end)])
     blocks = (near * (e[:, None, None] / (far * (near + far)))) @ project
     tail = _beyond_tail(np.zeros(1), end) - plain[:, -TAIL_TERMS:]
-    small = e < 1e-3 * end  # there the constant, which is all that matters, is known better
-    root, roots = np.sqrt(e[small]), np.sqrt(e[small] + end) + np.sqrt(end)
-    tail[small, 0] = root * (1.0 - root / roots)
+    small = (e > 0.0) & (e < 1e-3 * end)
+    tail[small] = _fall_of_tail(e[small], end)
     return plain, np.hstack([blocks.reshape(len(e), -1), tail])
+
+
+def _fall_of_tail(e: Array, end: float) -> Array:
+    """Return the tail's part of `fall` far below its end, with ``d' = e sinh(phi)**2``."""
+    grown = np.exp(np.arcsinh(np.sqrt(end / e)))
+    one, two, three, five = (grown ** float(n) - 1.0 for n in (1, -1, -3, -5))
+    # of the powers of d'/end
+    ratio = e / end
+    zeroth = -two
+    first = ratio * (one / 4.0 + two / 2.0 - three / 12.0)
+    highest = (grown**3 - 1.0) / 48.0 - one / 4.0
+    second = ratio**2 * (highest - 0.375 * two + three / 12.0 - five / 80.0)
+    legendre = [zeroth, 2.0 * first - zeroth, 6.0 * (second - first) + zeroth]
+    return np.asarray(np.sqrt(e)[:, None] * np.column_stack(legendre))
 
 
 def far_fall(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:

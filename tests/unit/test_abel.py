@@ -12,8 +12,11 @@ from spectral_contact.spectral.abel import (
     deeper,
     deeper_blocks,
     deeper_tail,
+    fall,
+    far_fall,
     outer,
     outer_blocks,
+    rise,
     tail_values,
 )
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
@@ -235,3 +238,39 @@ def test_tail_values():
     assert_allclose(tail_values(d, end, 3, False), [[1, -1, 1], [1, -0.5, -0.125], [1, 1, 1]])
     assert_allclose(tail_values(d, end, 3, True), [[1, -1, 1], [1, 0, -0.5], [1, 1, 1]], atol=1e-16)
     assert tail_values(np.zeros((2, 3)), end, 5, True).shape == (2, 3, 5)
+
+
+# --- differences to the boundary, in which nothing cancels ----------------------------------------
+
+
+def against(function, low, high, kernel, cut=None):
+    """Return half the integral of a function times a kernel that is singular at the cut at most."""
+    cuts = [low, *([cut] if cut is not None and low < cut < high else []), high]
+    return mp.quad(lambda d: function(d) * kernel(d), cuts) / 2
+
+
+@pytest.mark.parametrize("place", [0.3, 2e-5, 1e-9])
+@pytest.mark.parametrize("column", [0, 7, 12, 21, 24, 25])
+def test_differences_to_the_boundary_are_right_to_the_root_of_the_distance(column, place):
+    mesh = 4, 2.0, 5
+    function, low, high = basis(*divmod(column, 6), 4, 2.0)
+    e, d = mp.mpf(place), np.array([place])
+    plain, less = fall(d, *mesh)
+    assert_allclose(plain, beyond(d, *mesh), rtol=4e-15, atol=1e-17)
+    found = {
+        "fall": less[0, column],
+        "rise": rise(d, *mesh)[0, column],
+        "far": far_fall(d, *mesh)[0, column],
+        "nearer": far_fall(-d, *mesh)[0, column],
+        "singular": far_fall(d, *mesh, -0.5)[0, column],
+    }
+    kernels = {
+        "fall": lambda s: 1 / mp.sqrt(s) - 1 / mp.sqrt(s + e),
+        "rise": lambda s: (1 / mp.sqrt(s - e) if s > e else 0) - 1 / mp.sqrt(s),
+        "far": lambda s: 1 / mp.sqrt(2 - s) - 1 / mp.sqrt(2 + e - s),
+        "nearer": lambda s: 1 / mp.sqrt(2 - s) - 1 / mp.sqrt(2 - e - s),
+        "singular": lambda s: (1 / mp.sqrt(2 - s) - 1 / mp.sqrt(2 + e - s)) / mp.sqrt(s),
+    }
+    for name, kernel in kernels.items():
+        wanted = against(function, low, high, kernel, e)
+        assert abs(found[name] - float(wanted)) < 4e-15 * float(mp.sqrt(e)), name
