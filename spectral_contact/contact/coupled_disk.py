@@ -207,6 +207,7 @@ class _CoupledDiskProblem:
     ) -> tuple[CoupledTrial, bool]:
         """Correct solutions; return whether rounding or a share of the tolerance is left."""
         own, before, size = factored.disk is disk, inf, inf
+        aim = max(1e-2 * tolerance, ROUNDING)
         for _ in range(_CORRECTIONS):
             change = factored.correction(values, disk)
             values = values + change
@@ -214,12 +215,10 @@ class _CoupledDiskProblem:
             shares = self._shares(trial, trial.combined(change, trial.lift), trial.solution)
             before, size = size, max(float(one.max()) for one in shares)
             left = size * max(_LEFT, min(size / before, 1.0))
-            rounded = size < _ROUNDED
-            if left < max(1e-2 * tolerance, ROUNDING):
+            settled = left < aim or size < _ROUNDED
+            if left < aim or (size > _SLOW * before and (settled or not own)):
                 break
-            if size > _SLOW * before and (rounded or not own):
-                break
-        return CoupledTrial(disk, factored, values, left), own or rounded
+        return CoupledTrial(disk, factored, values, left), own or settled
 
     def _shares(self, trial: CoupledTrial, change: Array, size: Array) -> list[Array]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
