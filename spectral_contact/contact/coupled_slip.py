@@ -167,12 +167,12 @@ def _outcome(solved: CoupledDisk, beta: float, kappa: float, friction: float) ->
         raise NoCoupledDiskError("the pressure is not positive")
     if excess > _BROKEN:
         raise NoCoupledDiskError("the traction in stick exceeds friction")
-    if wrong > _BROKEN:
-        raise NoCoupledDiskError("the surface slips with the traction")
     # beta f p is part of the displacement, as large as the rest of it or less
     direct = beta * friction * float(np.abs(above(np.array([0.0]))[0])) * solved.pressure_error
     stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
     slip_error = stray / max(largest, 1e-300)
+    if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
+        raise NoCoupledDiskError("the surface slips with the traction")
     return CoupledSlip(
         (Zone.between("stick", CENTRE, rim), Zone.between("slip", rim, EDGE)),
         pressure,

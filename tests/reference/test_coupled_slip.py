@@ -173,6 +173,22 @@ def test_tiny_disks_and_narrow_slip(scene, radius):
     assert solution.stick_radius == pytest.approx(finer.stick_radius, rel=solution.error.zones)
 
 
+@pytest.mark.parametrize("layers", [(1e-12, 1e-12), (1e-7, 1e-10), (1e-13, 0.0)])
+def test_thin_layers_keep_twelve_digits(layers):
+    scene = Scene(0.3, *layers, 0.2, coupling=True)
+    solution, smooth = slipping(scene), slipping(Scene(0.3, friction=0.2, coupling=True), 1e-9)
+    assert solution.converged
+    assert solution.approach == pytest.approx(smooth.approach, rel=1e-5)
+    assert solution.stick_radius == pytest.approx(smooth.stick_radius, rel=1e-5)
+
+
+def test_next_to_the_critical_friction_the_error_of_the_slip_says_that_it_is_not_known():
+    critical = solve(Scene(0.3, 0.5, 0.2, math.inf, coupling=True), 1e-12).critical_friction
+    just = solve(Scene(0.3, 0.5, 0.2, (1.0 - 1e-10) * critical, coupling=True), 1e-8)
+    assert just.stick_radius == pytest.approx(1.0, abs=1e-9)
+    assert just.error.slip > 0.01
+
+
 def test_what_is_there():
     solution = slipping(ROUGH[0])
     assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
