@@ -221,6 +221,13 @@ def test_coefficients_of_every_zone():
     assert titles[3].endswith("toward $s = 1$")
 
 
+def test_coefficients_of_a_coupled_solution_with_slip():
+    solution = solve(Scene(0.1, 0.5, 0.5, 0.1, coupling=True), 1e-3)
+    titles = [axes.get_title() for axes in panels(plotting.plot_coefficients(solution))]
+    starts = ("$p^*$ in stick", "$p^*$ in slip", "$p^*$ in slip", "$q^*$ in stick")
+    assert all(title.startswith(start) for title, start in zip(titles, starts, strict=True))
+
+
 def test_a_frictionless_solution_has_one_series():
     figure = plotting.plot_coefficients(solve(FRICTIONLESS, 1e-4))
     assert [axes.get_title() for axes in panels(figure)] == ["$p^*$, $d = 1 - s^2$"]
