@@ -145,7 +145,7 @@ class Solution:
         if min(alpha, beta) == 0.0:
             reason = "with elastic coupling it takes normal and tangential compliance"
             raise NotComputedError("approach_bounds", reason)
-        if pressure is None or not isinstance(traction, DiskSeries):
+        if not isinstance(pressure, PressureField) or not isinstance(traction, DiskSeries):
             raise NotComputedError("approach_bounds", "with elastic coupling it takes full stick")
         coupled = CoupledTraction(beta, scene.kappa, traction)
         return approach_bounds(alpha, self.values["approach"], pressure, coupled)
