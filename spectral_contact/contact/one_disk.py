@@ -319,11 +319,13 @@ class _OneDiskProblem:
             # panels cancel in both changes at times: of 2000 errors one was 4.5 times what the rate
             # makes of the changes, and another 3.5 times; in the pressure's tail twice the change
             deep = normal.panels is not None and radius.rest < normal.panels.end
-            shift += max(6.0 * propagated, 3.0 if deep else 0.0) * max(swayed)
+            # the rate is that of the panel whose change is largest; those that matter have others
+            settling = SAFETY * max(normal.rate, LEAST_RATE) ** 2
+            shift += max(6.0 * settling, 3.0 if deep else 0.0) * max(swayed)
             if deep and trial.unit > 0.0 and normal.change is not None:
                 # the change may vanish at the rim itself, what the tail lacks does not
                 shift += 3.0 * self.friction * _largest_in_tail(normal.change) / trial.unit
-            lost += propagated * max(swept)
+            lost += settling * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out

@@ -342,6 +342,20 @@ def test_the_radius_is_honest_where_the_panels_of_the_pressure_cancel(scene, rto
     assert abs(loose.stick_radius / tight.stick_radius - 1.0) <= loose.error.stick_radius
 
 
+@pytest.mark.parametrize(
+    ("scene", "rtol"),
+    [
+        ((-0.9059678514494955, 0.0007988146158446448, 0.0, 0.26621723102791855), 6.59e-6),
+        ((-0.22091898998688353, 0.0008091237867602774, 0.0, 0.11636474738366563), 3.44e-6),
+    ],
+)
+def test_the_shear_is_honest_where_other_panels_than_the_worst_matter(scene, rtol):
+    """What drives the disk settles more slowly there than the pressure where it is worst."""
+    loose, tight = solve(Scene(*scene), rtol), solve(Scene(*scene), 1e-12)
+    assert loose.converged
+    assert abs(loose.total_shear / tight.total_shear - 1.0) <= loose.error.total_shear
+
+
 def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
     """One disk passed: any sense of slip is within an infinite error. The edge sticks, too."""
     alpha, beta = 3.553961268226942e-11, 4.3999760498522776e-11
