@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import ceil, log, sqrt
+from math import ceil, log, log1p, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,16 +179,18 @@ class StickAnnuli:
         annulus, space = self.annuli[own], self.spaces[own]
         nearest, half = gap(rim, annulus.inner), gap(annulus.inner, annulus.outer) / 2.0
         distances, matrix = space.sources
-        x = np.log(nearest + half * distances)
-        count = max(ceil((log(nearest + 2.0 * half) - log(nearest)) / 2.0), 1)
-        ends = np.linspace(log(nearest), log(nearest + 2.0 * half), count + 1)
+        # from the nearest place on: an annulus may be far narrower than its distance from the rim
+        x, span = np.log1p(half / nearest * distances), log1p(2.0 * half / nearest)
+        count = max(ceil(span / 2.0), 1)
+        ends = np.linspace(0.0, span, count + 1)
         g, _ = gauss_rule(SAMPLES)
         places, shares = [], []
         panel = np.clip(np.searchsorted(ends, x) - 1, 0, count - 1)
         for i in range(count):
             rows = panel == i
             fit = log_interpolation(x[rows], ends[i], ends[i + 1])
-            places.append(np.exp(ends[i] + (ends[i + 1] - ends[i]) * (1.0 + g) / 2.0))
+            place = ends[i] + (ends[i + 1] - ends[i]) * (1.0 + g) / 2.0
+            places.append(nearest * np.exp(place))
             shares.append(half * (fit.T @ matrix[rows]))
         return np.concatenate(places), np.concatenate(shares)
 

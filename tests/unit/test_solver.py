@@ -356,6 +356,16 @@ def test_the_shear_is_honest_where_other_panels_than_the_worst_matter(scene, rto
     assert abs(loose.total_shear / tight.total_shear - 1.0) <= loose.error.total_shear
 
 
+def test_a_stick_annulus_far_narrower_than_its_distance_from_the_disk():
+    """It sticks next to the edge, where the pressure is infinite and the traction is not."""
+    solution = solve(
+        Scene(0.2832111173375691, 0.0, 1.1567232982330853e-12, 0.7757157308267963), 1e-4
+    )
+    assert solution.converged
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert 0.0 < solution.zones[1].outer_from_edge < 1e-20
+
+
 def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
     """One disk passed: any sense of slip is within an infinite error. The edge sticks, too."""
     alpha, beta = 3.553961268226942e-11, 4.3999760498522776e-11
