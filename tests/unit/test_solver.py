@@ -363,7 +363,7 @@ def test_a_stick_annulus_far_narrower_than_its_distance_from_the_disk():
     )
     assert solution.converged
     assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
-    assert 0.0 < solution.zones[1].outer_from_edge < 1e-20
+    assert 0.0 < solution.zones[1].outer_from_edge < 1e-19
 
 
 def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
