@@ -33,8 +33,7 @@ from spectral_contact.spectral.annulus import (
 )
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
-    legendre_expansion_matrix,
-    legendre_values,
+    legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
@@ -102,27 +101,34 @@ def annulus_between(
     """
     half = gap(inner, outer) / 2.0
     digits = -np.log(tolerance)
-    # the far end of the annulus is a singularity ln 2 before the first panel
-    degree = 4 * int(np.ceil((4.0 + 0.7 * digits) / 4.0))
     depths = (
         max(np.log(half / layers[0]), 0.0) + 0.6 * digits + 3.0,
         max(np.log(half / layers[1]), 0.0) + (digits + 3.0) / rate,
     )
-    # few distinct depths, so that caches are shared between scenes
-    counts = (3 * int(np.ceil(d / (3.0 * PANEL_WIDTH))) for d in depths)
-    first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
-    return Annulus(inner, outer, first, second)
+    return _with_depths(inner, outer, depths, digits)
 
 
 def smooth_between(inner: Radius, outer: Radius, tolerance: float) -> Annulus:
     """Return panels for a function with singularities at the centre and at the edge only."""
     half = gap(inner, outer) / 2.0
     digits = -np.log(tolerance)
-    degree = 4 * int(np.ceil((4.0 + 0.7 * digits) / 4.0))
     # the tails have three terms
-    depths = [max(np.log(half / d), 0.0) + digits / 3.0 + 2.0 for d in (inner.square, outer.rest)]
+    first, second = (
+        max(np.log(half / d), 0.0) + digits / 3.0 + 2.0 for d in (inner.square, outer.rest)
+    )
+    return _with_depths(inner, outer, (first, second), digits)
+
+
+def _with_depths(
+    inner: Radius, outer: Radius, depths: tuple[float, float], digits: float
+) -> Annulus:
+    """Return panels that reach these depths in ``-ln`` of the distance from either end."""
+    # the far end of the annulus is a singularity ln 2 before the first panel
+    degree = 4 * int(np.ceil((4.0 + 0.7 * digits) / 4.0))
+    # few distinct depths, so that caches are shared between scenes
     counts = (3 * int(np.ceil(d / (3.0 * PANEL_WIDTH))) for d in depths)
-    return Annulus(inner, outer, *(LogPanels(count, PANEL_WIDTH, degree) for count in counts))
+    first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
+    return Annulus(inner, outer, first, second)
 
 
 def pressure_expansion(annulus: Annulus, pressure: PressureField) -> Array:
@@ -204,7 +210,7 @@ def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
     d = np.concatenate([np.exp(-x).ravel(), panels.tail_sampling()])
     values = _from_stuck(zone, family.points(d))
     g, _ = gauss_rule(points)
-    matrix = legendre_values(g, SAMPLES - 1) @ legendre_expansion_matrix(SAMPLES, SAMPLES - 1)
+    matrix = legendre_interpolation_matrix(g, SAMPLES)
     on_panels = values[: x.size].reshape(x.shape) @ matrix.T
     return np.concatenate([on_panels.ravel(), values[x.size :]])
 

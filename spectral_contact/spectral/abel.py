@@ -271,14 +271,19 @@ def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) 
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end, power)])
 
 
+def _sources(panels: int, width: float, degree: int) -> Array:
+    """Return the distances of the quadrature points on every panel, shape (panels, points)."""
+    g, _ = gauss_rule(degree + _EXTRA)
+    return np.asarray(np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0)))
+
+
 def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` on the panels, e clear of ``-d'``."""
-    g, _ = gauss_rule(degree + _EXTRA)
-    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    source = _sources(panels, width, degree)
     values = (0.25 * width) * source / np.sqrt(np.abs(source + e[:, None, None]))
     if power != 0.0:
         values *= source**power
-    return np.asarray(values @ legendre_projection_matrix(len(g), degree))
+    return np.asarray(values @ legendre_projection_matrix(degree + _EXTRA, degree))
 
 
 def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
@@ -335,10 +340,9 @@ def _beyond_tail(e: Array, end: float) -> Array:
 def fall(e: Array, panels: int, width: float, degree: int) -> tuple[Array, Array]:
     """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels."""
     end = np.exp(-panels * width)
-    g, _ = gauss_rule(degree + _EXTRA)
-    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    source = _sources(panels, width, degree)
     near, far = np.sqrt(source), np.sqrt(source + e[:, None, None])
-    project = (0.25 * width) * legendre_projection_matrix(len(g), degree)
+    project = (0.25 * width) * legendre_projection_matrix(degree + _EXTRA, degree)
     plain = np.hstack([((source / far) @ project).reshape(len(e), -1), _beyond_tail(e, end)])
     blocks = (near * (e[:, None, None] / (far * (near + far)))) @ project
     tail = _beyond_tail(np.zeros(1), end) - plain[:, -TAIL_TERMS:]
@@ -372,10 +376,9 @@ def far_fall(e: Array, panels: int, width: float, degree: int, power: float = 0.
         near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None, None])
         return np.asarray(e[:, None, None] / (near * far * (near + far)))
 
-    g, _ = gauss_rule(degree + _EXTRA)
-    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    source = _sources(panels, width, degree)
     values = (0.25 * width) * source ** (1.0 + power) * kernel(source)
-    blocks = values @ legendre_projection_matrix(len(g), degree)
+    blocks = values @ legendre_projection_matrix(degree + _EXTRA, degree)
     g, w = gauss_rule(TAIL_TERMS + 9)
     v = (1.0 + g) / 2.0
     source = end * v**2
@@ -392,8 +395,7 @@ def rise(d: Array, panels: int, width: float, degree: int) -> Array:
     """
     whole = beyond(np.zeros(1), panels, width, degree)[0]
     matrix = outer(d, panels, width, degree) - whole
-    g, _ = gauss_rule(degree + _EXTRA)
-    source = np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0))
+    source = _sources(panels, width, degree)
     x = np.maximum(-np.log(np.maximum(d, 1e-300)), 0.0)
     own = np.minimum(np.floor(x / width).astype(int), panels + 1)
     for i in np.unique(own[own >= 2]):
@@ -402,6 +404,6 @@ def rise(d: Array, panels: int, width: float, degree: int) -> Array:
         e = d[rows, None, None]
         roots = np.sqrt(near - e), np.sqrt(near)
         values = (0.25 * width) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
-        blocks = values @ legendre_projection_matrix(len(g), degree)
+        blocks = values @ legendre_projection_matrix(degree + _EXTRA, degree)
         matrix[rows, : blocks.shape[1] * (degree + 1)] = blocks.reshape(len(rows), -1)
     return np.asarray(matrix)

@@ -22,7 +22,7 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,
-    legendre_values,
+    legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
@@ -50,8 +50,7 @@ def annulus_space(inner: LogPanels, outer: LogPanels, degrees: Degrees) -> Annul
 def log_interpolation(points: Array, low: float, high: float) -> Array:
     """Return the matrix from values at `SAMPLES` points to those at `points`, in (low, high)."""
     local = (2.0 * points - low - high) / (high - low)
-    values = legendre_values(local, SAMPLES - 1)
-    return np.asarray(values @ legendre_expansion_matrix(SAMPLES, SAMPLES - 1))
+    return legendre_interpolation_matrix(local, SAMPLES)
 
 
 class AnnulusSpace:
@@ -74,12 +73,7 @@ class AnnulusSpace:
 
     def __init__(self, inner: LogPanels, outer: LogPanels, degrees: Degrees) -> None:
         self._unit = Annulus(*UNIT, inner, outer)
-        used: list[NDArray[np.int_]] = []
-        for panels, chosen, start in zip((inner, outer), degrees, (0, inner.size), strict=True):
-            terms = panels.degree + 1
-            begins = start + terms * np.arange(panels.panels)
-            used += [np.arange(i, i + n + 1) for i, n in zip(begins, chosen, strict=True)]
-            used.append(np.arange(start + terms * panels.panels, start + panels.size))
+        used = inner.functions(degrees[0]), outer.functions(degrees[1]) + inner.size
         self.columns = np.concatenate(used)
         self._split = int(np.searchsorted(self.columns, inner.size))
         self._bottom = inner.panels + _DEEPER
@@ -184,8 +178,7 @@ class AnnulusSpace:
         root, end = (1.0 + v) / 2.0, exp(-_WIDTH * self._bottom)
         if reach <= end:
             e = reach * root**2
-            basis = legendre_values(2.0 * np.sqrt(e / end) - 1.0, _ROOT_TERMS - 1)
-            fit = basis @ legendre_expansion_matrix(_ROOT_TERMS, _ROOT_TERMS - 1)
+            fit = legendre_interpolation_matrix(2.0 * np.sqrt(e / end) - 1.0, _ROOT_TERMS)
             return e, reach * root * tail_w, fit @ self._on_panel(self._bottom)
         g, w = gauss_rule(SAMPLES)
         start = -log(reach)

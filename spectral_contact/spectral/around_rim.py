@@ -51,7 +51,7 @@ class Inside:
     def __init__(self, panels: LogPanels, degrees: Degrees) -> None:
         form = panels.panels, panels.width, panels.degree
         disk = disk_operators(panels)
-        self.index = _used_functions(panels, degrees)
+        self.index = panels.functions(degrees)
         self.nodes, self.root = disk.nodes, np.sqrt(disk.nodes.rest)
         self.half = disk.half_integral[:, self.index]
         #: outer integrals at the rim, and by how much they are more at the nodes
@@ -71,14 +71,14 @@ class Around:
         first = inner.panels, inner.width, inner.degree
         second = outside.panels, outside.width, outside.degree
         singular = (*second, outside.power)
-        self.split = len(_used_functions(inner, degrees[0]))
+        self.split = len(inner.functions(degrees[0]))
         self.index = np.concatenate(
-            [_used_functions(inner, degrees[0]), _used_functions(outside, degrees[1]) + inner.size]
+            [inner.functions(degrees[0]), outside.functions(degrees[1]) + inner.size]
         )
         used, last = self.index, self.index[self.split :] - inner.size
         more = [_finer(n, p) for n, p in zip(degrees, (inner, outside), strict=True)]
-        first_over = _used_functions(inner, more[0])
-        self.over = np.concatenate([first_over, _used_functions(outside, more[1]) + inner.size])
+        first_over = inner.functions(more[0])
+        self.over = np.concatenate([first_over, outside.functions(more[1]) + inner.size])
         self.e, self.weights = inner.distance_nodes(mirrored=True)
         self.d, self.edge_weights = outside.distance_nodes(mirrored=False)
         #: half-integrals at the rim, at the nodes above it, and by how much they are more there
@@ -95,13 +95,6 @@ class Around:
         self.edge_half = deeper(self.d, *singular)[:, last]
         inner_integrals = deeper(2.0 - self.d, *first), outer(self.d, *singular)
         self.edge_inner = np.hstack(inner_integrals)[:, self.over]
-
-
-def _used_functions(panels: LogPanels, degrees: Degrees) -> NDArray[np.int_]:
-    """Return the functions up to these degrees, and the tail."""
-    terms = panels.degree + 1
-    used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
-    return np.concatenate([*used, np.arange(panels.panels * terms, panels.size)])
 
 
 def _finer(degrees: Degrees, panels: LogPanels) -> Degrees:

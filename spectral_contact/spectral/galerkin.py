@@ -31,10 +31,7 @@ from spectral_contact.spectral.abel import (
 )
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.cholesky import ScaledCholesky
-from spectral_contact.spectral.jacobi import (
-    legendre_expansion_matrix,
-    legendre_values,
-)
+from spectral_contact.spectral.jacobi import legendre_interpolation_matrix
 from spectral_contact.spectral.panels import SAMPLES, LogPanels, Nodes
 
 __all__ = [
@@ -109,9 +106,8 @@ class DiskOperators:
     @cached_property
     def from_samples(self) -> tuple[Array, Array]:
         """Interpolation from `SAMPLES` on a panel to its nodes: on the first one, on the others."""
-        expand = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)
         first, other = (
-            legendre_values(2.0 * x / self.panels.width - 1.0, SAMPLES - 1) @ expand
+            legendre_interpolation_matrix(2.0 * x / self.panels.width - 1.0, SAMPLES)
             for x in self._offsets
         )
         return first, other

@@ -20,6 +20,7 @@ __all__ = [
     "gauss_rule",
     "jacobi_values",
     "legendre_expansion_matrix",
+    "legendre_interpolation_matrix",
     "legendre_projection_matrix",
     "legendre_values",
 ]
@@ -167,6 +168,24 @@ def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
         Shape ``(degree + 1, points)``; the discrete orthogonal projection.
     """
     return _EXPANSIONS.get((points, degree), lambda: _frozen_expansion(points, degree))
+
+
+def legendre_interpolation_matrix(x: ArrayLike, points: int) -> NDArray[np.float64]:
+    """Return the matrix from values at Gauss-Legendre nodes to those at other places.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Places in [-1, 1].
+    points : int
+        Number of Gauss nodes.
+
+    Returns
+    -------
+    ndarray, shape (n, points)
+    """
+    values = legendre_values(x, points - 1)
+    return np.asarray(values @ legendre_expansion_matrix(points, points - 1))
 
 
 def legendre_projection_matrix(points: int, degree: int) -> NDArray[np.float64]:

@@ -89,6 +89,12 @@ class LogPanels:
         extra = max(10, 22 - self.degree)
         return 2 * self.degree + extra + 8, 2 * self.degree + extra
 
+    def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
+        """Return the basis functions up to these degrees on the panels, and the tail."""
+        terms = self.degree + 1
+        used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
+        return np.concatenate([*used, np.arange(self.panels * terms, self.size)])
+
     def sampling(self, points: int | None = None) -> Array:
         """Return ``x`` of Gauss-Legendre sampling points on every panel, shape (panels, n).
 

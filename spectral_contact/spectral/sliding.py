@@ -386,10 +386,10 @@ class SlidingFactored:
         matrix *= self.scale[:, None]
         self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
-    def step(self, right: Array, *, transposed: bool = False) -> Array:
+    def step(self, right: Array) -> Array:
         """Return the solution as factored, of right-hand sides as columns."""
         scale = self.scale[:, None]
-        step = lu_solve(self._factor, right * scale, trans=int(transposed), check_finite=False)
+        step = lu_solve(self._factor, right * scale, check_finite=False)
         return np.asarray(step * scale)
 
     def start(self) -> Array:

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 from disk_integral import integral, places
-from hypothesis import HealthCheck, assume, example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+from property_settings import few
 from scipy.linalg import cholesky, solve_triangular, svdvals
 
 from spectral_contact import Scene, solve
@@ -24,13 +25,6 @@ from spectral_contact.testing.strategies import (
 
 EPS = 2.0**-52
 TIGHT = 1e-11
-few = settings(
-    max_examples=10,
-    derandomize=True,
-    deadline=None,
-    database=None,
-    suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
-)
 fewest = settings(few, max_examples=3)
 moderate = powers_of_ten(-6, 2)
 

@@ -7,8 +7,9 @@ import dataclasses
 import math
 
 import numpy as np
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from property_settings import few
 
 from spectral_contact import Scene, solve
 from spectral_contact.spectral.galerkin import disk_operators
@@ -24,13 +25,6 @@ from spectral_contact.testing.strategies import (
 #: Unknowns on the panels that a mesh in use may have too many: eight, three on each.
 BORROWED = 24
 
-few = settings(
-    max_examples=10,
-    derandomize=True,
-    deadline=None,
-    database=None,
-    suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
-)
 meshes = st.builds(
     LogPanels,
     panels=st.integers(2, 14),

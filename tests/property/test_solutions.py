@@ -4,8 +4,9 @@ import functools
 import math
 
 import numpy as np
-from hypothesis import HealthCheck, assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from property_settings import bounded, few
 
 from spectral_contact import Scene, solve
 from spectral_contact.testing import check_solution
@@ -20,14 +21,6 @@ from spectral_contact.testing.strategies import (
 
 EPS = 2.0**-52
 TIGHT = 1e-11
-bounded = settings(
-    max_examples=25,
-    derandomize=True,
-    deadline=None,
-    database=None,
-    suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
-)
-few = settings(bounded, max_examples=10)
 
 
 positive = powers_of_ten(-13.9, 13.9)
