@@ -286,7 +286,7 @@ class _CoupledDiskProblem:
         shift = kept * max(abs(mismatch) for _, mismatch, _ in effects) + squared + noise
         shift = shift / abs(self.slope) + float(np.finfo(float).eps) * abs(self.logit) + self.off
         points = Points(radius, -radius.square * disk.nodes.d)
-        weights = radius.value**3 * disk.nodes.weights * disk.nodes.rest
+        weights = radius.value**3 * disk.node_weights * disk.nodes.rest
         whole_misfit = trial.lacking(whole, trial.approach)
         stuck, lost = (
             Stuck(radius, ((points, weights * one),))

@@ -31,11 +31,11 @@ __all__ = [
     "ROOT_TERMS",
     "TAIL_TERMS",
     "beyond",
+    "beyond_tail",
     "deeper",
     "deeper_blocks",
     "deeper_tail",
-    "fall",
-    "far_fall",
+    "fall_of_tail",
     "outer",
     "outer_blocks",
     "rise",
@@ -324,10 +324,10 @@ def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
     Shapes are those of `deeper`.
     """
     blocks = _plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1))
-    return np.hstack([blocks, _beyond_tail(e, np.exp(-panels * width))])
+    return np.hstack([blocks, beyond_tail(e, np.exp(-panels * width))])
 
 
-def _beyond_tail(e: Array, end: float) -> Array:
+def beyond_tail(e: Array, end: float) -> Array:
     """Return the `beyond` integral of the tail polynomials, (n, TAIL_TERMS)."""
     g, w = gauss_rule(TAIL_TERMS + 1)
     a, b = np.sqrt(e)[:, None], np.sqrt(e + end)[:, None]
@@ -337,22 +337,11 @@ def _beyond_tail(e: Array, end: float) -> Array:
     return np.asarray(_panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
 
 
-def fall(e: Array, panels: int, width: float, degree: int) -> tuple[Array, Array]:
-    """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels."""
-    end = np.exp(-panels * width)
-    source = _sources(panels, width, degree)
-    near, far = np.sqrt(source), np.sqrt(source + e[:, None, None])
-    project = (0.25 * width) * legendre_projection_matrix(degree + _EXTRA, degree)
-    plain = np.hstack([((source / far) @ project).reshape(len(e), -1), _beyond_tail(e, end)])
-    blocks = (near * (e[:, None, None] / (far * (near + far)))) @ project
-    tail = _beyond_tail(np.zeros(1), end) - plain[:, -TAIL_TERMS:]
-    small = (e > 0.0) & (e < 1e-3 * end)
-    tail[small] = _fall_of_tail(e[small], end)
-    return plain, np.hstack([blocks.reshape(len(e), -1), tail])
+def fall_of_tail(e: Array, end: float) -> Array:
+    """Return by how much `beyond_tail` is less than at 0, far below its end.
 
-
-def _fall_of_tail(e: Array, end: float) -> Array:
-    """Return the tail's part of `fall` far below its end, with ``d' = e sinh(phi)**2``."""
+    With ``d' = e sinh(phi)**2`` nothing cancels.
+    """
     grown = np.exp(np.arcsinh(np.sqrt(end / e)))
     one, two, three, five = (grown ** float(n) - 1.0 for n in (1, -1, -3, -5))
     # of the powers of d'/end
@@ -363,28 +352,6 @@ def _fall_of_tail(e: Array, end: float) -> Array:
     second = ratio**2 * (highest - 0.375 * two + three / 12.0 - five / 80.0)
     legendre = [zeroth, 2.0 * first - zeroth, 6.0 * (second - first) + zeroth]
     return np.asarray(np.sqrt(e)[:, None] * np.column_stack(legendre))
-
-
-def far_fall(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
-    """Return ``1/2 int d'**power psi (1/sqrt(2 - d') - 1/sqrt(2 + e - d')) dd'`` for ``e > -1``.
-
-    Shapes are those of `deeper`: it is how this integral falls past the distance 2.
-    """
-    end = np.exp(-panels * width)
-
-    def kernel(source: Array) -> Array:
-        near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None, None])
-        return np.asarray(e[:, None, None] / (near * far * (near + far)))
-
-    source = _sources(panels, width, degree)
-    values = (0.25 * width) * source ** (1.0 + power) * kernel(source)
-    blocks = values @ legendre_projection_matrix(degree + _EXTRA, degree)
-    g, w = gauss_rule(TAIL_TERMS + 9)
-    v = (1.0 + g) / 2.0
-    source = end * v**2
-    values = w / 2.0 * v * end * source**power * kernel(source[None])[:, 0]
-    tail = values @ tail_values(source, end, TAIL_TERMS, False)
-    return np.hstack([blocks.reshape(len(e), panels * (degree + 1)), tail])
 
 
 def rise(d: Array, panels: int, width: float, degree: int) -> Array:

@@ -23,15 +23,15 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.fields import EDGE, Radius
-from spectral_contact.spectral.abel import beyond, fall, far_fall
+from spectral_contact.spectral.abel import beyond
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, Family, Points, gap
 from spectral_contact.spectral.around_rim import OverRadius, around, inside
 from spectral_contact.spectral.coupled import moments
+from spectral_contact.spectral.jacobi import chebyshev_values
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["SlidingDisk", "SlidingFactored"]
@@ -126,40 +126,41 @@ class SlidingDisk:
     # transforms
 
     def _assemble_transforms(self) -> None:
-        own, above, below = self.panels
         c, disk, annulus = self.radius.value, self._inside, self._around
+        own, above, below = self.panels
         nodes, scale = disk.nodes, np.sqrt(self.half)
-        form, first = (own.panels, own.width, own.degree), (above.panels, above.width, above.degree)
-        self.nodes = nodes
-        plain, falls = fall(self.radius.square / self.half * nodes.d, *first)
-        far = self._far_fall(self.radius.square / self.half * nodes.d)
-        falls = np.hstack([falls, far])
-        self._fall, self._fall_over = (
-            scale * falls[:, one] for one in (annulus.index, annulus.over)
-        )
+        #: of the disk, and weights of ``dt / c`` there
+        self.nodes, self.node_weights = nodes, disk.weights
+        #: at samples on the disk: what is seen of the annulus, and how it falls from the rim
+        e = self.radius.square / self.half * nodes.samples
+        plain, falls = annulus.sources[0].fall(e)
+        far, split = self._far_fall(e), annulus.split
+        self._falls = scale * np.hstack([falls, far])
         # what lies deeper than a node is far hardly seen there, which no difference can tell
-        plain = np.hstack([plain, annulus.at_rim[above.size :] - far])
-        self._around_half = scale * plain[:, annulus.index]
+        second = (
+            annulus.at_rim[annulus.index[split:]]
+            - far[:, annulus.within[split:] - annulus.over_split]
+        )
+        self._plain = scale * np.hstack([plain[:, annulus.within[:split]], second])
         self._at_rim = scale * annulus.at_rim
-        #: above the rim: t, t - c, and by how much less is seen of the disk
-        step = self.half * annulus.e
+        #: above the rim: t, t - c, and by how much less is seen of the disk, at samples
+        step = self.half * annulus.above.d
         t = np.sqrt(self.radius.square + step)
-        falls = fall(step / self.radius.square, *form)[1][:, disk.index]
-        self._above = t, step / (t + c), c * falls
-        above_weights = self.half * annulus.weights / (2.0 * np.pi * t)
-        #: below the edge: t, and what is seen of the disk
-        t = np.sqrt(1.0 - self.half * annulus.d)
+        falls = c * disk.sources.fall(self.half / self.radius.square * annulus.above.samples)[1]
+        self._above = t, step / (t + c), falls
+        above_weights = self.half * annulus.above.weights / (2.0 * np.pi * t)
+        #: below the edge: t, and what is seen of the disk, as Chebyshev series
+        t = np.sqrt(1.0 - self.half * annulus.below.d)
         depth = self.half / self.radius.square * (2.0 - (1.0 + FAR_NODES) / 2.0)
-        seen = FAR_FIT @ beyond(depth, *form)[:, disk.index]
-        self._below = t, c * chebyshev.chebvander(2.0 * annulus.d - 1.0, len(seen) - 1) @ seen
-        self._below_weights = self.half * annulus.edge_weights / (2.0 * np.pi * t)
-        self._weights = nodes.weights * c / np.pi
+        self._below = t, c * FAR_FIT @ disk.sources.beyond(depth)
+        self._below_weights = self.half * annulus.below.weights / (2.0 * np.pi * t)
+        self._weights = disk.weights * c / np.pi
         self._shear_weights = self._weights * self.radius.square * nodes.rest
         reach = min(self.radius.square, self.half)
         closer = np.maximum(reach / (self.radius.square * nodes.d), 1.0)
         if self._weighted[0]:
             self._weights = self._weights * closer
-            above_weights *= np.maximum(reach / (self.half * annulus.e), 1.0)
+            above_weights *= np.maximum(reach / (self.half * annulus.above.d), 1.0)
         if self._weighted[1]:
             self._shear_weights = self._shear_weights * closer
         self._above_weights = above_weights
@@ -171,17 +172,16 @@ class SlidingDisk:
         self.load, self._pull = np.concatenate(parts), parts[0]
         around_moments = 0.5 * self.half * np.concatenate([moments(above), moments(below)])
         self._drag = self._over.after(around_moments[None, annulus.over])[0]
-        self.shear_moments = 2.0 * np.pi * c**3 * (nodes.weights * disk.root) @ disk.half
+        self.shear_moments = 2.0 * np.pi * c**3 * (disk.weights * disk.root) @ disk.half
 
     def _far_fall(self, e: Array) -> Array:
-        """Return `far_fall` of the outer half, interpolated where it is a polynomial over e."""
-        below = self.panels[2]
-        form = below.panels, below.width, below.degree, below.power
-        values, near = np.empty((len(e), below.size)), e <= 1.0
-        values[~near] = far_fall(e[~near], *form)
+        """Return the `far_fall` of the outer half, interpolated where it is a polynomial over e."""
+        sources, near = self._around.sources[1], e <= 1.0
         nodes = (1.0 + FAR_NODES) / 2.0
-        fit = FAR_FIT @ (far_fall(nodes, *form) / nodes[:, None])
-        table = chebyshev.chebvander(2.0 * e[near] - 1.0, len(fit) - 1)
+        fit = FAR_FIT @ (sources.far_fall(nodes) / nodes[:, None])
+        values = np.empty((len(e), fit.shape[1]))
+        values[~near] = sources.far_fall(e[~near])
+        table = chebyshev_values(2.0 * e[near] - 1.0, len(fit) - 1)
         values[near] = e[near, None] * (table @ fit)
         return values
 
@@ -206,8 +206,10 @@ class SlidingDisk:
         disk, annulus = self._inside, self._around
         m = n + annulus.split
         matrix = np.zeros((self.unknowns, self.unknowns))
+        around_half = self.nodes.spread(self._plain)
+        fall_over = self.nodes.spread(self._falls)
         tests = (
-            (np.hstack([c * disk.half, self._around_half]), self._weights, 0),
+            (np.hstack([c * disk.half, around_half]), self._weights, 0),
             (scale * annulus.half, self._above_weights, n),
             (scale * annulus.edge_half, self._below_weights, m),
         )
@@ -217,8 +219,8 @@ class SlidingDisk:
         t_below, seen = self._below
         of_disk = (
             c**2 * disk.root[:, None] * (disk.rise + disk.start),
-            t[:, None] * (c * disk.start - falling),
-            t_below[:, None] * seen,
+            t[:, None] * (c * disk.start - annulus.above.spread(falling)),
+            t_below[:, None] * (annulus.smooth_below @ seen),
         )
         of_slip = None, t[:, None] * annulus.inner, t_below[:, None] * annulus.edge_inner
         for (test, weights, start), stuck, slip in zip(tests, of_disk, of_slip, strict=True):
@@ -237,9 +239,7 @@ class SlidingDisk:
         root = disk.root[:, None]
         far = np.outer(self.nodes.d / (disk.root * (1.0 + disk.root)), disk.start)
         matrix[self.count :, :n] = -2.0 * kappa * (weighted @ (disk.rise / root + far))
-        matrix[self.count :, n : self.count] = -friction * self._over.after(
-            weighted @ self._fall_over
-        )
+        matrix[self.count :, n : self.count] = -friction * self._over.after(weighted @ fall_over)
         matrix[self.count :, self.count :] = weighted @ (c * disk.half)
         masses, shear_mass = self._masses
         begin = 0
@@ -321,18 +321,23 @@ class SlidingDisk:
         d, root = self.nodes.d[:, None], disk.root[:, None]
         swept = root * (disk.rise @ u) - start_u * (d / (1.0 + root))
         within = at_rim - 2.0 * kappa * c**2 * swept - c * (disk.half @ p)
-        within += self._fall @ slipping
+        falls = np.zeros((len(over), 2 * values.shape[1]))
+        falls[annulus.within, : values.shape[1]] = slipping
+        falls[:, values.shape[1] :] = over
+        fall, fall_over = np.hsplit(self.nodes.spread(self._falls @ falls), 2)
+        within += fall
         drive = (disk.rise @ p) / root + start_p * (d / (root * (1.0 + root)))
-        lacking = lift + 2.0 * kappa * drive + friction * (self._fall_over @ over)
+        lacking = lift + 2.0 * kappa * drive + friction * fall_over
         lacking -= c * (disk.half @ u)
         t, step, falling = self._above
         t, step = t[:, None], step[:, None]
-        swept = friction * scale * (annulus.inner @ over[: annulus.inner.shape[1]]) - falling @ u
+        swept = friction * scale * (annulus.inner @ over[: annulus.over_split])
+        swept -= annulus.above.spread(falling @ u)
         above = at_rim - 2.0 * kappa * (t * swept + step * (c * start_u))
         above -= scale * (annulus.rise @ slipping)
         t, seen = self._below
-        swept = t[:, None] * (seen @ u + friction * scale * (annulus.edge_inner @ over))
-        below = at_rim - 2.0 * kappa * (swept - c**2 * start_u) + bearing
+        swept = annulus.smooth_below @ (seen @ u) + friction * scale * (annulus.edge_inner @ over)
+        below = at_rim - 2.0 * kappa * (t[:, None] * swept - c**2 * start_u) + bearing
         below -= scale * (annulus.edge_half @ slipping[annulus.split :])
         return within, above, below, lacking
 
@@ -357,7 +362,9 @@ class SlidingDisk:
         below *= scale * self._below_weights[:, None]
         lacking *= self.radius.value * self._shear_weights[:, None]
         missed[:n] = self.radius.value * (disk.half.T @ within)
-        missed[n : self.count] = self._around_half.T @ within + annulus.half.T @ above
+        missed[n : self.count] = (
+            self._plain.T @ self.nodes.gathered(within) + annulus.half.T @ above
+        )
         missed[m : self.count] += annulus.edge_half.T @ below
         missed[self.count :] = disk.half.T @ lacking
         masses, shear_mass = self._masses
