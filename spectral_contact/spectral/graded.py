@@ -1,4 +1,4 @@
-"""Quadrature that follows the degrees: nodes and sources of panels, as many as their functions need.
+"""Quadrature that follows the degrees: as many nodes and sources as a panel's functions need.
 
 Degrees differ by a factor of ten between panels. Galerkin nodes, samples of what is smooth on a
 panel, and the points that stand for its functions seen from beyond the boundary cost as much as
@@ -91,14 +91,20 @@ class GradedNodes:
         self.weights: Array = np.concatenate(
             [np.exp(-x) * np.concatenate(weights), w * v * panels.end]
         )
-        self.samples: Array = np.concatenate([np.exp(-panels.sampling(SAMPLES)).ravel(), tail])
+        # next to the centre errors that neighbours share are felt most: it is sampled at its nodes
+        direct = 1 if centred else 0
+        self._direct = len(self.start[0]) if centred else 0
+        sampled = np.exp(-panels.sampling(SAMPLES)[direct:]).ravel()
+        self.samples: Array = np.concatenate([self.d[: self._direct], sampled, tail])
         self._from_samples = [
-            legendre_interpolation_matrix(2.0 * one / h - 1.0, SAMPLES) for one in self.start
+            legendre_interpolation_matrix(2.0 * one / h - 1.0, SAMPLES)
+            for one in self.start[direct:]
         ]
 
     def spread(self, values: Array) -> Array:
         """Return what has values at the samples, as columns, at the nodes."""
-        parts, start = [], 0
+        start = self._direct
+        parts = [values[:start]]
         for block in self._from_samples:
             parts.append(block @ values[start : start + SAMPLES])
             start += SAMPLES
@@ -106,7 +112,8 @@ class GradedNodes:
 
     def gathered(self, values: Array) -> Array:
         """Return the transpose of `spread`, of values at the nodes as columns."""
-        parts, start = [], 0
+        start = self._direct
+        parts = [values[:start]]
         for block in self._from_samples:
             parts.append(block.T @ values[start : start + len(block)])
             start += len(block)
@@ -157,7 +164,7 @@ class Sources:
         return np.hstack([self._onto(values), beyond_tail(e, self._panels.end)])
 
     def fall(self, e: Array) -> tuple[Array, Array]:
-        """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels."""
+        """Return `beyond`, and how much less it is than at the boundary, with nothing cancelling."""
         near, far, end = np.sqrt(self.d), np.sqrt(self.d + e[:, None]), self._panels.end
         plain = np.hstack([self._onto(self.d / far), beyond_tail(e, end)])
         tail = beyond_tail(np.zeros(1), end) - plain[:, -TAIL_TERMS:]

@@ -127,7 +127,7 @@ class SlidingDisk:
 
     def _assemble_transforms(self) -> None:
         c, disk, annulus = self.radius.value, self._inside, self._around
-        own, above, below = self.panels
+        _, above, below = self.panels
         nodes, scale = disk.nodes, np.sqrt(self.half)
         #: of the disk, and weights of ``dt / c`` there
         self.nodes, self.node_weights = nodes, disk.weights
