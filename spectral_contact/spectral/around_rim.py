@@ -16,12 +16,13 @@ from spectral_contact.spectral.abel import (
     deeper,
     deeper_blocks,
     deeper_tail,
+    far_fall,
     outer,
     rise,
 )
 from spectral_contact.spectral.annulus import FAR_NODES, Family
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.graded import GradedNodes, Sources
+from spectral_contact.spectral.graded import GradedNodes
 from spectral_contact.spectral.jacobi import (
     chebyshev_values,
     gauss_rule,
@@ -30,7 +31,7 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Around", "Inside", "OverRadius", "around", "inside"]
+__all__ = ["Around", "Inside", "OverRadius", "around", "finer", "inside"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
@@ -64,7 +65,7 @@ class Inside:
         form = panels.panels, panels.width, panels.degree
         self.index = panels.functions(degrees)
         self.nodes = GradedNodes(panels, degrees, centred=True)
-        self.sources = Sources(panels, degrees)
+        self.form = panels.panels, panels.width, degrees
         self.root = np.sqrt(self.nodes.rest)
         #: weights of ``dt``
         self.weights = self.nodes.weights / (2.0 * self.root)
@@ -106,13 +107,17 @@ class Around:
             [inner.functions(degrees[0]), outside.functions(degrees[1]) + inner.size]
         )
         used, last = self.index, self.index[self.split :] - inner.size
-        more = _finer(degrees[0], inner), _finer(degrees[1], outside)
+        more = finer(degrees[0], inner), finer(degrees[1], outside)
         first_over = inner.functions(more[0])
         self.over = np.concatenate([first_over, outside.functions(more[1]) + inner.size])
         #: places among them of the functions in use, and of those of the outer half
         self.within = np.searchsorted(self.over, self.index)
         self.over_split = len(first_over)
-        self.sources = Sources(inner, more[0]), Sources(outside, more[1])
+        #: panels and degrees of both halves, as `abel.fall` takes them
+        self.forms = (
+            (inner.panels, inner.width, more[0]),
+            (outside.panels, outside.width, more[1], outside.power),
+        )
         self.above = GradedNodes(inner, degrees[0], mirrored=True)
         self.below = GradedNodes(outside, degrees[1])
         e, d = self.above.d, self.below.d
@@ -122,7 +127,7 @@ class Around:
         half = np.hstack([outer(e, *first), deeper(2.0 - e, *singular)])[:, used]
         higher, near = half - self.at_rim[used], e <= _NEAR
         higher[near, : self.split] = rise(e[near], *first)[:, used[: self.split]]
-        higher[near, self.split :] = -Sources(outside, degrees[1]).far_fall(-e[near])
+        higher[near, self.split :] = -far_fall(-e[near], *second[:2], degrees[1], outside.power)
         self.half, self.rise = half, higher
         #: ``int_c^t . ds / sqrt(t^2 - s^2)`` above the rim
         self.inner = deeper(e, *first)[:, first_over]
@@ -134,7 +139,7 @@ class Around:
         self.smooth_below = chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1)
 
 
-def _finer(degrees: Degrees, panels: LogPanels) -> Degrees:
+def finer(degrees: Degrees, panels: LogPanels) -> Degrees:
     """Return the degrees of a function over s."""
     return tuple(min(n + _SPARE, panels.degree) for n in degrees)
 
@@ -156,7 +161,7 @@ class OverRadius:
             s = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
             blocks = [
                 expand[: more + 1] @ (values[:, : n + 1] / one[:, None])
-                for one, n, more in zip(s, used, _finer(used, panels), strict=True)
+                for one, n, more in zip(s, used, finer(used, panels), strict=True)
             ]
             # on the tail s is the same to rounding
             at_end = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.fields import EDGE, Radius
-from spectral_contact.spectral.abel import beyond
+from spectral_contact.spectral.abel import beyond, fall, far_fall
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, Family, Points, gap
 from spectral_contact.spectral.around_rim import OverRadius, around, inside
 from spectral_contact.spectral.coupled import moments
@@ -127,13 +127,14 @@ class SlidingDisk:
 
     def _assemble_transforms(self) -> None:
         c, disk, annulus = self.radius.value, self._inside, self._around
-        _, above, below = self.panels
+        own, above, below = self.panels
+        form = own.panels, own.width, own.degree
         nodes, scale = disk.nodes, np.sqrt(self.half)
         #: of the disk, and weights of ``dt / c`` there
         self.nodes, self.node_weights = nodes, disk.weights
         #: at samples on the disk: what is seen of the annulus, and how it falls from the rim
         e = self.radius.square / self.half * nodes.samples
-        plain, falls = annulus.sources[0].fall(e)
+        plain, falls = fall(e, *annulus.forms[0])
         far, split = self._far_fall(e), annulus.split
         self._falls = scale * np.hstack([falls, far])
         # what lies deeper than a node is far hardly seen there, which no difference can tell
@@ -146,13 +147,13 @@ class SlidingDisk:
         #: above the rim: t, t - c, and by how much less is seen of the disk, at samples
         step = self.half * annulus.above.d
         t = np.sqrt(self.radius.square + step)
-        falls = c * disk.sources.fall(self.half / self.radius.square * annulus.above.samples)[1]
+        falls = c * fall(self.half / self.radius.square * annulus.above.samples, *disk.form)[1]
         self._above = t, step / (t + c), falls
         above_weights = self.half * annulus.above.weights / (2.0 * np.pi * t)
         #: below the edge: t, and what is seen of the disk, as Chebyshev series
         t = np.sqrt(1.0 - self.half * annulus.below.d)
         depth = self.half / self.radius.square * (2.0 - (1.0 + FAR_NODES) / 2.0)
-        self._below = t, c * FAR_FIT @ disk.sources.beyond(depth)
+        self._below = t, c * FAR_FIT @ beyond(depth, *form)[:, disk.index]
         self._below_weights = self.half * annulus.below.weights / (2.0 * np.pi * t)
         self._weights = disk.weights * c / np.pi
         self._shear_weights = self._weights * self.radius.square * nodes.rest
@@ -176,11 +177,11 @@ class SlidingDisk:
 
     def _far_fall(self, e: Array) -> Array:
         """Return the `far_fall` of the outer half, interpolated where it is a polynomial over e."""
-        sources, near = self._around.sources[1], e <= 1.0
+        form, near = self._around.forms[1], e <= 1.0
         nodes = (1.0 + FAR_NODES) / 2.0
-        fit = FAR_FIT @ (sources.far_fall(nodes) / nodes[:, None])
+        fit = FAR_FIT @ (far_fall(nodes, *form) / nodes[:, None])
         values = np.empty((len(e), fit.shape[1]))
-        values[~near] = sources.far_fall(e[~near])
+        values[~near] = far_fall(e[~near], *form)
         table = chebyshev_values(2.0 * e[near] - 1.0, len(fit) - 1)
         values[near] = e[near, None] * (table @ fit)
         return values
