@@ -33,7 +33,8 @@ from spectral_contact.contact.slip_displacement import Stuck, largest_displaceme
 from spectral_contact.contact.stick_radius import polished_root, root_near
 from spectral_contact.fields import EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
-from spectral_contact.spectral.sliding import SlidingDisk, SlidingFactored
+from spectral_contact.spectral.sliding import SlidingDisk
+from spectral_contact.spectral.sliding_factor import SlidingFactored
 
 __all__ = ["LEADING", "CoupledDisk", "solve_coupled_disk"]
 
@@ -199,7 +200,7 @@ class _CoupledDiskProblem:
             trial, settled = self._corrected(disk, like.factored, like.values, tolerance)
             if settled:
                 return trial
-        factored = disk.factor(self.alpha, self.beta, self.kappa, self.friction)
+        factored = SlidingFactored(disk, self.alpha, self.beta, self.kappa, self.friction)
         return self._corrected(disk, factored, factored.start(), tolerance)[0]
 
     def _corrected(

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import series_of
-from spectral_contact.spectral.sliding import SlidingDisk, SlidingFactored
+from spectral_contact.spectral.sliding import SlidingDisk
+from spectral_contact.spectral.sliding_factor import SlidingFactored
 
 __all__ = ["CoupledTrial"]
 

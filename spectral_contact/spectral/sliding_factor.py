@@ -1,0 +1,242 @@
+"""The matrix of a sliding disk and its factors: corrections are made with them.
+
+Corrections take the residual in double precision, without a matrix, so that the factors may be
+rough: they are of single precision as long as that serves, at half the cost.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from spectral_contact.spectral.sliding import SlidingDisk
+
+__all__ = ["SlidingFactored"]
+
+Array = NDArray[np.float64]
+
+
+class SlidingFactored:
+    """Partial slip with coupling in one space, factored.
+
+    Parameters
+    ----------
+    disk : SlidingDisk
+    alpha, beta : float
+        Compliances, at least 0.
+    kappa : float
+        The coupling.
+    friction : float
+        ``q/p`` on the annulus.
+    exact : bool
+        Factor in double precision.
+    """
+
+    def __init__(
+        self,
+        disk: SlidingDisk,
+        alpha: float,
+        beta: float,
+        kappa: float,
+        friction: float,
+        *,
+        exact: bool = False,
+    ) -> None:
+        self.disk, self.exact = disk, exact
+        self.parameters = alpha, beta, kappa, friction
+        kind = np.float64 if exact else np.float32
+        matrix, self.scale = _Assembly(disk, *self.parameters, kind).matrix()
+        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
+
+    def step(self, right: Array) -> Array:
+        """Return the solution as factored, of right-hand sides as columns."""
+        scale = self.scale[:, None]
+        scaled = right * scale
+        size = np.maximum(np.abs(scaled).max(axis=0), np.finfo(float).tiny)
+        scaled /= size
+        step = lu_solve(self._factor, scaled.astype(self._factor[0].dtype), check_finite=False)
+        return np.asarray(step * scale * size)
+
+    def start(self) -> Array:
+        """Return the solutions for unit approach and, with compliance, for a unit lift.
+
+        They are columns, and not corrected.
+        """
+        columns = 2 if self.parameters[1] else 1
+        return self.correction(np.zeros((self.disk.unknowns, columns)))
+
+    def correction(self, values: Array, disk: SlidingDisk | None = None) -> Array:
+        """Return by how much the solutions are off, from their misfits.
+
+        Parameters
+        ----------
+        values : ndarray
+            As `start` returns them.
+        disk : SlidingDisk, optional
+            Another disk, hardly larger or smaller, whose solutions they are.
+        """
+        disk = disk or self.disk
+        columns = np.eye(2)[:, : values.shape[1]]
+        return self.step(disk.residual(values, *self.parameters, columns[0], columns[1]))
+
+    def change(self, values: Array, disk: SlidingDisk | None = None) -> list[Array]:
+        """Return what the top two degrees of every panel, and the top one, contribute.
+
+        They are the differences to the solutions without them, as columns.
+        """
+        disk = disk or self.disk
+        both, top = disk.shed
+        right = np.zeros((disk.unknowns, len(both)))
+        right[both, np.arange(len(both))] = 1.0 / self.scale[both]
+        response = self.step(right)
+        changes = []
+        for shed in (both, top):
+            columns = response[:, np.isin(both, shed)]
+            scale = self.scale[shed, None]
+            forces = np.linalg.solve(columns[shed] / scale, values[shed] / scale)
+            change, nothing = columns @ forces, np.zeros(values.shape[1])
+            missed = disk.residual(change, *self.parameters, nothing, nothing)
+            missed[shed] += forces / scale
+            changes.append(change + self.step(missed))
+        return changes
+
+
+class _Assembly:
+    """The matrix of both equations, scaled; it is that of `SlidingDisk.residual` but for roundings.
+
+    Products are taken in the precision asked, of scaled functions, so that none is too small for
+    it. What is seen across the rim is summed over its samples.
+    """
+
+    def __init__(
+        self,
+        disk: SlidingDisk,
+        alpha: float,
+        beta: float,
+        kappa: float,
+        friction: float,
+        kind: type[np.floating[Any]],
+    ) -> None:
+        self._disk, self._kind = disk, kind
+        self._compliances, self._kappa, self._friction = (alpha, beta), kappa, friction
+        own, around = disk.transforms
+        n, scale = disk.inside, np.sqrt(disk.half)
+        on_disk, above, below, shear = disk.weights
+        #: test functions times weights: of the disk, across its rim, above the rim, below the edge
+        self._own = disk.radius.value * own.half
+        self._across = own.nodes.gathered(on_disk[:, None] * own.nodes.spread(disk.plain))
+        self._above, self._below = scale * around.half, scale * around.edge_half
+        squares = np.zeros(disk.unknowns)
+        squares[:n] = on_disk @ self._own**2
+        squares[n : disk.count] = np.einsum("ij,ij->j", self._across, disk.plain)
+        squares[n : disk.count] += above @ self._above**2
+        squares[n + around.split : disk.count] += below @ self._below**2
+        squares[disk.count :] = shear @ self._own**2
+        masses = np.concatenate([one.diagonal() for one in disk.masses])
+        squares[: disk.count] += alpha * masses[: disk.count]
+        squares[disk.count :] += beta * masses[disk.count :]
+        self.scale: Array = 1.0 / np.sqrt(squares)
+        self._on = on_disk, above, below, shear
+        s = np.split(self.scale, [n, disk.count])
+        self._scales = s
+        self._own_u = self._own * s[2]
+        self._own *= s[0]
+        self._across *= s[1]
+        self._seen = disk.plain * s[1]
+        self._above *= s[1]
+        self._below *= s[1][around.split :]
+        self._result = np.zeros((disk.unknowns, disk.unknowns), kind)
+
+    def _product(self, left: Array, right: Array) -> NDArray[Any]:
+        return np.asarray(left.astype(self._kind).T @ right.astype(self._kind))
+
+    def _square(self, values: Array, weights: Array) -> NDArray[Any]:
+        root = (values * np.sqrt(weights)[:, None]).astype(self._kind)
+        # of a matrix and its own transpose NumPy computes one triangle, in half the time
+        return np.asarray(root.T @ root)
+
+    def matrix(self) -> tuple[NDArray[Any], Array]:
+        """Return the matrix and the scale of rows and columns that gives it a unit diagonal."""
+        disk, matrix, n = self._disk, self._result, self._disk.inside
+        own, around = disk.transforms
+        alpha, beta = self._compliances
+        p, annulus, u = slice(n), slice(n, disk.count), slice(disk.count, None)
+        edge = slice(n + around.split, disk.count)
+        on_disk, above, below, shear = self._on
+        matrix[p, p] = self._square(self._own, on_disk)
+        gathered = own.nodes.gathered(on_disk[:, None] * self._own)
+        matrix[p, annulus] = self._product(gathered, self._seen)
+        matrix[annulus, p] = matrix[p, annulus].T
+        matrix[annulus, annulus] = self._product(self._across, self._seen)
+        matrix[annulus, annulus] += self._square(self._above, above)
+        matrix[edge, edge] += self._square(self._below, below)
+        matrix[u, u] = self._square(self._own_u, shear)
+        self._pressure_by_traction(gathered)
+        self._traction_by_pressure()
+        begin = 0
+        for mass, compliance in zip(disk.masses, (alpha, alpha, alpha, beta), strict=True):
+            rows = slice(begin, begin + len(mass))
+            if compliance:
+                scale = self.scale[rows]
+                matrix[rows, rows] += compliance * (scale[:, None] * mass * scale)
+            begin = rows.stop
+        return matrix, self.scale
+
+    def _pressure_by_traction(self, gathered: Array) -> None:
+        """Add what the traction does to the normal equation.
+
+        What ``t I(t)`` and ``int q ds`` have in common is taken out before it is rounded.
+        """
+        disk, matrix, n = self._disk, self._result, self._disk.inside
+        own, around = disk.transforms
+        on_disk, above, below, _ = self._on
+        split, whole = around.over_split, disk.over.shape[0]
+        p, annulus, u = slice(n), slice(n, disk.count), slice(disk.count, None)
+        edge = slice(n + around.split, disk.count)
+        c = disk.radius.value
+        of_disk = 2.0 * self._kappa * self._scales[2]
+        pull, start = of_disk * disk.pull, of_disk * c * own.start
+        stuck = own.root[:, None] * (own.rise + own.start) * (c**2 * of_disk) - pull
+        weighted = on_disk[:, None] * stuck
+        matrix[p, u] = self._product(self._own, weighted)
+        matrix[annulus, u] = self._product(self._seen, own.nodes.gathered(weighted))
+        t, step, falling = disk.above
+        weights = above[:, None] * self._above
+        fallen = around.above.gathered(t[:, None] * weights)
+        matrix[annulus, u] -= self._product(fallen, of_disk * falling)
+        matrix[annulus, u] += np.outer(weights.sum(axis=0), c * start - pull)
+        matrix[annulus, u] += np.outer(step @ weights, start)
+        drag = disk.drag_over
+        swept = np.zeros((matrix.shape[0], whole), self._kind)
+        swept[annulus, :split] = self._product(
+            weights, np.sqrt(disk.half) * t[:, None] * around.inner - drag[:split]
+        )
+        swept[annulus, split:] = np.outer(weights.sum(axis=0), -drag[split:])
+        t, seen = disk.below
+        weights = below[:, None] * self._below
+        matrix[edge, u] += (around.smooth_below.T @ (t[:, None] * weights)).T @ (of_disk * seen)
+        matrix[edge, u] -= np.outer(weights.sum(axis=0), pull)
+        swept[edge] += self._product(
+            weights, np.sqrt(disk.half) * t[:, None] * around.edge_inner - drag
+        )
+        swept[p] = np.outer(on_disk @ self._own, -drag)
+        swept[annulus] += np.outer(self._across.sum(axis=0), -drag)
+        slip = 2.0 * self._kappa * self._friction * self._scales[1]
+        matrix[: disk.count, annulus] += disk.over.after(swept[: disk.count]) * slip
+
+    def _traction_by_pressure(self) -> None:
+        """Add what the pressure does to the tangential equation."""
+        disk, matrix, n = self._disk, self._result, self._disk.inside
+        own, _ = disk.transforms
+        scales = self._scales
+        weighted = self._on[3][:, None] * self._own_u
+        root = own.root[:, None]
+        drive = own.rise / root + own.start * (own.nodes.d[:, None] / (root * (1.0 + root)))
+        matrix[disk.count :, :n] = self._product(weighted, -2.0 * self._kappa * scales[0] * drive)
+        falls = self._product(own.nodes.gathered(weighted), disk.falls)
+        matrix[disk.count :, n : disk.count] = disk.over.after(falls) * (
+            -self._friction * scales[1]
+        )
