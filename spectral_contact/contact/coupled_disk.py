@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 _ROUGH, _SETTLED = 1e-3, 1e-4
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
-_CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
+_CORRECTIONS, _LEFT, _SLOW = 10, 1e-3, 0.2
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 #: Rounding of a radius next to the rim, closer to which nothing can be asked; panels go deeper by
@@ -200,15 +200,21 @@ class _CoupledDiskProblem:
             trial, settled = self._corrected(disk, like.factored, like.values, tolerance)
             if settled:
                 return trial
-        factored = SlidingFactored(disk, self.alpha, self.beta, self.kappa, self.friction)
-        return self._corrected(disk, factored, factored.start(), tolerance)[0]
+        parameters = self.alpha, self.beta, self.kappa, self.friction
+        for exact in (False, True):
+            factored = SlidingFactored(disk, *parameters, exact=exact)
+            trial, settled = self._corrected(disk, factored, factored.start(), tolerance)
+            if settled:
+                break
+        return trial
 
     def _corrected(
         self, disk: SlidingDisk, factored: SlidingFactored, values: Array, tolerance: float
     ) -> tuple[CoupledTrial, bool]:
         """Correct solutions; return whether rounding or a share of the tolerance is left."""
-        own, before, size = factored.disk is disk, inf, inf
+        best = factored.disk is disk and factored.exact
         aim = max(1e-2 * tolerance, ROUNDING)
+        before, size, slow = inf, inf, 0
         for _ in range(_CORRECTIONS):
             change = factored.correction(values, disk)
             values = values + change
@@ -216,10 +222,15 @@ class _CoupledDiskProblem:
             shares = self._shares(trial, trial.combined(change, trial.lift), trial.solution)
             before, size = size, max(float(one.max()) for one in shares)
             left = size * max(_LEFT, min(size / before, 1.0))
+            slow = slow + 1 if size > _SLOW * before else 0
             settled = left < aim or size < _ROUNDED
-            if left < aim or (size > _SLOW * before and (settled or not own)):
+            if (
+                left < aim
+                or slow > (1 if best or not settled else 0)
+                or (slow and best and settled)
+            ):
                 break
-        return CoupledTrial(disk, factored, values, left), own or settled
+        return CoupledTrial(disk, factored, values, left), best or settled
 
     def _shares(self, trial: CoupledTrial, change: Array, size: Array) -> list[Array]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""

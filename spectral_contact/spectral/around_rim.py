@@ -22,6 +22,7 @@ from spectral_contact.spectral.abel import (
 )
 from spectral_contact.spectral.annulus import FAR_NODES, Family
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.coupled import inner_moments, moments
 from spectral_contact.spectral.graded import GradedNodes
 from spectral_contact.spectral.jacobi import (
     chebyshev_values,
@@ -73,6 +74,8 @@ class Inside:
         #: outer integrals at the rim, and by how much they are more at the nodes
         self.start = beyond(np.zeros(1), *form)[0][self.index]
         self.rise = rise(self.nodes.d, *form)[:, self.index]
+        #: ``int phi int_0^d psi``: the coupling
+        self.inner = inner_moments(panels, panels)[np.ix_(self.index, self.index)]
 
 
 def _half_integral(panels: LogPanels, nodes: GradedNodes) -> Array:
@@ -135,6 +138,14 @@ class Around:
         self.edge_half = deeper(d, *singular)[:, last]
         inner_integrals = deeper(2.0 - d, *first), outer(d, *singular)
         self.edge_inner = np.hstack(inner_integrals)[:, self.over]
+        #: ``int phi int psi`` over what lies outside of phi
+        outside_moments = np.outer(
+            moments(inner), np.concatenate([moments(inner), moments(outside)])
+        )
+        outside_moments[:, : inner.size] -= inner_moments(inner, inner)
+        nothing = np.zeros((outside.size, inner.size))
+        within = np.hstack([nothing, inner_moments(outside, outside)])
+        self.outside = np.vstack([outside_moments, within])[np.ix_(used, self.over)]
         #: what lies inside the rim is smooth below the edge: Chebyshev polynomials there
         self.smooth_below = chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1)
 

@@ -67,7 +67,7 @@ class SlidingDisk:
         weighted: tuple[bool, bool] = (False, False),
     ) -> None:
         self.radius, self.panels, self.degrees = radius, panels, degrees
-        self._weighted = weighted
+        self.weighted = weighted
         self.half = gap(radius, EDGE) / 2.0
         own, above, below = panels
         self.families = (
@@ -163,10 +163,10 @@ class SlidingDisk:
         shear = on_disk * self.radius.square * nodes.rest
         reach = min(self.radius.square, self.half)
         closer = np.maximum(reach / (self.radius.square * nodes.d), 1.0)
-        if self._weighted[0]:
+        if self.weighted[0]:
             on_disk = on_disk * closer
             above_weights *= np.maximum(reach / (self.half * annulus.above.d), 1.0)
-        if self._weighted[1]:
+        if self.weighted[1]:
             shear = shear * closer
         #: of the normal equation on the disk, above its rim and below the edge, and of the other
         self.weights = on_disk, above_weights, below_weights, shear

@@ -49,16 +49,21 @@ class SlidingFactored:
         self.parameters = alpha, beta, kappa, friction
         kind = np.float64 if exact else np.float32
         matrix, self.scale = _Assembly(disk, *self.parameters, kind).matrix()
+        # pivots are to be found among the equations of the pressure first, which are graded
+        driven = matrix[disk.count :]
+        small = 0.5 / max(float(np.abs(driven[:, : disk.count]).max()), 0.5)
+        driven *= small
+        self._rows = self.scale.copy()
+        self._rows[disk.count :] *= small
         self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
     def step(self, right: Array) -> Array:
         """Return the solution as factored, of right-hand sides as columns."""
-        scale = self.scale[:, None]
-        scaled = right * scale
+        scaled = right * self._rows[:, None]
         size = np.maximum(np.abs(scaled).max(axis=0), np.finfo(float).tiny)
         scaled /= size
         step = lu_solve(self._factor, scaled.astype(self._factor[0].dtype), check_finite=False)
-        return np.asarray(step * scale * size)
+        return np.asarray(step * self.scale[:, None] * size)
 
     def start(self) -> Array:
         """Return the solutions for unit approach and, with compliance, for a unit lift.
@@ -174,7 +179,10 @@ class _Assembly:
         matrix[annulus, annulus] += self._square(self._above, above)
         matrix[edge, edge] += self._square(self._below, below)
         matrix[u, u] = self._square(self._own_u, shear)
-        self._pressure_by_traction(gathered)
+        if disk.weighted[0]:
+            self._pressure_by_traction()
+        else:
+            self._pressure_by_moments()
         self._traction_by_pressure()
         begin = 0
         for mass, compliance in zip(disk.masses, (alpha, alpha, alpha, beta), strict=True):
@@ -185,7 +193,23 @@ class _Assembly:
             begin = rows.stop
         return matrix, self.scale
 
-    def _pressure_by_traction(self, gathered: Array) -> None:
+    def _pressure_by_moments(self) -> None:
+        """Add what the traction does to the normal equation, which no weight spoils: no kernel."""
+        disk, matrix, n = self._disk, self._result, self._disk.inside
+        own, around = disk.transforms
+        p, annulus, u = slice(n), slice(n, disk.count), slice(disk.count, None)
+        factor = 0.25 * self._kappa
+        scales = self._scales
+        coupled = (factor * disk.radius.value**4) * (scales[0][:, None] * own.inner * scales[2])
+        matrix[p, u] = -coupled
+        slip = disk.over.after(around.outside) * (
+            (factor * self._friction * disk.half**2) * scales[1]
+        )
+        matrix[annulus, annulus] -= scales[1][:, None] * slip
+        drag = self._kappa * self._friction * scales[1] * disk.drag
+        matrix[p, annulus] -= np.outer(scales[0] * disk.load[:n], drag)
+
+    def _pressure_by_traction(self) -> None:
         """Add what the traction does to the normal equation.
 
         What ``t I(t)`` and ``int q ds`` have in common is taken out before it is rounded.
