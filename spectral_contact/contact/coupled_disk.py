@@ -44,7 +44,9 @@ Array = NDArray[np.float64]
 _ROUGH, _SETTLED = 1e-3, 1e-4
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
-_CORRECTIONS, _LEFT, _SLOW = 10, 1e-3, 0.2
+_CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
+#: Normal compliance from which on factors in single precision do.
+_SINGLE = 1e-8
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 #: Rounding of a radius next to the rim, closer to which nothing can be asked; panels go deeper by
@@ -201,7 +203,7 @@ class _CoupledDiskProblem:
             if settled:
                 return trial
         parameters = self.alpha, self.beta, self.kappa, self.friction
-        for exact in (False, True):
+        for exact in (False, True) if self.alpha >= _SINGLE else (True,):
             factored = SlidingFactored(disk, *parameters, exact=exact)
             trial, settled = self._corrected(disk, factored, factored.start(), tolerance)
             if settled:
@@ -213,7 +215,7 @@ class _CoupledDiskProblem:
     ) -> tuple[CoupledTrial, bool]:
         """Correct solutions; return whether rounding or a share of the tolerance is left."""
         best = factored.disk is disk and factored.exact
-        aim = max(1e-2 * tolerance, ROUNDING)
+        aim = max(0.1 * tolerance**2, 5.0 * ROUNDING)
         before, size, slow = inf, inf, 0
         for _ in range(_CORRECTIONS):
             change = factored.correction(values, disk)
@@ -293,7 +295,7 @@ class _CoupledDiskProblem:
         squared = error**2
         shear = trial.shear(whole)
         sheared = max(abs(trial.shear(one)) for one in moved) / shear
-        noise = 40.0 * ROUNDING + trial.left * 1e-2
+        noise = 40.0 * ROUNDING + 0.1 * self.tolerance**2 + trial.left * 1e-2
         kept = 2.0 * SAFETY * LEAST_RATE
         shift = kept * max(abs(mismatch) for _, mismatch, _ in effects) + squared + noise
         shift = shift / abs(self.slope) + float(np.finfo(float).eps) * abs(self.logit) + self.off
