@@ -8,14 +8,16 @@ see `one_disk`, and with the same differences, in which nothing cancels.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
-from math import ceil, inf, log, sqrt
+from math import inf, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.coupled_spaces import LEADING, first_spaces
 from spectral_contact.contact.coupled_trial import CoupledTrial
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -27,16 +29,15 @@ from spectral_contact.contact.resolution import (
     expected_error,
     series_of,
     share_of_change,
-    starting_resolution,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.stick_radius import polished_root, root_near
 from spectral_contact.fields import EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import Points, gap
+from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.sliding import SlidingDisk
 from spectral_contact.spectral.sliding_factor import SlidingFactored
 
-__all__ = ["LEADING", "CoupledDisk", "solve_coupled_disk"]
+__all__ = ["CoupledDisk", "solve_coupled_disk"]
 
 Array = NDArray[np.float64]
 
@@ -49,16 +50,10 @@ _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
 _SINGLE = 1e-8
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
-#: Rounding of a radius next to the rim, closer to which nothing can be asked; panels go deeper by
-#: this in ``-ln d``, as where they end is felt for a while.
-_CLOSEST, _DEEPER = 2.2e-16, 10.0
-#: Depth in ``-ln y``, past the layer, from which a singular pressure is a power of y, to 1e-13.
-LEADING = 30.0
+#: Rounding of a radius, closer to which than that nothing can be asked at the rim.
+_CLOSEST = 2.2e-16
 #: A step of the radius, as a logit, that is left out: its fields are not solved for again.
 _UNFELT = 1e-13
-#: Degrees that the first panels have more, over ``-ln`` of the tolerance, measured: the far end of
-#: the annulus is a singularity ln 2 before them.
-_FIRST_INSIDE, _FIRST_AROUND = (0.2, 0.08), (0.4, 0.08)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,43 +128,15 @@ class _CoupledDiskProblem:
 
     # spaces
 
-    def _layer(self, extent: float) -> float:
-        """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
-        widths = [c / extent for c in (self.alpha, self.beta) if c > 0.0]
-        return -log(min([1.0, *widths]))
-
-    def _spaces(self, radius: Radius, tolerance: float) -> list[Resolution]:
-        """Return the first spaces on the disk, above its rim, and below the edge."""
-        half = gap(radius, EDGE) / 2.0
-        rate = 1.0 if min(self.alpha, self.beta) > 0.0 else 0.5
-        apart = abs(log(half / radius.square))
-        smooth = self.alpha == 0.0
-        spaces = []
-        for extent, other in ((radius.square, half), (half, radius.square)):
-            layer = max(self._layer(extent), apart if extent > other else 0.0)
-            space = starting_resolution(layer, tolerance, rate=rate)
-            if not smooth:
-                deepest = _DEEPER - log(_CLOSEST * min(radius.square, radius.rest) / extent)
-                count = min(space.panels.panels, ceil(deepest / space.panels.width))
-                panels = replace(space.panels, panels=count)
-                space = Resolution(panels, space.degrees[:count])
-            spaces.append(space)
-        layer = max(self._layer(half), LEADING if smooth else 0.0)
-        edge = starting_resolution(layer, tolerance, power=-0.5 if smooth else 0.0)
-        return [*spaces, edge]
+    def _spaces(self, radius: Radius, tolerance: float) -> tuple[Resolution, ...]:
+        return first_spaces(self.alpha, self.beta, radius, tolerance)
 
     def start(self) -> Resolution:
         """Return the first space: the panels of the disk, then those of the annulus."""
         spaces = self._spaces(Radius.from_logit(self.logit), self.tolerance)
-        digits = -log(self.tolerance)
-        for k, shares in enumerate((_FIRST_INSIDE, _FIRST_AROUND, _FIRST_AROUND)):
-            more = [ceil(share * digits) for share in shares]
-            degrees = spaces[k].degrees
-            raised = [n + extra for n, extra in zip(degrees, more, strict=False)]
-            spaces[k] = replace(spaces[k], degrees=(*raised, *degrees[len(raised) :]))
         self._counts = [one.panels.panels for one in spaces]
         degrees = tuple(n for one in spaces for n in one.degrees)
-        capacity = 4 * ceil((max(degrees) + 4) / 4)
+        capacity = max(one.panels.degree for one in spaces)
         return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
 
     def _split(self, resolution: Resolution) -> list[Resolution]:
@@ -186,7 +153,7 @@ class _CoupledDiskProblem:
 
     def _trial(
         self,
-        spaces: list[Resolution],
+        spaces: Sequence[Resolution],
         logit: float,
         tolerance: float,
         like: CoupledTrial | None = None,
@@ -250,7 +217,7 @@ class _CoupledDiskProblem:
             shares.append(share)
         return shares
 
-    def _root(self, spaces: list[Resolution], tolerance: float) -> CoupledTrial:
+    def _root(self, spaces: Sequence[Resolution], tolerance: float) -> CoupledTrial:
         """Find the radius in given spaces; return the contact there."""
         trials: list[tuple[float, CoupledTrial]] = []
 
@@ -274,7 +241,7 @@ class _CoupledDiskProblem:
         spaces = self._split(resolution)
         return self._assess(spaces, self._root(spaces, self.tolerance))
 
-    def _assess(self, spaces: list[Resolution], trial: CoupledTrial) -> Attempt[CoupledDisk]:
+    def _assess(self, spaces: Sequence[Resolution], trial: CoupledTrial) -> Attempt[CoupledDisk]:
         """Turn the final trial into a solution with its errors."""
         disk = trial.disk
         radius = disk.radius

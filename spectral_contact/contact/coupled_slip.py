@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_disk import LEADING, CoupledDisk, solve_coupled_disk
+from spectral_contact.contact.coupled_disk import CoupledDisk, solve_coupled_disk
+from spectral_contact.contact.coupled_spaces import LEADING
 from spectral_contact.contact.friction_law import obeys, unknown_slip
 from spectral_contact.contact.resolution import ROUNDING, series_of
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
