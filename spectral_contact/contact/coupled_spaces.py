@@ -52,7 +52,7 @@ def first_spaces(
         felt = [c for c in ((alpha, beta), (alpha,))[k] if c > 0.0]
         layer = _layer(min(felt, default=1.0), extent)
         space = _space(
-            min(layer, 0.5 * layer + 2.0),
+            max(min(layer, 0.5 * layer + 2.0), apart if extent > other else 0.0),
             [apart] if extent > other else [],
             tolerance,
             1.0 if alpha > 0.0 and (k or beta > 0.0) else 0.5,

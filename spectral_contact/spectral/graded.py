@@ -62,20 +62,11 @@ class GradedNodes:
         self.end: list[Array] = []
         weights: list[Array] = []
         for j in range(panels.panels):
-            count = _node_count(max(around[j : j + 3]))
-            if centred and j == 0:
-                g, w = gauss_rule(count + 8)
-                phi = np.pi / 4.0 * (1.0 + g)
-                near, far = h * np.sin(phi) ** 2, h * np.cos(phi) ** 2
-                weights.append(w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi))
-            else:
-                g, w = gauss_rule(count)
-                v = (1.0 + g) / 2.0
-                near, far = h * v**2, h * (1.0 - g) / 2.0 * (1.0 + v)
-                weights.append(w * h * v)
-            ends = (near, far) if mirrored or (centred and j == 0) else (far, near)
-            self.start.append(ends[0])
-            self.end.append(ends[1])
+            g, w = gauss_rule(_node_count(max(around[j : j + 3])))
+            phi = np.pi / 4.0 * (1.0 + g)
+            self.start.append(h * np.sin(phi) ** 2)
+            self.end.append(h * np.cos(phi) ** 2)
+            weights.append(w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi))
         x = np.concatenate([np.minimum(j * h + a, (j + 1) * h) for j, a in enumerate(self.start)])
         g, w = gauss_rule(_TAIL_POINTS)
         v = (1.0 + g) / 2.0
@@ -116,4 +107,4 @@ class GradedNodes:
 
 def _node_count(degree: int) -> int:
     """Return a count that leaves but rounding of products of half-integrals of this degree."""
-    return 2 * degree + max(10, 22 - degree)
+    return 2 * degree + max(18, 24 - degree)
