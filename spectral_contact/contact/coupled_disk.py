@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
-from math import inf, log, sqrt
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,8 @@ _SINGLE = 1e-8
 _ROUNDED = 1e-9
 #: Rounding of a radius, closer to which than that nothing can be asked at the rim.
 _CLOSEST = 2.2e-16
+#: Error of the fields at the first radius, over which the radius errs, and its share of a step.
+_FIRST, _SHARE = 1e-2, 1e-4
 #: A step of the radius, as a logit, that is left out: its fields are not solved for again.
 _UNFELT = 1e-13
 
@@ -116,15 +118,11 @@ class _CoupledDiskProblem:
         self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
         self.tolerance = tolerance
         self.logit, self.slope = root_near(self._rough_mismatch, guess, 1.0, _SETTLED)
-        # the radius superconverges: a space for half the digits has nearly all of its
-        halfway = sqrt(tolerance)
-        if halfway < 0.1 * _ROUGH:
-            self._root(self._spaces(Radius.from_logit(self.logit), halfway), halfway)
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
         spaces = self._spaces(Radius.from_logit(logit), _ROUGH)
-        return self._trial(spaces, logit, _ROUGH).mismatch
+        return self._trial(spaces, logit, 1e-2 * _ROUGH).mismatch
 
     # spaces
 
@@ -155,10 +153,10 @@ class _CoupledDiskProblem:
         self,
         spaces: Sequence[Resolution],
         logit: float,
-        tolerance: float,
+        aim: float,
         like: CoupledTrial | None = None,
     ) -> CoupledTrial:
-        """Solve at one radius; the factors of a like one serve as long as they do."""
+        """Solve at one radius to an error; the factors of a like one serve as long as they do."""
         disk = SlidingDisk(
             Radius.from_logit(logit),
             (spaces[0].panels, spaces[1].panels, spaces[2].panels),
@@ -166,32 +164,37 @@ class _CoupledDiskProblem:
             (self.alpha == 0.0, self.beta == 0.0),
         )
         if like is not None:
-            trial, settled = self._corrected(disk, like.factored, like.values, tolerance)
+            trial, settled = self._corrected(
+                disk, like.factored, like.values, max(aim, 2.0 * like.left)
+            )
             if settled:
                 return trial
         parameters = self.alpha, self.beta, self.kappa, self.friction
         for exact in (False, True) if self.alpha >= _SINGLE else (True,):
             factored = SlidingFactored(disk, *parameters, exact=exact)
-            trial, settled = self._corrected(disk, factored, factored.start(), tolerance)
+            trial, settled = self._corrected(disk, factored, factored.start(), aim, size=1.0)
             if settled:
                 break
         return trial
 
     def _corrected(
-        self, disk: SlidingDisk, factored: SlidingFactored, values: Array, tolerance: float
+        self,
+        disk: SlidingDisk,
+        factored: SlidingFactored,
+        values: Array,
+        aim: float,
+        size: float = 0.0,
     ) -> tuple[CoupledTrial, bool]:
-        """Correct solutions; return whether rounding or a share of the tolerance is left."""
-        best = factored.disk is disk and factored.exact
-        aim = max(0.1 * tolerance**2, 5.0 * ROUNDING)
-        before, size, slow = inf, inf, 0
+        """Correct solutions from errors of a size; return whether what is left is as aimed."""
+        best, slow = factored.disk is disk and factored.exact, 0
         for _ in range(_CORRECTIONS):
             change = factored.correction(values, disk)
             values = values + change
             trial = CoupledTrial(disk, factored, values, 0.0)
             shares = self._shares(trial, trial.combined(change, trial.lift), trial.solution)
             before, size = size, max(float(one.max()) for one in shares)
-            left = size * max(_LEFT, min(size / before, 1.0))
-            slow = slow + 1 if size > _SLOW * before else 0
+            left = size * min(max(_LEFT, size / before if before else 1.0), 1.0)
+            slow = slow + 1 if size > _SLOW * before > 0.0 else 0
             settled = left < aim or size < _ROUNDED
             if (
                 left < aim
@@ -217,29 +220,31 @@ class _CoupledDiskProblem:
             shares.append(share)
         return shares
 
-    def _root(self, spaces: Sequence[Resolution], tolerance: float) -> CoupledTrial:
+    def _root(self, spaces: Sequence[Resolution]) -> CoupledTrial:
         """Find the radius in given spaces; return the contact there."""
         trials: list[tuple[float, CoupledTrial]] = []
+        aim = max(0.1 * self.tolerance**2, 5.0 * ROUNDING)
 
         def mismatch(logit: float) -> float:
             like = trials[-1][1] if trials else None
-            trials.append((logit, self._trial(spaces, logit, tolerance, like)))
+            step = abs(logit - trials[-1][0]) if trials else _FIRST
+            trials.append((logit, self._trial(spaces, logit, max(aim, _SHARE * step), like)))
             return trials[-1][1].mismatch
 
         self.logit, self.slope = polished_root(mismatch, self.logit, self.slope)
         (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
         self.off = abs(self.logit - last)
-        if self.off <= _UNFELT * max(1.0, abs(last)):
+        if self.off <= _UNFELT * max(1.0, abs(last)) and second.left <= aim:
             return second
         # what is linear in the last two trials is right to the product of the steps
         share = (self.logit - last) / (last - before) if last != before else 0.0
         like = CoupledTrial(second.disk, second.factored, second.toward(first, share), 0.0)
         self.off = 0.0
-        return self._trial(spaces, self.logit, tolerance, like)
+        return self._trial(spaces, self.logit, aim, like)
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledDisk]:
         spaces = self._split(resolution)
-        return self._assess(spaces, self._root(spaces, self.tolerance))
+        return self._assess(spaces, self._root(spaces))
 
     def _assess(self, spaces: Sequence[Resolution], trial: CoupledTrial) -> Attempt[CoupledDisk]:
         """Turn the final trial into a solution with its errors."""

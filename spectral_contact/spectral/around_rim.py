@@ -121,7 +121,7 @@ class Around:
             (inner.panels, inner.width, more[0]),
             (outside.panels, outside.width, more[1], outside.power),
         )
-        self.above = GradedNodes(inner, degrees[0], mirrored=True)
+        self.above = GradedNodes(inner, degrees[0])
         self.below = GradedNodes(outside, degrees[1])
         e, d = self.above.d, self.below.d
         #: half-integrals at the rim, at the nodes above it, and by how much they are more there

@@ -22,17 +22,15 @@ _TAIL_POINTS = 44
 
 
 class GradedNodes:
-    """Galerkin nodes on panels of these degrees, then on the tail; see `LogPanels.nodes`.
+    """Galerkin nodes on panels of these degrees, then on the tail, clustered at both ends of each.
 
     Parameters
     ----------
     panels : LogPanels
     degrees : tuple of int
         Highest degrees on the panels.
-    mirrored : bool
-        Cluster at the shallow ends of the panels instead of the deep ones.
     centred : bool
-        The first panel begins at the centre of a disk, where the measure has a square root.
+        The first panel begins at the centre of a disk.
 
     Attributes
     ----------
@@ -52,11 +50,10 @@ class GradedNodes:
         panels: LogPanels,
         degrees: tuple[int, ...],
         *,
-        mirrored: bool = False,
         centred: bool = False,
     ) -> None:
         h = panels.width
-        # half-integrals of functions on both neighbours have square roots at the ends
+        # integrals of functions on both neighbours have square roots at the ends of a panel
         around = [degrees[0], *degrees, TAIL_TERMS]
         self.start: list[Array] = []
         self.end: list[Array] = []
@@ -69,13 +66,12 @@ class GradedNodes:
             weights.append(w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi))
         x = np.concatenate([np.minimum(j * h + a, (j + 1) * h) for j, a in enumerate(self.start)])
         g, w = gauss_rule(_TAIL_POINTS)
-        v = (1.0 + g) / 2.0
-        tail = panels.end * (1.0 - v**2 if mirrored else v**2)
+        phi = np.pi / 4.0 * (1.0 + g)
+        tail = panels.end * np.sin(phi) ** 2
+        on_tail = w * np.pi / 2.0 * panels.end * np.sin(phi) * np.cos(phi)
         self.d: Array = np.concatenate([np.exp(-x), tail])
         self.rest: Array = np.concatenate([-np.expm1(-x), 1.0 - tail])
-        self.weights: Array = np.concatenate(
-            [np.exp(-x) * np.concatenate(weights), w * v * panels.end]
-        )
+        self.weights: Array = np.concatenate([np.exp(-x) * np.concatenate(weights), on_tail])
         # next to the centre errors that neighbours share are felt most: it is sampled at its nodes
         direct = 1 if centred else 0
         self._direct = len(self.start[0]) if centred else 0
@@ -106,5 +102,5 @@ class GradedNodes:
 
 
 def _node_count(degree: int) -> int:
-    """Return a count that leaves but rounding of products of half-integrals of this degree."""
-    return 2 * degree + max(18, 24 - degree)
+    """Return a count that leaves but rounding of products of integrals of this degree."""
+    return 2 * degree + max(12, 20 - degree)
