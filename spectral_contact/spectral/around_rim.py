@@ -74,6 +74,9 @@ class Inside:
         #: outer integrals at the rim, and by how much they are more at the nodes
         self.start = beyond(np.zeros(1), *form)[0][self.index]
         self.rise = rise(self.nodes.d, *form)[:, self.index]
+        self.moments = moments(panels)[self.index]
+        #: ``int phi psi dd`` and half of ``int phi psi (1 - d) dd``
+        self.masses = panels.mass(self.index, 1.0, 0.0), panels.mass(self.index, 0.5, -0.5)
         #: ``int phi int_0^d psi``: the coupling
         self.inner = inner_moments(panels, panels)[np.ix_(self.index, self.index)]
 
@@ -138,10 +141,14 @@ class Around:
         self.edge_half = deeper(d, *singular)[:, last]
         inner_integrals = deeper(2.0 - d, *first), outer(d, *singular)
         self.edge_inner = np.hstack(inner_integrals)[:, self.over]
-        #: ``int phi int psi`` over what lies outside of phi
-        outside_moments = np.outer(
-            moments(inner), np.concatenate([moments(inner), moments(outside)])
+        self.masses = tuple(
+            p.mass(k, 1.0, 0.0) if p.power == 0.0 else np.zeros((len(k), len(k)))
+            for p, k in ((inner, used[: self.split]), (outside, last))
         )
+        both = np.concatenate([moments(inner), moments(outside)])
+        self.moments = both[self.over]
+        #: ``int phi int psi`` over what lies outside of phi
+        outside_moments = np.outer(moments(inner), both)
         outside_moments[:, : inner.size] -= inner_moments(inner, inner)
         nothing = np.zeros((outside.size, inner.size))
         within = np.hstack([nothing, inner_moments(outside, outside)])

@@ -26,10 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields import EDGE, Radius
-from spectral_contact.spectral.abel import beyond, fall, far_fall
+from spectral_contact.spectral.abel import fall, far_fall
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, Family, Points, gap
 from spectral_contact.spectral.around_rim import Around, Inside, OverRadius, around, inside
-from spectral_contact.spectral.coupled import moments
 from spectral_contact.spectral.jacobi import chebyshev_values
 from spectral_contact.spectral.panels import LogPanels
 
@@ -131,8 +130,6 @@ class SlidingDisk:
 
     def _assemble_transforms(self) -> None:
         c, disk, annulus = self.radius.value, self._inside, self._around
-        own, above, below = self.panels
-        form = own.panels, own.width, own.degree
         nodes, scale = disk.nodes, np.sqrt(self.half)
         #: of the disk, and weights of ``dt / c`` there
         self.nodes, self.node_weights = nodes, disk.weights
@@ -157,7 +154,7 @@ class SlidingDisk:
         #: below the edge: t, and what is seen of the disk, as Chebyshev series
         t = np.sqrt(1.0 - self.half * annulus.below.d)
         depth = self.half / self.radius.square * (2.0 - (1.0 + FAR_NODES) / 2.0)
-        self.below = t, c * FAR_FIT @ beyond(depth, *form)[:, disk.index]
+        self.below = t, c * FAR_FIT @ fall(depth, *disk.form)[0]
         below_weights = self.half * annulus.below.weights / (2.0 * np.pi * t)
         on_disk = disk.weights * c / np.pi
         shear = on_disk * self.radius.square * nodes.rest
@@ -170,14 +167,10 @@ class SlidingDisk:
             shear = shear * closer
         #: of the normal equation on the disk, above its rim and below the edge, and of the other
         self.weights = on_disk, above_weights, below_weights, shear
-        extents = 0.5 * self.radius.square, 0.5 * self.half, 0.5 * self.half
-        parts = [
-            e * moments(p)[k] for e, p, k in zip(extents, self.panels, self._index, strict=True)
-        ]
         #: ``int p s ds``, ``int q ds`` of the disk, and ``int p ds`` of the annulus
-        self.load, self.pull = np.concatenate(parts), parts[0]
-        around_moments = 0.5 * self.half * np.concatenate([moments(above), moments(below)])
-        self.drag_over = around_moments[annulus.over]
+        own_load, around_load = 0.5 * c**2 * disk.moments, 0.5 * self.half * annulus.moments
+        self.load = np.concatenate([own_load, around_load[annulus.within]])
+        self.pull, self.drag_over = own_load, around_load
         self.drag = self.over.after(self.drag_over[None])[0]
         self.shear_moments = 2.0 * np.pi * c**3 * (disk.weights * disk.root) @ disk.half
 
@@ -195,13 +188,10 @@ class SlidingDisk:
     @cached_property
     def masses(self) -> tuple[Array, Array, Array, Array]:
         """Masses of the pressure's parts, and of the traction."""
-        extents = 0.5 * self.radius.square, 0.5 * self.half, 0.5 * self.half
-        p, above, below = (
-            e * p.mass(k, 1.0, 0.0) if p.power == 0.0 else np.zeros((len(k), len(k)))
-            for e, p, k in zip(extents, self.panels, self._index, strict=True)
-        )
-        traction = self.radius.value**4 * self.panels[0].mass(self._index[0], 0.5, -0.5)
-        return p, above, below, traction
+        normal, tangential = self._inside.masses
+        above, below = self._around.masses
+        c, half = self.radius.value, 0.5 * self.half
+        return 0.5 * c**2 * normal, half * above, half * below, c**4 * tangential
 
     def balance(self, kappa: float, friction: float) -> Array:
         """Return ``kappa R(c) - f int_c^1 p ds / sqrt(s^2 - c^2)`` as a functional of vectors."""
@@ -214,10 +204,8 @@ class SlidingDisk:
 
     def from_disk(self, points: Points, own: Array) -> Array:
         """Return ``int_0^c s p ds / sqrt(t^2 - s^2)`` outside the disk, for columns."""
-        panels = self.panels[0]
-        depth = -points.before(self.radius) / self.radius.square
-        values = beyond(depth, panels.panels, panels.width, panels.degree) @ own
-        return np.asarray(self.radius.value * values)
+        disk, depth = self._inside, -points.before(self.radius) / self.radius.square
+        return np.asarray(self.radius.value * (fall(depth, *disk.form)[0] @ own[disk.index]))
 
     def from_annulus(self, points: Points, around: Array) -> tuple[Array, Array]:
         """Return what the pressure of the annulus contributes outside the disk.
