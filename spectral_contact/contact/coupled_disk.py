@@ -31,7 +31,12 @@ from spectral_contact.contact.resolution import (
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
-from spectral_contact.contact.stick_radius import polished_root, root_near
+from spectral_contact.contact.stick_radius import (
+    LARGEST_LOGIT,
+    LEAST_LOGIT,
+    NoStickDiskError,
+    root_near,
+)
 from spectral_contact.fields import EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.sliding import SlidingDisk
@@ -52,8 +57,9 @@ _SINGLE = 1e-8
 _ROUNDED = 1e-9
 #: Rounding of a radius, closer to which than that nothing can be asked at the rim.
 _CLOSEST = 2.2e-16
-#: Error of the fields at the first radius, over which the radius errs, and its share of a step.
-_FIRST, _SHARE = 1e-2, 1e-4
+#: Radii tried in a space; how far the fields are corrected, over how far a radius may be off; and
+#: the least step between radii that tells of the slope.
+_RADII, _SHARE, _MEANT = 12, 1e-3, 1e-8
 #: A step of the radius, as a logit, that is left out: its fields are not solved for again.
 _UNFELT = 1e-13
 
@@ -118,6 +124,7 @@ class _CoupledDiskProblem:
         self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
         self.tolerance = tolerance
         self.logit, self.slope = root_near(self._rough_mismatch, guess, 1.0, _SETTLED)
+        self._reach = _SETTLED
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
@@ -196,11 +203,8 @@ class _CoupledDiskProblem:
             left = size * min(max(_LEFT, size / before if before else 1.0), 1.0)
             slow = slow + 1 if size > _SLOW * before > 0.0 else 0
             settled = left < aim or size < _ROUNDED
-            if (
-                left < aim
-                or slow > (1 if best or not settled else 0)
-                or (slow and best and settled)
-            ):
+            # a first step with factors of another radius, or of single precision, may not tell
+            if left < aim or slow > (0 if best and settled else 1):
                 break
         return CoupledTrial(disk, factored, values, left), best or settled
 
@@ -221,26 +225,30 @@ class _CoupledDiskProblem:
         return shares
 
     def _root(self, spaces: Sequence[Resolution]) -> CoupledTrial:
-        """Find the radius in given spaces; return the contact there."""
-        trials: list[tuple[float, CoupledTrial]] = []
+        """Find the radius in given spaces; return the contact there.
+
+        The fields are corrected at every radius as far as its error is worth.
+        """
         aim = max(0.1 * self.tolerance**2, 5.0 * ROUNDING)
-
-        def mismatch(logit: float) -> float:
-            like = trials[-1][1] if trials else None
-            step = abs(logit - trials[-1][0]) if trials else _FIRST
-            trials.append((logit, self._trial(spaces, logit, max(aim, _SHARE * step), like)))
-            return trials[-1][1].mismatch
-
-        self.logit, self.slope = polished_root(mismatch, self.logit, self.slope)
-        (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
-        self.off = abs(self.logit - last)
-        if self.off <= _UNFELT * max(1.0, abs(last)) and second.left <= aim:
-            return second
-        # what is linear in the last two trials is right to the product of the steps
-        share = (self.logit - last) / (last - before) if last != before else 0.0
-        like = CoupledTrial(second.disk, second.factored, second.toward(first, share), 0.0)
-        self.off = 0.0
-        return self._trial(spaces, self.logit, aim, like)
+        logit, like, before = self.logit, None, None
+        for _ in range(_RADII):
+            trial = self._trial(spaces, logit, max(aim, _SHARE * self._reach), like)
+            value = trial.mismatch
+            if before is not None and abs(logit - before[0]) > _MEANT:
+                self.slope = (value - before[1]) / (logit - before[0])
+            before, self.logit = (logit, value), logit
+            if self.slope == 0.0:  # the annulus is so narrow that its width makes no difference
+                raise NoStickDiskError(at_centre=logit < 0.0)
+            step = max(min(-value / self.slope, 2.0), -2.0)
+            self.off, least = abs(step), _UNFELT * max(1.0, abs(logit))
+            if self.off <= least and self._reach <= least:
+                break
+            # a secant step errs by a share of itself that the slope is off by
+            self._reach = max(self.off * min(1e-3, self._reach), least)
+            logit, like = logit + step, trial
+            if not LEAST_LOGIT < logit < LARGEST_LOGIT:
+                raise NoStickDiskError(at_centre=logit < 0.0)
+        return trial
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledDisk]:
         spaces = self._split(resolution)

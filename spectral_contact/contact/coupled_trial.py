@@ -120,7 +120,3 @@ class CoupledTrial:
         vector = values[:, None]
         misfit = self.disk.misfit(vector, self.kappa, self.friction, scale, self.lift * scale)
         return misfit[3][:, 0]
-
-    def toward(self, other: CoupledTrial, share: float) -> Array:
-        """Return the solutions, extrapolated from another trial's by a share of the way."""
-        return self.values + share * (self.values - other.values)
