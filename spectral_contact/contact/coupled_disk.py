@@ -51,15 +51,15 @@ _ROUGH, _SETTLED = 1e-3, 1e-4
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
-#: Normal compliance from which on factors in single precision do.
-_SINGLE = 1e-8
+#: Compliances from which on corrections with factors in single precision are not more.
+_SINGLE = 1e-4
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 #: Rounding of a radius, closer to which than that nothing can be asked at the rim.
 _CLOSEST = 2.2e-16
 #: Radii tried in a space; how far the fields are corrected, over how far a radius may be off; and
 #: the least step between radii that tells of the slope.
-_RADII, _SHARE, _MEANT = 12, 1e-3, 1e-8
+_RADII, _SHARE, _MEANT = 12, 0.1, 1e-8
 #: A step of the radius, as a logit, that is left out: its fields are not solved for again.
 _UNFELT = 1e-13
 
@@ -123,7 +123,8 @@ class _CoupledDiskProblem:
     ) -> None:
         self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
         self.tolerance = tolerance
-        self.logit, self.slope = root_near(self._rough_mismatch, guess, 1.0, _SETTLED)
+        self._floor = 0.0
+        self.logit, self.slope = root_near(self._rough_mismatch, guess, 0.3, _SETTLED)
         self._reach = _SETTLED
 
     def _rough_mismatch(self, logit: float) -> float:
@@ -171,13 +172,13 @@ class _CoupledDiskProblem:
             (self.alpha == 0.0, self.beta == 0.0),
         )
         if like is not None:
-            trial, settled = self._corrected(
-                disk, like.factored, like.values, max(aim, 2.0 * like.left)
-            )
+            aim = max(aim, 2.0 * self._floor)
+            trial, settled = self._corrected(disk, like.factored, like.values, aim)
             if settled:
                 return trial
         parameters = self.alpha, self.beta, self.kappa, self.friction
-        for exact in (False, True) if self.alpha >= _SINGLE else (True,):
+        thick = self.alpha >= _SINGLE and (self.beta == 0.0 or self.beta >= _SINGLE)
+        for exact in (False, True) if thick else (True,):
             factored = SlidingFactored(disk, *parameters, exact=exact)
             trial, settled = self._corrected(disk, factored, factored.start(), aim, size=1.0)
             if settled:
@@ -206,6 +207,8 @@ class _CoupledDiskProblem:
             # a first step with factors of another radius, or of single precision, may not tell
             if left < aim or slow > (0 if best and settled else 1):
                 break
+        if settled and left >= aim:
+            self._floor = left
         return CoupledTrial(disk, factored, values, left), best or settled
 
     def _shares(self, trial: CoupledTrial, change: Array, size: Array) -> list[Array]:
@@ -230,7 +233,7 @@ class _CoupledDiskProblem:
         The fields are corrected at every radius as far as its error is worth.
         """
         aim = max(0.1 * self.tolerance**2, 5.0 * ROUNDING)
-        logit, like, before = self.logit, None, None
+        logit, like, before, self._floor = self.logit, None, None, 0.0
         for _ in range(_RADII):
             trial = self._trial(spaces, logit, max(aim, _SHARE * self._reach), like)
             value = trial.mismatch
