@@ -23,10 +23,11 @@ __all__ = ["LEADING", "first_spaces"]
 _CLOSEST, _DEEPER = 2.2e-16, 10.0
 #: Depth in ``-ln y``, past the layer, from which a singular pressure is a power of y, to 1e-13.
 LEADING = 30.0
-#: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, and on the first two panels, on
-#: the disk, above its rim, where the far end is a singularity ln 2 before them, and at the edge.
-_ALL, _BEND = 0.42, 0.12
-_FIRST = (0.2, 0.08), (0.5, 0.08), (0.36, 0.08)
+#: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, and on the first
+#: two panels, on the disk, above its rim, where the far end is a singularity ln 2 before them, and
+#: at the edge.
+_ALL, _BEND, _TURN = 0.43, 0.15, 0.08
+_FIRST = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
 
@@ -51,9 +52,12 @@ def first_spaces(
     for k, (extent, other) in enumerate(((radius.square, half), (half, radius.square))):
         felt = [c for c in ((alpha, beta), (alpha,))[k] if c > 0.0]
         layer = _layer(min(felt, default=1.0), extent)
+        bends = [(layer - 1.0, _TURN)] if k == 0 else []
+        if extent > other:
+            bends.append((apart, (_BEND, _TURN)[k]))
         space = _space(
-            max(min(layer, 0.5 * layer + 2.0), apart if extent > other else 0.0),
-            [apart] if extent > other else [],
+            max(min(layer, 0.5 * layer + 3.0), apart if extent > other else 0.0),
+            bends,
             tolerance,
             1.0 if alpha > 0.0 and (k or beta > 0.0) else 0.5,
             _FIRST[k],
@@ -65,7 +69,7 @@ def first_spaces(
     if alpha == 0.0:
         return *spaces, _space(LEADING, [], tolerance, 1.0, _FIRST[2], power=-0.5)
     layer = _layer(alpha, half)
-    return *spaces, _space(layer + 4.0, [layer - 4.0], tolerance, 1.0, _FIRST[2])
+    return *spaces, _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _FIRST[2])
 
 
 def _layer(compliance: float, extent: float) -> float:
@@ -75,7 +79,7 @@ def _layer(compliance: float, extent: float) -> float:
 
 def _space(
     begin: float,
-    bends: list[float],
+    bends: list[tuple[float, float]],
     tolerance: float,
     rate: float,
     first: tuple[float, float],
@@ -84,15 +88,15 @@ def _space(
 ) -> Resolution:
     """Return a space whose solution settles like ``exp(-rate x)`` past `begin`."""
     # like scenes share their spaces
-    begin, *bends = (ceil(2.0 * x) / 2.0 for x in (begin, *bends))
+    begin = ceil(2.0 * begin) / 2.0
     digits = -log(tolerance)
     panels = 2 * ceil((begin + (digits + 2.0) / rate) / PANEL_WIDTH / 2.0)
     x = PANEL_WIDTH * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - begin) / (digits + 2.0), 0.0, 1.0)
     more = np.zeros(panels)
-    for bend in bends:
-        distance = np.abs(x + PANEL_WIDTH / 2.0 - bend) / (1.2 * PANEL_WIDTH)
-        more = np.maximum(more, _BEND * np.clip(2.6 - distance, 0.0, 1.0))
+    for place, share in bends:
+        distance = np.abs(x + PANEL_WIDTH / 2.0 - ceil(2.0 * place) / 2.0) / (1.2 * PANEL_WIDTH)
+        more = np.maximum(more, share * np.clip(2.6 - distance, 0.0, 1.0))
     more[:2] = np.maximum(more[:2], first)
     degrees = np.ceil(1.0 + digits * (_ALL * missing + more)).astype(int)
     degrees = np.maximum(degrees, _LEAST)
