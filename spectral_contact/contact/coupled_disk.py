@@ -47,12 +47,12 @@ __all__ = ["CoupledDisk", "solve_coupled_disk"]
 Array = NDArray[np.float64]
 
 #: Tolerance of the spaces in which the radius is bracketed, and how well it is known then.
-_ROUGH, _SETTLED = 1e-3, 1e-4
+_ROUGH, _SETTLED = 1e-2, 1e-3
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
 #: Compliances from which on corrections with factors in single precision are not more.
-_SINGLE = 1e-4
+_SINGLE = 5e-7
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 #: Rounding of a radius, closer to which than that nothing can be asked at the rim.
@@ -195,7 +195,7 @@ class _CoupledDiskProblem:
     ) -> tuple[CoupledTrial, bool]:
         """Correct solutions from errors of a size; return whether what is left is as aimed."""
         best, slow = factored.disk is disk and factored.exact, 0
-        for _ in range(_CORRECTIONS):
+        for k in range(_CORRECTIONS):
             change = factored.correction(values, disk)
             values = values + change
             trial = CoupledTrial(disk, factored, values, 0.0)
@@ -204,8 +204,9 @@ class _CoupledDiskProblem:
             left = size * min(max(_LEFT, size / before if before else 1.0), 1.0)
             slow = slow + 1 if size > _SLOW * before > 0.0 else 0
             settled = left < aim or size < _ROUNDED
-            # a first step with factors of another radius, or of single precision, may not tell
-            if left < aim or slow > (0 if best and settled else 1):
+            # the first steps with factors in single precision do not tell
+            told = settled and (factored.exact or k > 2)
+            if left < aim or slow > (0 if told else 1):
                 break
         if settled and left >= aim:
             self._floor = left
@@ -232,7 +233,7 @@ class _CoupledDiskProblem:
 
         The fields are corrected at every radius as far as its error is worth.
         """
-        aim = max(0.1 * self.tolerance**2, 5.0 * ROUNDING)
+        aim = max(0.1 * self.tolerance**2, 25.0 * ROUNDING)
         logit, like, before, self._floor = self.logit, None, None, 0.0
         for _ in range(_RADII):
             trial = self._trial(spaces, logit, max(aim, _SHARE * self._reach), like)

@@ -18,7 +18,7 @@ __all__ = ["GradedNodes"]
 Array = NDArray[np.float64]
 
 #: Nodes on the tail: what is there is seen from any distance to the boundary.
-_TAIL_POINTS = 44
+_TAIL_POINTS = 36
 
 
 class GradedNodes:
@@ -103,4 +103,4 @@ class GradedNodes:
 
 def _node_count(degree: int) -> int:
     """Return a count that leaves but rounding of products of integrals of this degree."""
-    return 2 * degree + max(12, 20 - degree)
+    return 2 * degree + max(10, 16 - degree)

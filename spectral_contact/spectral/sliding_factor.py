@@ -97,16 +97,16 @@ class SlidingFactored:
         right = np.zeros((disk.unknowns, len(both)))
         right[both, np.arange(len(both))] = 1.0 / self.scale[both]
         response = self.step(right)
-        changes = []
-        for shed in (both, top):
-            columns = response[:, np.isin(both, shed)]
-            scale = self.scale[shed, None]
+        forced = np.zeros((disk.unknowns, 2 * values.shape[1]))
+        changes = np.empty_like(forced)
+        for k, shed in enumerate((both, top)):
+            columns, scale = response[:, np.isin(both, shed)], self.scale[shed, None]
+            one = slice(k * values.shape[1], (k + 1) * values.shape[1])
             forces = np.linalg.solve(columns[shed] / scale, values[shed] / scale)
-            change, nothing = columns @ forces, np.zeros(values.shape[1])
-            missed = disk.residual(change, *self.parameters, nothing, nothing)
-            missed[shed] += forces / scale
-            changes.append(change + self.step(missed))
-        return changes
+            forced[shed, one], changes[:, one] = forces / scale, columns @ forces
+        nothing = np.zeros(forced.shape[1])
+        missed = disk.residual(changes, *self.parameters, nothing, nothing)
+        return np.hsplit(changes + self.step(missed + forced), 2)
 
 
 class _Assembly:
