@@ -124,7 +124,7 @@ class _CoupledDiskProblem:
         self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
         self.tolerance = tolerance
         self._floor = 0.0
-        self.logit, self.slope = root_near(self._rough_mismatch, guess, 0.3, _SETTLED)
+        self.logit, self.slope = root_near(self._rough_mismatch, guess, 0.3, _SETTLED, 1.0)
         self._reach = _SETTLED
 
     def _rough_mismatch(self, logit: float) -> float:

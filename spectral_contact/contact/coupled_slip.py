@@ -217,9 +217,9 @@ def _misfit(
     annulus = Annulus(solved.radius, EDGE, plain[0], plain[1])
     values, lost = [], 0.0
     integrals = _integrals(disk, annulus, around)
-    for family, (inner, halves) in zip(annulus.families, integrals, strict=True):
-        points = family.sampling()
-        driven = (disk.from_disk(points, own) + inner) / np.sqrt(points.z)[:, None]
+    inside = disk.from_disk(own, (plain[0], plain[1]))
+    for family, (inner, halves), seen in zip(annulus.families, integrals, inside, strict=True):
+        driven = (seen + inner) / np.sqrt(family.sampling().z)[:, None]
         missed = 2.0 * kappa * driven - friction * halves
         values.append(np.ascontiguousarray(missed[:, 0]))
         lost = max(lost, float(np.abs(missed[:, 1]).max()))

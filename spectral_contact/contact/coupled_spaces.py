@@ -52,7 +52,7 @@ def first_spaces(
     for k, (extent, other) in enumerate(((radius.square, half), (half, radius.square))):
         felt = [c for c in ((alpha, beta), (alpha,))[k] if c > 0.0]
         layer = _layer(min(felt, default=1.0), extent)
-        bends = [(layer - 1.0, _TURN)] if k == 0 else []
+        bends = [(layer - 1.0, _TURN)] if k == 0 and layer > 1.0 else []
         if extent > other:
             bends.append((apart, (_BEND, _TURN)[k]))
         space = _space(
@@ -67,9 +67,11 @@ def first_spaces(
             space = _cut(space, ceil(deepest / PANEL_WIDTH))
         spaces.append(space)
     if alpha == 0.0:
-        return *spaces, _space(LEADING, [], tolerance, 1.0, _FIRST[2], power=-0.5)
-    layer = _layer(alpha, half)
-    return *spaces, _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _FIRST[2])
+        edge = _space(LEADING, [], tolerance, 1.0, _FIRST[2], power=-0.5)
+    else:
+        layer = _layer(alpha, half)
+        edge = _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _FIRST[2])
+    return spaces[0], spaces[1], edge
 
 
 def _layer(compliance: float, extent: float) -> float:

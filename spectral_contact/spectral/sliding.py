@@ -29,8 +29,12 @@ from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.abel import fall, far_fall
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, Family, Points, gap
 from spectral_contact.spectral.around_rim import Around, Inside, OverRadius, around, inside
-from spectral_contact.spectral.jacobi import chebyshev_values
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import (
+    chebyshev_values,
+    gauss_rule,
+    legendre_interpolation_matrix,
+)
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
 __all__ = ["SlidingDisk"]
 
@@ -202,10 +206,23 @@ class SlidingDisk:
         )
         return row
 
-    def from_disk(self, points: Points, own: Array) -> Array:
-        """Return ``int_0^c s p ds / sqrt(t^2 - s^2)`` outside the disk, for columns."""
-        disk, depth = self._inside, -points.before(self.radius) / self.radius.square
-        return np.asarray(self.radius.value * (fall(depth, *disk.form)[0] @ own[disk.index]))
+    def from_disk(self, own: Array, panels: tuple[LogPanels, LogPanels]) -> tuple[Array, Array]:
+        """Return ``int_0^c s p ds / sqrt(t^2 - s^2)`` on the annulus, for columns.
+
+        Above the rim and below the edge, at the sampling points of these panels.
+        """
+        disk, c = self._inside, self.radius.value
+        values = own[disk.index]
+        samples = panels[0].sampling(SAMPLES)
+        d = np.concatenate([np.exp(-samples).ravel(), panels[0].tail_sampling()])
+        seen = c * (fall(self.half / self.radius.square * d, *disk.form)[0] @ values)
+        on_panels = seen[: samples.size].reshape(*samples.shape, -1)
+        g, _ = gauss_rule(panels[0].sampling().shape[1])
+        above = legendre_interpolation_matrix(g, SAMPLES) @ on_panels
+        above = np.concatenate([above.reshape(-1, values.shape[1]), seen[samples.size :]])
+        d = np.concatenate([np.exp(-panels[1].sampling()).ravel(), panels[1].tail_sampling()])
+        chebyshev = chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1)
+        return above, chebyshev @ (self.below[1] @ values)
 
     def from_annulus(self, points: Points, around: Array) -> tuple[Array, Array]:
         """Return what the pressure of the annulus contributes outside the disk.
