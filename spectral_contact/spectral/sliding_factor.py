@@ -14,7 +14,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.spectral.sliding import SlidingDisk
 
-__all__ = ["SlidingFactored"]
+__all__ = ["SlidingFactored", "assembled"]
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class SlidingFactored:
         self.disk, self.exact = disk, exact
         self.parameters = alpha, beta, kappa, friction
         kind = np.float64 if exact else np.float32
-        matrix, self.scale = _Assembly(disk, *self.parameters, kind).matrix()
+        matrix, self.scale = assembled(disk, *self.parameters, kind)
         # pivots are to be found among the equations of the pressure first, which are graded
         driven = matrix[disk.count :]
         small = 0.5 / max(float(np.abs(driven[:, : disk.count]).max()), 0.5)
@@ -109,8 +109,35 @@ class SlidingFactored:
         return np.hsplit(changes + self.step(missed + forced), 2)
 
 
+def assembled(
+    disk: SlidingDisk,
+    alpha: float,
+    beta: float,
+    kappa: float,
+    friction: float,
+    kind: type[np.floating[Any]],
+) -> tuple[NDArray[Any], Array]:
+    """Return the matrix of both equations; it is that of `SlidingDisk.residual` but for roundings.
+
+    Parameters
+    ----------
+    disk, alpha, beta, kappa, friction
+        Those of `SlidingFactored`.
+    kind : type
+        Precision of the matrix.
+
+    Returns
+    -------
+    matrix : ndarray
+        Rows and columns are scaled.
+    scale : ndarray
+        What they are multiplied by, so that the diagonal is nearly 1.
+    """
+    return _Assembly(disk, alpha, beta, kappa, friction, kind).matrix()
+
+
 class _Assembly:
-    """The matrix of both equations, scaled; it is that of `SlidingDisk.residual` but for roundings.
+    """The blocks of the matrix.
 
     Products are taken in the precision asked, of scaled functions, so that none is too small for
     it. What is seen across the rim is summed over its samples.
@@ -164,7 +191,7 @@ class _Assembly:
         return np.asarray(root.T @ root)
 
     def matrix(self) -> tuple[NDArray[Any], Array]:
-        """Return the matrix and the scale of rows and columns that gives it a unit diagonal."""
+        """Return the matrix and its scale."""
         disk, matrix, n = self._disk, self._result, self._disk.inside
         own, around = disk.transforms
         alpha, beta = self._compliances
