@@ -53,8 +53,9 @@ _ROUGH, _SETTLED = 1e-2, 1e-3
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
 #: Compliances from which on corrections with factors in single precision are not more.
 _SINGLE = 5e-7
-#: A correction that is smaller and does not fall any more is rounding.
-_ROUNDED = 1e-9
+#: A correction that is smaller and does not fall any more is rounding; with the factors of another
+#: radius it may be these.
+_ROUNDED = 3e-12, 1e-9
 #: Rounding of a radius, closer to which than that nothing can be asked at the rim.
 _CLOSEST = 2.2e-16
 #: Radii tried in a space; how far the fields are corrected, over how far a radius may be off; and
@@ -194,7 +195,7 @@ class _CoupledDiskProblem:
         size: float = 0.0,
     ) -> tuple[CoupledTrial, bool]:
         """Correct solutions from errors of a size; return whether what is left is as aimed."""
-        best, slow = factored.disk is disk and factored.exact, 0
+        own, slow = factored.disk is disk, 0
         for k in range(_CORRECTIONS):
             change = factored.correction(values, disk)
             values = values + change
@@ -203,14 +204,14 @@ class _CoupledDiskProblem:
             before, size = size, max(float(one.max()) for one in shares)
             left = size * min(max(_LEFT, size / before if before else 1.0), 1.0)
             slow = slow + 1 if size > _SLOW * before > 0.0 else 0
-            settled = left < aim or size < _ROUNDED
+            settled = left < aim or size < _ROUNDED[own]
             # the first steps with factors in single precision do not tell
             told = settled and (factored.exact or k > 2)
             if left < aim or slow > (0 if told else 1):
                 break
         if settled and left >= aim:
             self._floor = left
-        return CoupledTrial(disk, factored, values, left), best or settled
+        return CoupledTrial(disk, factored, values, left), settled or (own and factored.exact)
 
     def _shares(self, trial: CoupledTrial, change: Array, size: Array) -> list[Array]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
@@ -281,7 +282,8 @@ class _CoupledDiskProblem:
         sheared = max(abs(trial.shear(one)) for one in moved) / shear
         noise = 40.0 * ROUNDING + 0.1 * self.tolerance**2 + trial.left * 1e-2
         kept = 2.0 * SAFETY * LEAST_RATE
-        shift = kept * max(abs(mismatch) for _, mismatch, _ in effects) + squared + noise
+        shift = kept * max(abs(mismatch) for _, mismatch, _ in effects)
+        shift += squared + noise + trial.left
         shift = shift / abs(self.slope) + float(np.finfo(float).eps) * abs(self.logit) + self.off
         points = Points(radius, -radius.square * disk.nodes.d)
         weights = radius.value**3 * disk.node_weights * disk.nodes.rest
