@@ -251,6 +251,9 @@ class _CoupledDiskProblem:
             # a secant step errs by a share of itself that the slope is off by
             self._reach = max(self.off * min(1e-3, self._reach), least)
             logit, like = logit + step, trial
+            off = abs(logit - trial.factored.disk.radius.logit)
+            if trial.factored.exact and self._reach < _MEANT < off:
+                like = None  # thin layers feel where the factors are from
             if not LEAST_LOGIT < logit < LARGEST_LOGIT:
                 raise NoStickDiskError(at_centre=logit < 0.0)
         return trial
