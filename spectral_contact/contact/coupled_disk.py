@@ -48,6 +48,8 @@ Array = NDArray[np.float64]
 
 #: Tolerance of the spaces in which the radius is bracketed, and how well it is known then.
 _ROUGH, _SETTLED = 1e-2, 1e-3
+#: A first guess of how fast the mismatch rises with the logit.
+_SLOPE = 0.3
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
@@ -124,23 +126,21 @@ class _CoupledDiskProblem:
     ) -> None:
         self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
         self.tolerance = tolerance
-        self._floor = 0.0
-        self.logit, self.slope = root_near(self._rough_mismatch, guess, 0.3, _SETTLED, 1.0)
-        self._reach = _SETTLED
+        #: what rounding left of a correction, and how far the radius may be off
+        self._floor, self._reach = 0.0, _SETTLED
+        self.logit, self.slope = root_near(self._rough_mismatch, guess, _SLOPE, _SETTLED, 1.0)
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
-        spaces = self._spaces(Radius.from_logit(logit), _ROUGH)
+        spaces = first_spaces(self.alpha, self.beta, Radius.from_logit(logit), _ROUGH)
         return self._trial(spaces, logit, 1e-2 * _ROUGH).mismatch
 
     # spaces
 
-    def _spaces(self, radius: Radius, tolerance: float) -> tuple[Resolution, ...]:
-        return first_spaces(self.alpha, self.beta, radius, tolerance)
-
     def start(self) -> Resolution:
         """Return the first space: the panels of the disk, then those of the annulus."""
-        spaces = self._spaces(Radius.from_logit(self.logit), self.tolerance)
+        radius = Radius.from_logit(self.logit)
+        spaces = first_spaces(self.alpha, self.beta, radius, self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
         degrees = tuple(n for one in spaces for n in one.degrees)
         capacity = max(one.panels.degree for one in spaces)

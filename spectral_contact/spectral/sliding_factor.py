@@ -171,9 +171,9 @@ class _Assembly:
         squares[: disk.count] += alpha * masses[: disk.count]
         squares[disk.count :] += beta * masses[disk.count :]
         self.scale: Array = 1.0 / np.sqrt(squares)
-        self._on = on_disk, above, below, shear
-        s = np.split(self.scale, [n, disk.count])
-        self._scales = s
+        self._weights = disk.weights
+        #: scales of the pressure on the disk and around it, and of the traction
+        self._scales = s = np.split(self.scale, [n, disk.count])
         self._own_u = self._own * s[2]
         self._own *= s[0]
         self._across *= s[1]
@@ -197,7 +197,7 @@ class _Assembly:
         alpha, beta = self._compliances
         p, annulus, u = slice(n), slice(n, disk.count), slice(disk.count, None)
         edge = slice(n + around.split, disk.count)
-        on_disk, above, below, shear = self._on
+        on_disk, above, below, shear = self._weights
         matrix[p, p] = self._square(self._own, on_disk)
         gathered = own.nodes.gathered(on_disk[:, None] * self._own)
         matrix[p, annulus] = self._product(gathered, self._seen)
@@ -243,7 +243,7 @@ class _Assembly:
         """
         disk, matrix, n = self._disk, self._result, self._disk.inside
         own, around = disk.transforms
-        on_disk, above, below, _ = self._on
+        on_disk, above, below, _ = self._weights
         split, whole = around.over_split, disk.over.shape[0]
         p, annulus, u = slice(n), slice(n, disk.count), slice(disk.count, None)
         edge = slice(n + around.split, disk.count)
@@ -283,7 +283,7 @@ class _Assembly:
         disk, matrix, n = self._disk, self._result, self._disk.inside
         own, _ = disk.transforms
         scales = self._scales
-        weighted = self._on[3][:, None] * self._own_u
+        weighted = self._weights[3][:, None] * self._own_u
         root = own.root[:, None]
         drive = own.rise / root + own.start * (own.nodes.d[:, None] / (root * (1.0 + root)))
         matrix[disk.count :, :n] = self._product(weighted, -2.0 * self._kappa * scales[0] * drive)
