@@ -63,6 +63,8 @@ _CLOSEST = 2.2e-16
 #: Radii tried in a space; how far the fields are corrected, over how far a radius may be off; and
 #: the least step between radii that tells of the slope.
 _RADII, _SHARE, _MEANT = 12, 0.1, 1e-8
+#: Radii, as logits, at which thin layers do not tell whose factors they are corrected with.
+_ALIKE = 1e-7
 #: A step of the radius, as a logit, that is left out: its fields are not solved for again.
 _UNFELT = 1e-13
 
@@ -245,14 +247,14 @@ class _CoupledDiskProblem:
             if self.slope == 0.0:  # the annulus is so narrow that its width makes no difference
                 raise NoStickDiskError(at_centre=logit < 0.0)
             step = max(min(-value / self.slope, 2.0), -2.0)
-            self.off, least = abs(step), _UNFELT * max(1.0, abs(logit))
-            if self.off <= least and self._reach <= least:
+            self.off = abs(step)
+            if self.off <= _UNFELT and self._reach <= _UNFELT:
                 break
             # a secant step errs by a share of itself that the slope is off by
-            self._reach = max(self.off * min(1e-3, self._reach), least)
+            self._reach = max(self.off * min(1e-3, self._reach), _UNFELT)
             logit, like = logit + step, trial
             off = abs(logit - trial.factored.disk.radius.logit)
-            if trial.factored.exact and self._reach < _MEANT < off:
+            if trial.factored.exact and self._reach < _ALIKE < off:
                 like = None  # thin layers feel where the factors are from
             if not LEAST_LOGIT < logit < LARGEST_LOGIT:
                 raise NoStickDiskError(at_centre=logit < 0.0)
