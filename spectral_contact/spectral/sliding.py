@@ -154,29 +154,33 @@ class SlidingDisk:
         t = np.sqrt(self.radius.square + step)
         falls = c * fall(self.half / self.radius.square * annulus.above.samples, *disk.form)[1]
         self.above = t, step / (t + c), falls
-        above_weights = self.half * annulus.above.weights / (2.0 * np.pi * t)
         #: below the edge: t, and what is seen of the disk, as Chebyshev series
         t = np.sqrt(1.0 - self.half * annulus.below.d)
         depth = self.half / self.radius.square * (2.0 - (1.0 + FAR_NODES) / 2.0)
         self.below = t, c * FAR_FIT @ fall(depth, *disk.form)[0]
-        below_weights = self.half * annulus.below.weights / (2.0 * np.pi * t)
-        on_disk = disk.weights * c / np.pi
-        shear = on_disk * self.radius.square * nodes.rest
-        reach = min(self.radius.square, self.half)
-        closer = np.maximum(reach / (self.radius.square * nodes.d), 1.0)
-        if self.weighted[0]:
-            on_disk = on_disk * closer
-            above_weights *= np.maximum(reach / (self.half * annulus.above.d), 1.0)
-        if self.weighted[1]:
-            shear = shear * closer
-        #: of the normal equation on the disk, above its rim and below the edge, and of the other
-        self.weights = on_disk, above_weights, below_weights, shear
         #: ``int p s ds``, ``int q ds`` of the disk, and ``int p ds`` of the annulus
         own_load, around_load = 0.5 * c**2 * disk.moments, 0.5 * self.half * annulus.moments
         self.load = np.concatenate([own_load, around_load[annulus.within]])
         self.pull, self.drag_over = own_load, around_load
         self.drag = self.over.after(self.drag_over[None])[0]
         self.shear_moments = 2.0 * np.pi * c**3 * (disk.weights * disk.root) @ disk.half
+
+    @cached_property
+    def weights(self) -> tuple[Array, Array, Array, Array]:
+        """Of the normal equation on the disk, above its rim and below the edge; of the other."""
+        disk, annulus, square = self._inside, self._around, self.radius.square
+        on_disk = disk.weights * self.radius.value / np.pi
+        above = self.half * annulus.above.weights / (2.0 * np.pi * self.above[0])
+        below = self.half * annulus.below.weights / (2.0 * np.pi * self.below[0])
+        shear = on_disk * square * self.nodes.rest
+        reach = min(square, self.half)
+        closer = np.maximum(reach / (square * self.nodes.d), 1.0)
+        if self.weighted[0]:
+            on_disk = on_disk * closer
+            above *= np.maximum(reach / (self.half * annulus.above.d), 1.0)
+        if self.weighted[1]:
+            shear = shear * closer
+        return on_disk, above, below, shear
 
     def _far_fall(self, e: Array) -> Array:
         """Return the `far_fall` of the outer half, interpolated where it is a polynomial over e."""
