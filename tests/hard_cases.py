@@ -19,7 +19,7 @@ from spectral_contact.contact import resolution as first_spaces
 from spectral_contact.contact import zone_system
 from spectral_contact.spectral import coupled, galerkin
 from spectral_contact.spectral.cache import clear_caches
-from spectral_contact.spectral.cholesky import ScaledCholesky
+from spectral_contact.spectral.cholesky import Cholesky
 
 EPS = 2.0**-52
 INPUTS = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
@@ -277,7 +277,7 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     pairs: list[np.ndarray] = []
     solve = zone_system.scaled_solve
 
-    class RecordedScaled(ScaledCholesky):
+    class RecordedCholesky(Cholesky):
         def __init__(self, matrix):
             scale = 1.0 / np.sqrt(matrix.diagonal())
             pairs[:] = [matrix * scale * scale[:, None]]
@@ -295,7 +295,7 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     with (
         mock.patch.object(galerkin, "Factored", Recorded),
         mock.patch.object(zone_system, "scaled_solve", recorded),
-        mock.patch.object(coupled, "ScaledCholesky", RecordedScaled),
+        mock.patch.object(coupled, "Cholesky", RecordedCholesky),
     ):
         yield found
     for kind, factored in last.items():

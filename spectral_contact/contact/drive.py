@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series
-from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule, legendre_values
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.transforms import transforms
 
 __all__ = ["Drive", "rise_reach"]
@@ -62,8 +61,10 @@ class Drive:
     @cached_property
     def _load(self) -> LogSeries | None:
         """Mean of the pressure's series between a radius and the edge."""
-        panels, series = self.contact.panels, self.pressure.series
-        return None if panels is None or series is None else _mean_outside(panels, series)
+        contact, panels = self.contact, self.contact.panels
+        if panels is None:
+            return None
+        return sampled_series(panels, transforms(panels).mean(contact.coefficients))
 
     @cached_property
     def change(self) -> Drive | None:
@@ -149,30 +150,3 @@ def rise_reach(radius: Radius) -> float:
     """Return the distance ``d`` from the rim up to which `Drive.rise` holds."""
     # R is singular at the edge, however weakly
     return min(0.2 * radius.rest / radius.square, 1.0)
-
-
-def _mean_outside(panels: LogPanels, series: LogSeries) -> LogSeries:
-    """Return ``(1/y) int_0^y series dy``, panel by panel from the edge inward."""
-    g, w = gauss_rule(panels.degree + 12)  # a rule that the panels use, too
-    end, h = panels.end, panels.width
-    tail_d = panels.tail_sampling()
-    degree = len(series.tail) - 1
-    local = np.outer(tail_d, (1.0 + g) / 2.0)
-    tail_mean = legendre_values(2.0 * local / end - 1.0, degree) @ series.tail @ (w / 2.0)
-    total = end * float(legendre_values(g, degree) @ series.tail @ (w / 2.0))
-    offsets = panels.sampling()[0]
-    # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
-    reach = h - offsets
-    source = offsets[:, None] + np.outer(reach, (1.0 + g) / 2.0)
-    weight = np.exp(-source) * (w / 2.0) * reach[:, None]
-    basis = legendre_values(2.0 * source / h - 1.0, series.coefficients.shape[1] - 1)
-    matrix = np.einsum("iq,iqk->ik", weight, basis)
-    full = h * (1.0 + g) / 2.0
-    whole = (np.exp(-full) * w * h / 2.0) @ legendre_values(g, series.coefficients.shape[1] - 1)
-    start = np.exp(-h * np.arange(panels.panels))
-    parts = start * (series.coefficients @ whole)
-    # what lies beyond each panel, from the edge inward
-    deeper = np.cumsum(np.concatenate([[total], parts[:0:-1]]))[::-1]
-    within = start[:, None] * (series.coefficients @ matrix.T)
-    means = (deeper[:, None] + within) / (start[:, None] * np.exp(-offsets))
-    return sampled_series(panels, np.concatenate([means.ravel(), tail_mean]))

@@ -53,7 +53,6 @@ from spectral_contact.contact.stick_radius import (
     root_near,
 )
 from spectral_contact.fields import EDGE, DiskSeries, Radius
-from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 
 __all__ = ["OneDisk", "solve_one_disk"]
@@ -80,7 +79,7 @@ class OneDisk:
         Estimates of relative errors.
     radius_error, edge_error : float
         Estimates of the relative errors of ``c`` and of ``1 - c``.
-    parts : tuple
+    stuck : Stuck
         Quadrature of ``t^2 E dt`` over the disk, for the displacement outside it.
     depth : float
         ``-ln`` of the smallest scaled distance from the rim that was resolved.
@@ -97,7 +96,7 @@ class OneDisk:
     shear_error: float
     radius_error: float
     edge_error: float
-    parts: tuple[tuple[Points, Array], ...]
+    stuck: Stuck
     depth: float
     stray: float
     slope: float
@@ -274,7 +273,6 @@ class _OneDiskProblem:
         """Turn the final trial into a solution with its errors."""
         panels, radius, coefficients = resolution.panels, trial.radius, trial.coefficients
         space, normal = trial.factored.space, self.drive.contact
-        nodes = space.operator.disk.nodes
         series = series_of(panels, coefficients)
         rates = decay_rates(resolution, coefficients)
         last = trial.factored.change(coefficients)
@@ -333,12 +331,9 @@ class _OneDiskProblem:
         shift += noise * at_rim + trial.unresolved
         shift = float(shift / abs(self.slope) + np.finfo(float).eps * abs(radius.logit))
         misfit = trial.target - space.half_integral(coefficients)
-        weights = radius.value**3 * nodes.weights * nodes.rest
-        lost_misfit = (
-            Points(radius, -radius.square * nodes.d),
-            weights * space.half_integral(change),
-        )
-        stray += SAFETY * own * largest_displacement([Stuck(radius, (lost_misfit,))], radius, EDGE)
+        disk = space.operator.disk
+        lost_misfit = Stuck.disk(radius, disk, space.half_integral(change))
+        stray += SAFETY * own * largest_displacement([lost_misfit], radius, EDGE)
         value = OneDisk(
             radius,
             DiskSeries(radius, series),
@@ -346,7 +341,7 @@ class _OneDiskProblem:
             error,
             lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
             *boundary_error(shift, radius),
-            ((Points(radius, -radius.square * nodes.d), weights * misfit),),
+            Stuck.disk(radius, disk, misfit),
             panels.panels * panels.width,
             stray,
             self.slope,

@@ -32,7 +32,6 @@ from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import (
     Slipping,
-    Stuck,
     annulus_between,
     slip_displacement,
     slip_misfit,
@@ -366,9 +365,8 @@ def _one_disk_outcome(
     pressure = drive.pressure
     misfit = slip_misfit(drive, [annulus], [1], friction, [])
     slipping = Slipping(annulus, 1, misfit[0])
-    stuck = Stuck(radius, disk.parts)
     fields, samples, largest, unresolved = slip_displacement(
-        [stuck], [slipping], pressure, beta, friction
+        [disk.stuck], [slipping], pressure, beta, friction
     )
     traction = ZonalField((ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction)))
     slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))

@@ -147,8 +147,7 @@ def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
 def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[Array, float]:
     """Return a function of ``d`` at the Galerkin nodes, sampled where it is cheap.
 
-    On every panel it is analytic in ``x``: a Legendre expansion from few samples serves the many
-    nodes. The tail is sampled at the nodes themselves.
+    On every panel it is analytic in ``x``: few samples serve the many nodes.
 
     Returns
     -------
@@ -156,18 +155,12 @@ def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[
     unresolved : float
         The last two coefficients, at their largest: what the expansion leaves out is less.
     """
-    x, disk = panels.sampling(SAMPLES), disk_operators(panels)
-    first, other = disk.from_samples
-    tail = disk.nodes.d[len(first) + (panels.panels - 1) * len(other) :]
-    values = function(np.concatenate([np.exp(-x).ravel(), tail]))
-    # any trailing axis of the values (several functions at once) is carried along
-    trailing = values.shape[1:]
-    samples = values[: x.size].reshape(*x.shape, -1)
-    near, far = (first @ samples[0], other @ samples[1:])
+    disk = disk_operators(panels)
+    values = function(disk.samples)
+    samples = values[: panels.panels * SAMPLES].reshape(panels.panels, SAMPLES, -1)
     last = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)[-2:]
     unresolved = float(np.abs(last @ samples).sum(axis=1).max())
-    parts = [near.reshape(-1, *trailing), far.reshape(-1, *trailing), values[x.size :]]
-    return np.concatenate(parts), unresolved
+    return disk.interpolate(values), unresolved
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:

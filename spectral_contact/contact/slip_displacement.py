@@ -31,11 +31,13 @@ from spectral_contact.spectral.annulus import (
     gap,
     sampled_series,
 )
+from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.spectral.transforms import transforms
 
 __all__ = [
     "InY",
@@ -67,6 +69,13 @@ class Stuck:
 
     outer: Radius
     parts: tuple[tuple[Points, Array], ...]
+
+    @classmethod
+    def disk(cls, rim: Radius, operators: DiskOperators, misfit: Array) -> Stuck:
+        """Return a central disk, with E at its Galerkin nodes."""
+        nodes = operators.nodes
+        weighted = operators.gather(rim.value**3 * nodes.weights * nodes.rest * misfit)
+        return cls(rim, ((Points(rim, -rim.square * operators.samples), weighted),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +215,7 @@ def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
         reach = -family.reach
         fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
         return np.asarray(chebyshev.chebval(2.0 * offset / reach - 1.0, fit))
-    x, (points,) = panels.sampling(SAMPLES), panels.sampling().shape[1:]
+    x, points = panels.sampling(SAMPLES), panels.samples
     d = np.concatenate([np.exp(-x).ravel(), panels.tail_sampling()])
     values = _from_stuck(zone, family.points(d))
     g, _ = gauss_rule(points)
@@ -252,7 +261,7 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     layer = -np.log(drive.contact.compliance or 1.0)
     resolution = starting_resolution(max(layer, 0.0), tolerance / 10.0, rate=rate)
     panels = resolution.panels
-    d = np.concatenate([np.exp(-panels.sampling()).ravel(), panels.tail_sampling()])
+    d = transforms(panels).distances
     inside = 1.0 / (2.0 * pi) - drive.load_outside(d)
     # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
     values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)

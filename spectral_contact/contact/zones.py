@@ -356,10 +356,8 @@ class _ZonesProblem:
         return np.array(moments) * (2.0 * pi)
 
     def _stuck(self, trial: ZoneTractions, misfit: list[Array]) -> list[Stuck]:
-        rim = trial.radii[0]
-        nodes = trial.factored.space.operator.disk.nodes
-        weights = rim.value**3 * nodes.weights * nodes.rest
-        stuck = [Stuck(rim, ((Points(rim, -rim.square * nodes.d), weights * misfit[0]),))]
+        disk = trial.factored.space.operator.disk
+        stuck = [Stuck.disk(trial.radii[0], disk, misfit[0])]
         for k in self.system.stick_annuli():
             parts = tuple(
                 (p.points, pi * p.weights * e)

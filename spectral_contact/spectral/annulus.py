@@ -102,8 +102,7 @@ class Family:
 
     def sampling(self) -> Points:
         """Return the sampling points: panels, then tail."""
-        p = self.panels
-        return self.points(np.concatenate([np.exp(-p.sampling()).ravel(), p.tail_sampling()]))
+        return self.points(transforms(self.panels).distances)
 
     def nodes(self) -> tuple[Points, Array]:
         """Return Galerkin nodes and the weights of ``ds**2`` there."""
@@ -231,8 +230,7 @@ class Annulus:
     @property
     def sampling_split(self) -> int:
         """Number of sampling points of the inner family."""
-        p = self.toward_inner
-        return p.sampling().size + len(p.tail_sampling())
+        return len(transforms(self.toward_inner).distances)
 
     def own_half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral of a function at the annulus's own sampling points.
@@ -285,7 +283,7 @@ class Annulus:
 
 def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
     """Return the series through samples at the sampling points of the panels and the tail."""
-    tail_points = len(panels.tail_sampling())
+    tail_points = panels.tail_points
     inner = values[:-tail_points].reshape(panels.panels, -1)
     points = inner.shape[1]
     expand = legendre_expansion_matrix(points, points - 1)

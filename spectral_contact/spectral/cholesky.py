@@ -1,4 +1,4 @@
-"""A positive definite system, scaled to unit diagonal and factored once."""
+"""A positive definite system, factored once for many right-hand sides."""
 
 from __future__ import annotations
 
@@ -6,13 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-__all__ = ["ScaledCholesky"]
+__all__ = ["Cholesky"]
 
 Array = NDArray[np.float64]
 
+#: So many right-hand sides are solved one by one, which is faster than LAPACK's blocks of few.
+_FEW = 3
 
-class ScaledCholesky:
+
+class Cholesky:
     """The Cholesky factor of a matrix, which is overwritten.
+
+    The factor is as accurate as that of the matrix scaled to unit diagonal: rounding errors are
+    relative to the diagonal, whatever its range.
 
     Parameters
     ----------
@@ -26,10 +32,8 @@ class ScaledCholesky:
     """
 
     def __init__(self, matrix: Array) -> None:
-        #: one over the square roots of the diagonal
-        self.scale = 1.0 / np.sqrt(matrix.diagonal())
-        matrix *= self.scale
-        matrix *= self.scale[:, None]
+        #: of the matrix
+        self.diagonal: Array = matrix.diagonal().copy()
         # The transposed view is Fortran-ordered, which LAPACK takes without a copy. The factor
         # replaces the lower triangle; the upper one stays as it is, and `shed` needs it.
         self._factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
@@ -38,20 +42,30 @@ class ScaledCholesky:
 
     def solve(self, right: Array) -> Array:
         """Return the solution of a right-hand side (n,), or of several as rows (k, n)."""
-        step, _ = lapack.dpotrs(self._factor, (right * self.scale).T, lower=1)
-        return np.asarray(step.T * self.scale)
+        if right.ndim == 1:
+            return self._substituted(right)
+        if len(right) <= _FEW:
+            return np.array([self._substituted(row) for row in right])
+        step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
+        return np.asarray(step.T)
+
+    def _substituted(self, right: Array) -> Array:
+        """Return the solution of one right-hand side."""
+        step, _ = lapack.dtrtrs(self._factor, right, lower=1)
+        step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
+        return np.asarray(step)
 
     def shed(self, solution: Array, kept: int) -> Array:
         """Return the difference of a solution to that of the first `kept` unknowns alone.
 
         It takes no other factorisation, and nothing cancels.
         """
-        last = solution[kept:] / self.scale[kept:]
+        last = solution[kept:]
         # with the whole factor, as the leading block would have to be copied
         step = np.zeros(len(solution))
         step[:kept] = self._factor[:kept, kept:] @ last
-        step, _ = lapack.dtrtrs(self._factor, step, lower=1)
+        step, _ = lapack.dtrtrs(self._factor, step, lower=1, overwrite_b=1)
         step[kept:] = 0.0
-        step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1)
+        step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
         step[kept:] = -last
-        return np.asarray(step * self.scale)
+        return np.asarray(step)

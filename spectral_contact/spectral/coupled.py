@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import tail_values
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.cholesky import ScaledCholesky
+from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.galerkin import Change, DiskOperators, disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
@@ -228,7 +228,7 @@ class CoupledFactored:
         matrix[n:, n:] += beta * space.tangential.mass
         matrix[:n, n:] -= kappa * space._coupling
         matrix[n:, :n] -= kappa * space._coupling.T
-        self._cholesky = ScaledCholesky(matrix.take(space._order, 0).take(space._order, 1))
+        self._cholesky = Cholesky(matrix.take(space._order, 0).take(space._order, 1))
 
     def solve(self) -> Pair:
         """Return pressure and traction of unit approach."""
@@ -284,7 +284,7 @@ class CoupledFactored:
         space = self.space
         kept = space.kept if degrees == 2 else space.kept_but_one
         shed = self._cholesky.shed(space.values(pair), kept)
-        change, energies = space.pair(shed), space.pair((shed / self._cholesky.scale) ** 2)
+        change, energies = space.pair(shed), space.pair(shed**2 * self._cholesky.diagonal)
         first, second = space.panels
         return (
             Change(change.normal, _by_panel(first, energies.normal)),

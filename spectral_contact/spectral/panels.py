@@ -80,6 +80,11 @@ class LogPanels:
         return ROOT_TERMS if self.root_tail else TAIL_TERMS
 
     @property
+    def tail_points(self) -> int:
+        """Number of sampling points on the tail."""
+        return self.tail_terms + 1
+
+    @property
     def node_counts(self) -> tuple[int, int]:
         """Galerkin nodes on the first panel, and on every other one and the tail.
 
@@ -95,18 +100,22 @@ class LogPanels:
         used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
         return np.concatenate([*used, np.arange(self.panels * terms, self.size)])
 
-    def sampling(self, points: int | None = None) -> Array:
-        """Return ``x`` of Gauss-Legendre sampling points on every panel, shape (panels, n).
+    @property
+    def samples(self) -> int:
+        """Number of sampling points on a panel.
 
-        By default enough for products with ``exp(-x)`` to be right to rounding, however low the
-        degree.
+        Enough for products with ``exp(-x)`` to be right to rounding, however low the degree.
         """
-        g, _ = gauss_rule(points or max(self.degree + 5, 18))
+        return max(self.degree + 5, 18)
+
+    def sampling(self, points: int | None = None) -> Array:
+        """Return ``x`` of Gauss-Legendre points on every panel, by default `samples`, (panels, n)."""
+        g, _ = gauss_rule(points or self.samples)
         return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
 
     def tail_sampling(self) -> Array:
         """Return the distances of Gauss-Legendre sampling points on the tail, shape (n,)."""
-        g, _ = gauss_rule(self.tail_terms + 1)
+        g, _ = gauss_rule(self.tail_points)
         return self.end * (1.0 + g) / 2.0
 
     def half_line_nodes(self) -> tuple[Array, Array]:

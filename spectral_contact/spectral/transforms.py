@@ -20,7 +20,11 @@ from spectral_contact.spectral.abel import (
     outer_blocks,
 )
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+)
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["Transforms", "transforms"]
@@ -94,6 +98,39 @@ class Transforms:
         g = 2.0 * transforms(other).distances[len(near) :] / reach - 1.0
         series = legendre_expansion_matrix(_DEEP_POINTS, _DEEP_POINTS - 1) @ values[len(near) :]
         return np.concatenate([values[: len(near)], series @ legendre_rows(g, _DEEP_POINTS - 1)])
+
+    def mean(self, coefficients: Array) -> Array:
+        """Return ``(1/d) int_0^d f dd'`` of a function, shape (sampling points,).
+
+        Panel by panel from the boundary on, so that nothing cancels.
+        """
+        panels, terms = self.panels, self.panels.degree + 1
+        count, end = panels.panels, panels.end
+        within, whole, in_tail, below = self._mean
+        series, tail = coefficients[: count * terms].reshape(count, terms), coefficients[-len(below) :]
+        start = np.exp(-panels.width * np.arange(count))
+        parts = start * (series @ whole)
+        # what lies beyond each panel
+        beyond = np.cumsum(np.concatenate([[end * (below @ tail)], parts[:0:-1]]))[::-1]
+        sums = beyond[:, None] + start[:, None] * (series @ within)
+        means = sums / self.distances[: sums.size].reshape(sums.shape)
+        return np.concatenate([means.ravel(), in_tail @ tail])
+
+    @cached_property
+    def _mean(self) -> tuple[Array, Array, Array, Array]:
+        """Matrices of `mean`: on a panel, of a whole one, in the tail, of all of the tail."""
+        panels, h = self.panels, self.panels.width
+        g, w = gauss_rule(panels.degree + 12)  # a rule that the panels use, too
+        half, degree = (1.0 + g) / 2.0, panels.tail_terms - 1
+        # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
+        reach = h - self._x[0]
+        source = self._x[0, :, None] + np.outer(reach, half)
+        weight = np.exp(-source) * (w / 2.0) * reach[:, None]
+        within = np.einsum("iq,iqk->ki", weight, legendre_values(2.0 * source / h - 1.0, panels.degree))
+        whole = (np.exp(-h * half) * w * h / 2.0) @ legendre_values(g, panels.degree)
+        local = np.outer(panels.tail_sampling() / panels.end, 2.0 * half) - 1.0
+        in_tail = np.einsum("iqk,q->ik", legendre_values(local, degree), w / 2.0)
+        return within, whole, in_tail, (w / 2.0) @ legendre_values(g, degree)
 
     @cached_property
     def _deeper(self) -> tuple[Array, Array]:
