@@ -18,7 +18,7 @@ conditioned as the smooth limit, where ``m = 0``.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atanh, log, pi
+from math import atanh, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,8 @@ Array = NDArray[np.float64]
 
 #: Error of the radius, as a logit, from which the finer spaces start.
 _NEAR = 1e-5
+#: That from which the small spaces start.
+_ROUGH = 0.03
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,22 +147,16 @@ class _OneDiskProblem:
             self.logit, self.slope = root_near(self._rough_mismatch, *near, _NEAR)
             return
         # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
-        try:
-            self.logit, self.slope = self._smooth_root()
-        except NoStickDiskError as missing:
-            if beta == 0.0 or not missing.at_centre:
-                raise
-            self.logit, self.slope = LEAST_LOGIT, 1.0
+        self.logit, self.slope = self._smooth_root()
         if beta > 0.0:
-            # with compliance c grows like 2 beta f/kappa at first
-            rough = min(2.0 * beta * friction, 0.9)
-            start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
-            if start <= LEAST_LOGIT:
-                raise NoStickDiskError(at_centre=True)
-            self.logit, self.slope = root_near(self._rough_mismatch, start, self.slope, _NEAR)
+            self.logit, self.slope = root_near(self._rough_mismatch, *self._soft_root(), _NEAR)
+        elif self.alpha > 0.0:
+            self.logit, self.slope = root_near(
+                self._pressure_mismatch, self.logit, self.slope, _NEAR
+            )
 
     def _smooth_root(self) -> tuple[float, float]:
-        """Return the radius without tangential compliance, roughly, and the slope there."""
+        """Return the radius on a smooth surface, and the slope there."""
         friction = self.friction
 
         def mismatch(logit: float) -> float:  # of the pressure 1/(2 pi sqrt(y)), times 2 pi
@@ -169,24 +165,44 @@ class _OneDiskProblem:
             rise = 2.0 * atanh(c) if c < 0.5 else log((1.0 + c) ** 2 / rest)
             return rise / c - friction * float(ellipkm1(c * c))
 
-        if self.alpha == 0.0:
-            logit, slope = bracketed_root(mismatch)
-            return logit, slope / (2.0 * pi)
         try:
             logit, slope = bracketed_root(mismatch)
         except NoStickDiskError as missing:
+            if self.alpha == self.beta == 0.0:
+                raise
             logit, slope = (LEAST_LOGIT if missing.at_centre else LARGEST_LOGIT), 1.0
-        # closer to the edge than alpha the pressure does not grow any more
-        start = min(logit, 2.0 - log(self.alpha))
-        error = _NEAR if self.beta == 0.0 else 0.03
-        return root_near(self._pressure_mismatch, start, slope / (2.0 * pi), error)
+        if self.alpha > 0.0:  # closer to the edge than alpha the pressure does not grow any more
+            logit = min(logit, 2.0 - log(self.alpha))
+        return logit, slope / (2.0 * pi)
+
+    def _soft_root(self) -> tuple[float, float]:
+        """Return the radius with tangential compliance, to some per cent, and the slope there."""
+        # c grows like 2 beta f/kappa at first
+        rough = min(2.0 * self.beta * self.friction, 0.9)
+        start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
+        if start <= LEAST_LOGIT:
+            raise NoStickDiskError(at_centre=True)
+        try:
+            return root_near(self._pressure_mismatch, start, max(self.slope, 0.1), _ROUGH)
+        except NoStickDiskError:  # that of the estimate, not of the disk
+            return start, self.slope
 
     def _pressure_mismatch(self, logit: float) -> float:
-        """Return ``R(c) - (f/kappa) P(c)``, zero without tangential compliance."""
+        """Return ``R(c) - (f/kappa) P(c) - m`` with the m that a disk needs, roughly.
+
+        Without tangential compliance that is 0. A disk of great compliance takes 4 times the jump
+        of its displacement; what is added for less is fitted.
+        """
         radius = Radius.from_logit(logit)
         source = SlipSource([self.drive.pressure], radius, EDGE, self.alpha, 1e-3, radius.rest)
-        at_rim = float(self.drive.target(np.array(radius.rest)))
-        return at_rim - self.friction * float(source.at_rim[0])
+        mismatch = float(self.drive.target(np.array(radius.rest)))
+        mismatch -= self.friction * float(source.at_rim[0])
+        if self.beta > 0.0:
+            soft = self.beta / radius.value
+            more = 0.55 * log(1.0 + radius.rest / soft) / sqrt(radius.rest)
+            at_rim = float(self.drive.pressure.at(np.array(radius.rest)))
+            mismatch -= self.friction * at_rim * soft * (4.0 + more)
+        return mismatch
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""

@@ -62,23 +62,20 @@ class SlipSource:
         half = width / 2.0
         points = 3 + ceil(-0.3 * log(tolerance))  # each of them wins a digit
         least = max(1e-3 * tolerance, 1e-17)
-
-        def values(weights: Array, y: Array, z: Array) -> Array:  # with s ds = dz/2
-            densities = np.column_stack([one.at(y) for one in pressures])
-            return (weights / (2.0 * np.sqrt(z)))[:, None] * densities
-
-        nodes, weights, _ = _graded(min(nearest, inner.square, half) / half, points)
-        offset = half * nodes
-        from_inner = values(half * weights, inner.rest - offset, inner.square + offset)
+        near, near_weights, _ = _graded(min(nearest, inner.square, half) / half, points)
         # a pressure that is singular at the edge is a square root there
         finest = min(1.0, alpha / half) * least if alpha else least**2
-        nodes, weights, gather = _graded(finest, points)
-        depth = half * nodes
+        far, far_weights, gather = _graded(finest, points)
+        offset, depth = half * near, half * far
+        y = np.concatenate([inner.rest - offset, outer.rest + depth])
+        z = np.concatenate([inner.square + offset, outer.square - depth])
+        densities = np.array([one.at(y) for one in pressures])
+        # with s ds = dz/2
+        densities *= half / 2.0 * np.concatenate([near_weights, far_weights]) / np.sqrt(z)
         # seen from inside, what varies over the outer half is a polynomial: a few points do
-        from_outer = gather @ values(half * weights, outer.rest + depth, outer.square - depth)
-        depth = half * (1.0 + FAR_NODES) / 2.0
+        from_inner, from_outer = densities[:, : len(near)].T, gather @ densities[:, len(near) :].T
         #: distance of the points from the rim in s**2
-        self.above = np.concatenate([offset, width - depth])
+        self.above = np.concatenate([offset, width - half * (1.0 + FAR_NODES) / 2.0])
         if rim is not None:
             self.above += gap(rim, inner)
         self._root = np.sqrt(self.above)
