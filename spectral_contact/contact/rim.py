@@ -162,9 +162,9 @@ def rim_target(
     balance : ndarray, shape (k,)
         ``R(c) - (f/kappa) P(c)``.
     function : callable
-        The targets, (n, k), as functions of ``d = 1 - s**2/c**2``. Near the rim they are built
-        from differences that do not cancel; beyond, from the parts, whose noise falls with their
-        size.
+        The targets, (n, k), as functions of ``d = 1 - s**2/c**2``, of which those beyond
+        `rise_reach` come first. Near the rim they are built from differences that do not cancel;
+        beyond, from the parts, whose noise falls with their size.
     """
     at_rim = np.array([float(drive.target(np.array(radius.rest))) for drive in drives])
     balance = at_rim - sum(factor * source.at_rim for factor, source in sources)
@@ -172,15 +172,17 @@ def rim_target(
     at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
 
     def function(d: Array) -> Array:
-        near = d <= reach
+        split = int(np.count_nonzero(d > reach))
         value = np.empty((len(d), len(drives)))
-        below = radius.square * d
-        value[near] = np.column_stack([rise(d[near]) for rise in rises]) + at_start
-        targets = [drive.target(radius.rest + below[~near]) for drive in drives]
-        value[~near] = np.column_stack(targets) - at_end
+        far, near, below = value[:split], value[split:], radius.square * d
+        for column, (drive, rise) in enumerate(zip(drives, rises, strict=True)):
+            far[:, column] = drive.target(radius.rest + below[:split])
+            near[:, column] = rise(d[split:])
+        far -= at_end
+        near += at_start
         for factor, source in sources:
-            value[near] += factor * source.fall(below[near])
-            value[~near] -= factor * source.half_integral(below[~near])
+            far -= factor * source.half_integral(below[:split])
+            near += factor * source.fall(below[split:])
         return value
 
     return balance, function

@@ -87,10 +87,9 @@ class Slipping:
     misfit: tuple[Array, Array]
 
     @property
-    def weighted_misfit(self) -> list[Array]:
+    def weighted_misfit(self) -> tuple[Array, Array]:
         """``t E`` at the sampling points."""
-        pairs = zip(self.annulus.families, self.misfit, strict=True)
-        return [np.sqrt(f.sampling().z) * e for f, e in pairs]
+        return self.annulus.halves(np.sqrt(self.annulus.sampling[1]) * np.concatenate(self.misfit))
 
 
 def annulus_between(
@@ -142,7 +141,8 @@ def _with_depths(
 
 def pressure_expansion(annulus: Annulus, pressure: PressureField) -> Array:
     """Return the coefficients of p/s on an annulus."""
-    return annulus.expand_function(lambda points: pressure.at(points.y) / np.sqrt(points.z))
+    y, z = annulus.sampling
+    return annulus.expand(annulus.halves(pressure.at(y) / np.sqrt(z)))
 
 
 def slip_displacement(
@@ -172,28 +172,27 @@ def slip_displacement(
     fields, samples, unresolved = [], [], 0.0
     for zone in zones:
         annulus = zone.annulus
-        expansion = annulus.expand(zone.weighted_misfit)
-        own = annulus.own_inner_integral(expansion)
-        parts = []
-        for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
-            points = family.sampling()
-            total = own[start : start + len(points.offset)]
+        weighted = zone.weighted_misfit
+        total = annulus.own_inner_integral(annulus.expand(weighted))
+        for family, part in zip(annulus.families, annulus.halves(total), strict=True):
             for inner in _inside(stuck, annulus.inner):
-                total += _from_stuck_at_samples(inner, family)
+                part += _from_stuck_at_samples(inner, family)
             for inner_zone in zones:
                 if inner_zone is zone:
                     break
-                total += _from_slipping(inner_zone, points)
-            s = np.sqrt(points.z)
-            traction = zone.sign * friction * pressure.at(points.y)
-            parts.append(beta * traction - total / (pi * s))
-        series = [sampled_series(f.panels, u) for f, u in zip(annulus.families, parts, strict=True)]
-        for family, e, u in zip(annulus.families, zone.weighted_misfit, series, strict=True):
+                part += _from_slipping(inner_zone, family.sampling())
+        y, z = annulus.sampling
+        values = total / (-pi * np.sqrt(z))
+        if beta > 0.0:
+            values += beta * zone.sign * friction * pressure.at(y)
+        parts = zip(annulus.families, annulus.halves(values), strict=True)
+        series = [sampled_series(family.panels, u) for family, u in parts]
+        for family, e, u in zip(annulus.families, weighted, series, strict=True):
             # E reaches the displacement through an integral over 1/sqrt(d) of it
             inner_error = family.truncated(e, 0.5) / 16.0
             unresolved = max(unresolved, inner_error + family.unresolved(u))
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
-        samples.append(zone.sign * np.concatenate(parts))
+        samples.append(zone.sign * values)
     largest = max(float(np.abs(v).max()) for v in samples)
     return fields, samples, largest, 8.0 * unresolved
 
@@ -296,19 +295,15 @@ def slip_misfit(
     expansions = [pressure_expansion(a, drive.pressure) for a in annuli]
     result = []
     for annulus in annuli:
-        values = []
-        for family, start in zip(annulus.families, (0, annulus.sampling_split), strict=True):
-            points = family.sampling()
-            rows = slice(start, start + len(points.offset))
-            e = drive.target(points.y)
-            for other, sign, expansion in zip(annuli, signs, expansions, strict=True):
-                if other is annulus:
-                    half = other.own_half_integral(expansion)[rows]
-                else:
-                    half = other.half_integral(points) @ expansion
-                e = e - sign * friction * half
-            for other_field in others:
-                e = e - other_field(points)
-            values.append(e)
-        result.append((values[0], values[1]))
+        misfit = drive.target(annulus.sampling[0])
+        points = [family.sampling() for family in annulus.families]
+        for other, sign, expansion in zip(annuli, signs, expansions, strict=True):
+            if other is annulus:
+                half = other.own_half_integral(expansion)
+            else:
+                half = np.concatenate([other.half_integral(one) @ expansion for one in points])
+            misfit -= sign * friction * half
+        for other_field in others:
+            misfit -= np.concatenate([other_field(one) for one in points])
+        result.append(annulus.halves(misfit))
     return result

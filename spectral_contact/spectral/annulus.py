@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -214,6 +214,12 @@ class Annulus:
             Family(self.outer, -1, half, self.toward_outer),
         )
 
+    @cached_property
+    def sampling(self) -> tuple[Array, Array]:
+        """``1 - s**2`` and ``s**2`` at the sampling points of both halves, the inner one's first."""
+        points = [family.sampling() for family in self.families]
+        return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
+
     @property
     def size(self) -> int:
         """Number of coefficients of both halves."""
@@ -271,14 +277,14 @@ class Annulus:
     def _scale(self) -> float:
         return float(np.sqrt(gap(self.inner, self.outer) / 2.0))
 
+    def halves(self, values: Array) -> tuple[Array, Array]:
+        """Return the parts of values at the sampling points that lie in either half."""
+        return values[: self.sampling_split], values[self.sampling_split :]
+
     def expand(self, values: Sequence[Array]) -> Array:
         """Return coefficients through values at the sampling points of both families."""
         pairs = zip(self.families, values, strict=True)
         return np.concatenate([f.expand(v) for f, v in pairs])
-
-    def expand_function(self, function: Callable[[Points], Array]) -> Array:
-        """Return coefficients of a function of `Points`."""
-        return self.expand([function(f.sampling()) for f in self.families])
 
 
 def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
