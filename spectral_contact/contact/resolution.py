@@ -16,10 +16,9 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
-    legendre_expansion_matrix,
     legendre_projection_matrix,
 )
-from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
     "LEAST_RATE",
@@ -155,12 +154,9 @@ def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[
     unresolved : float
         The last two coefficients, at their largest: what the expansion leaves out is less.
     """
-    disk = disk_operators(panels)
-    values = function(disk.samples)
-    samples = values[: panels.panels * SAMPLES].reshape(panels.panels, SAMPLES, -1)
-    last = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)[-2:]
-    unresolved = float(np.abs(last @ samples).sum(axis=1).max())
-    return disk.interpolate(values), unresolved
+    samples = disk_operators(panels).samples
+    values = function(samples.distances)
+    return samples.interpolate(values), samples.unresolved(values)
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:

@@ -162,9 +162,9 @@ def rim_target(
     balance : ndarray, shape (k,)
         ``R(c) - (f/kappa) P(c)``.
     function : callable
-        The targets, (n, k), as functions of ``d = 1 - s**2/c**2``, of which those beyond
-        `rise_reach` come first. Near the rim they are built from differences that do not cancel;
-        beyond, from the parts, whose noise falls with their size.
+        The targets, (n, k), as functions of ``d = 1 - s**2/c**2``, which falls. Near the rim they
+        are built from differences that do not cancel; beyond, from the parts, whose noise falls
+        with their size.
     """
     at_rim = np.array([float(drive.target(np.array(radius.rest))) for drive in drives])
     balance = at_rim - sum(factor * source.at_rim for factor, source in sources)

@@ -73,9 +73,9 @@ class Stuck:
     @classmethod
     def disk(cls, rim: Radius, operators: DiskOperators, misfit: Array) -> Stuck:
         """Return a central disk, with E at its Galerkin nodes."""
-        nodes = operators.nodes
-        weighted = operators.gather(rim.value**3 * nodes.weights * nodes.rest * misfit)
-        return cls(rim, ((Points(rim, -rim.square * operators.samples), weighted),))
+        nodes, samples = operators.nodes, operators.samples
+        weighted = samples.gather(rim.value**3 * nodes.weights * nodes.rest * misfit)
+        return cls(rim, ((Points(rim, -rim.square * samples.distances), weighted),))
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,7 +40,7 @@ from spectral_contact.contact.slip_displacement import (
 )
 from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
 from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
-from spectral_contact.spectral.annulus import Points, gap
+from spectral_contact.spectral.annulus import gap
 
 __all__ = ["ZonesSolution", "solve_zones"]
 

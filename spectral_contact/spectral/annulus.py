@@ -216,7 +216,7 @@ class Annulus:
 
     @cached_property
     def sampling(self) -> tuple[Array, Array]:
-        """``1 - s**2`` and ``s**2`` at the sampling points of both halves, the inner one's first."""
+        """``1 - s**2`` and ``s**2`` at the sampling points, those of the inner half first."""
         points = [family.sampling() for family in self.families]
         return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
 

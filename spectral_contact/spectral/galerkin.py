@@ -31,8 +31,8 @@ from spectral_contact.spectral.abel import (
 )
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.cholesky import Cholesky
-from spectral_contact.spectral.jacobi import legendre_interpolation_matrix
-from spectral_contact.spectral.panels import SAMPLES, LogPanels, Nodes
+from spectral_contact.spectral.panels import LogPanels, Nodes
+from spectral_contact.spectral.samples import Samples
 
 __all__ = [
     "Change",
@@ -104,40 +104,9 @@ class DiskOperators:
         )
 
     @cached_property
-    def samples(self) -> Array:
-        """Distances of `SAMPLES` points on every panel, and of the nodes of the tail."""
-        tail = self.nodes.d[-self.panels.node_counts[1] :]
-        return np.concatenate([np.exp(-self.panels.sampling(SAMPLES)).ravel(), tail])
-
-    @cached_property
-    def _from_samples(self) -> tuple[Array, Array]:
-        """Interpolation from `SAMPLES` on a panel to its nodes: on the first one, on the others."""
-        first, other = (
-            legendre_interpolation_matrix(2.0 * x / self.panels.width - 1.0, SAMPLES)
-            for x in self._offsets
-        )
-        return first, other
-
-    def interpolate(self, values: Array) -> Array:
-        """Return a function at the nodes, (nodes, ...), of which the values at `samples` are given.
-
-        On every panel it has to be analytic in ``x`` up to an imaginary part of pi.
-        """
-        first, other = self._from_samples
-        count = self.panels.panels
-        # any trailing axis of the values (several functions at once) is carried along
-        trailing = values.shape[1:]
-        samples = values[: count * SAMPLES].reshape(count, SAMPLES, -1)
-        parts = [(first @ samples[0]).reshape(-1, *trailing)]
-        parts += [(other @ samples[1:]).reshape(-1, *trailing), values[count * SAMPLES :]]
-        return np.concatenate(parts)
-
-    def gather(self, weights: Array) -> Array:
-        """Return weights of `samples` that sum what `interpolate` knows as these of the nodes do."""
-        first, other = self._from_samples
-        start, stop = len(first), len(first) + (self.panels.panels - 1) * len(other)
-        inner = weights[start:stop].reshape(-1, len(other)) @ other
-        return np.concatenate([weights[:start] @ first, inner.ravel(), weights[stop:]])
+    def samples(self) -> Samples:
+        """Few points that represent a smooth function at the many nodes."""
+        return Samples(self.panels, self.nodes.d, self._offsets)
 
     def outer(self, coefficients: Array) -> Array:
         """Return the `outer` integral of a function at the nodes, (nodes,); no root tail."""

@@ -109,7 +109,7 @@ class LogPanels:
         return max(self.degree + 5, 18)
 
     def sampling(self, points: int | None = None) -> Array:
-        """Return ``x`` of Gauss-Legendre points on every panel, by default `samples`, (panels, n)."""
+        """Return ``x`` of Gauss-Legendre points on every panel, by default `samples`."""
         g, _ = gauss_rule(points or self.samples)
         return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
 

@@ -107,7 +107,8 @@ class Transforms:
         panels, terms = self.panels, self.panels.degree + 1
         count, end = panels.panels, panels.end
         within, whole, in_tail, below = self._mean
-        series, tail = coefficients[: count * terms].reshape(count, terms), coefficients[-len(below) :]
+        series = coefficients[: count * terms].reshape(count, terms)
+        tail = coefficients[count * terms :]
         start = np.exp(-panels.width * np.arange(count))
         parts = start * (series @ whole)
         # what lies beyond each panel
@@ -126,7 +127,8 @@ class Transforms:
         reach = h - self._x[0]
         source = self._x[0, :, None] + np.outer(reach, half)
         weight = np.exp(-source) * (w / 2.0) * reach[:, None]
-        within = np.einsum("iq,iqk->ki", weight, legendre_values(2.0 * source / h - 1.0, panels.degree))
+        basis = legendre_values(2.0 * source / h - 1.0, panels.degree)
+        within = np.einsum("iq,iqk->ki", weight, basis)
         whole = (np.exp(-h * half) * w * h / 2.0) @ legendre_values(g, panels.degree)
         local = np.outer(panels.tail_sampling() / panels.end, 2.0 * half) - 1.0
         in_tail = np.einsum("iqk,q->ik", legendre_values(local, degree), w / 2.0)
