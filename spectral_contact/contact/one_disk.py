@@ -36,7 +36,6 @@ from spectral_contact.contact.resolution import (
     decay_rates,
     expected_error,
     functional_error,
-    interpolate,
     on_mesh,
     series_of,
     share_of_change,
@@ -237,11 +236,14 @@ class _OneDiskProblem:
         """Solve for drives, which may be changes of one: all is linear in the pressure."""
         panels, correct = resolution.panels, tolerance < 1e-3
         pressures = [drive.pressure for drive in drives]
-        nearest = radius.square * float(factored.space.operator.disk.nodes.d.min())
-        source = SlipSource(pressures, radius, EDGE, self.alpha, tolerance, nearest)
+        samples = factored.space.operator.disk.samples
+        nearest = radius.square * float(samples.distances[-1])
+        source = SlipSource(
+            pressures, radius, EDGE, self.alpha, tolerance, nearest, samples=samples
+        )
         sources = [(self.friction, source)]
-        balance, target = rim_target(drives, radius, sources, keep=self.beta > 0.0)
-        values, unresolved = interpolate(panels, target)
+        balance, sampled = rim_target(drives, radius, sources, samples, keep=self.beta > 0.0)
+        values, unresolved = samples.interpolate(sampled), samples.unresolved(sampled)
         rim, unit, slipping, response = -balance, 0.0, self.friction * source.at_rim, None
         if self.beta == 0.0:
             solved = factored.solve(values, correct=correct)

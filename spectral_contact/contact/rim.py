@@ -6,7 +6,7 @@ cancel.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import ceil, exp, log
 
 import numpy as np
@@ -21,12 +21,17 @@ from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, gap
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.samples import Samples
 
 __all__ = ["SlipSource", "disk_resolution", "rim_target"]
 
 Array = NDArray[np.float64]
 
 _RULES: BoundedCache[tuple[int, int], tuple[Array, Array, Array]] = BoundedCache("slip rules", 64)
+_GRIDS: BoundedCache[tuple[LogPanels, int], _Grid] = BoundedCache("slip at a rim", 24)
+#: Width in ``-ln`` of the panels that are graded to an end.
+_WIDTH = 3.0
 
 
 class SlipSource:
@@ -46,6 +51,9 @@ class SlipSource:
         The least ``inner**2 - t**2`` > 0 for which they are asked.
     rim : Radius, optional
         Rim of the stick disk; by default the inner end.
+    samples : Samples, optional
+        Of the stick disk, if its rim is the inner end: what is near the rim is then summed with a
+        matrix that is kept.
     """
 
     def __init__(
@@ -57,21 +65,30 @@ class SlipSource:
         tolerance: float,
         nearest: float,
         rim: Radius | None = None,
+        samples: Samples | None = None,
     ) -> None:
         width = gap(inner, outer)
         half = width / 2.0
         points = 3 + ceil(-0.3 * log(tolerance))  # each of them wins a digit
         least = max(1e-3 * tolerance, 1e-17)
-        near, near_weights, _ = _graded(min(nearest, inner.square, half) / half, points)
+        self._kernel: Array | None = None
+        self._scale = inner.value
+        if samples is None:
+            near, near_weights, _ = _graded(min(nearest, inner.square, half) / half, points)
+            offset, near_weights = half * near, half * near_weights
+        else:
+            grid = _GRIDS.get((samples.panels, points), lambda: _Grid(samples, points))
+            near, near_weights, self._kernel = grid.from_rim(half / inner.square)
+            offset, near_weights = inner.square * near, inner.square * near_weights
         # a pressure that is singular at the edge is a square root there
         finest = min(1.0, alpha / half) * least if alpha else least**2
         far, far_weights, gather = _graded(finest, points)
-        offset, depth = half * near, half * far
+        depth = half * far
         y = np.concatenate([inner.rest - offset, outer.rest + depth])
         z = np.concatenate([inner.square + offset, outer.square - depth])
         densities = np.array([one.at(y) for one in pressures])
         # with s ds = dz/2
-        densities *= half / 2.0 * np.concatenate([near_weights, far_weights]) / np.sqrt(z)
+        densities *= np.concatenate([near_weights, half * far_weights]) / (2.0 * np.sqrt(z))
         # seen from inside, what varies over the outer half is a polynomial: a few points do
         from_inner, from_outer = densities[:, : len(near)].T, gather @ densities[:, len(near) :].T
         #: distance of the points from the rim in s**2
@@ -92,15 +109,70 @@ class SlipSource:
         return root_sums(below, self.above, self.values)
 
     def fall(self, below: Array) -> Array:
-        """Return by how much the half-integral at ``inner**2 - below`` is less than at the rim."""
-        sums = root_sums(below, self.above, self.values / self._root[:, None], self._root)
-        return np.asarray(below[:, None] * sums)
+        """Return by how much the half-integral at ``rim**2 - below`` is less than at the rim.
+
+        With samples these are as many of them as there are places, the nearest ones.
+        """
+        weights = self.values / self._root[:, None]
+        if self._kernel is None:
+            return np.asarray(below[:, None] * root_sums(below, self.above, weights, self._root))
+        # those of the kernel stand between the others
+        start, stop = len(self.above) - len(FAR_NODES) - self._kernel.shape[1], -len(FAR_NODES)
+        above, root, weights = (
+            np.concatenate([one[:start], one[stop:]]) for one in (self.above, self._root, weights)
+        )
+        sums = below[:, None] * root_sums(below, above, weights, root)
+        sums += self._kernel[len(self._kernel) - len(below) :] @ (
+            self.values[start:stop] / self._scale
+        )
+        return sums
+
+
+class _Grid:
+    """Quadrature outside a rim that does not depend on its radius, with the kernel of `fall`.
+
+    In ``e = (s**2 - c**2) / c**2`` the panels next to the rim are those of any radius.
+
+    Parameters
+    ----------
+    samples : Samples
+        Where the half-integrals are wanted.
+    points : int
+        On a panel.
+    """
+
+    def __init__(self, samples: Samples, points: int) -> None:
+        d = samples.distances
+        self._points = points
+        self._panels = max(ceil(-log(float(d[-1])) / _WIDTH), 0)
+        starts: Array = _WIDTH * np.arange(self._panels)
+        self._nodes, self._weights = _to_an_end(starts, np.full(self._panels, _WIDTH), points)
+        root = np.sqrt(self._nodes)
+        longer = np.sqrt(d[:, None] + self._nodes)
+        self._kernel = d[:, None] / (root * longer * (longer + root))
+
+    def from_rim(self, reach: float) -> tuple[Array, Array, Array]:
+        """Return nodes and weights on ``0 < e < reach``, and the kernel of the last of them."""
+        # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
+        start = 1.0 - log(reach)
+        first = min(max(ceil(start / _WIDTH), 0), self._panels)
+        count = max(ceil((_WIDTH * first - start) / _WIDTH), 0)
+        width = (_WIDTH * first - start) / max(count, 1)
+        starts = np.concatenate([[start - 1.0], start + width * np.arange(count)])
+        widths = np.concatenate([[1.0], np.full(count, width)])
+        nodes, weights = _on_panels(starts, widths, self._points)
+        own = slice(first * self._points, None)
+        return (
+            np.concatenate([nodes, self._nodes[own]]),
+            np.concatenate([weights, self._weights[own]]),
+            self._kernel[:, own],
+        )
 
 
 def _graded(finest: float, points: int) -> tuple[Array, Array, Array]:
     """Return `_rule` graded to `finest`."""
     # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
-    panels = max(ceil((-log(finest) - 1.0) / 3.0), 0)
+    panels = max(ceil((-log(finest) - 1.0) / _WIDTH), 0)
     return _RULES.get((panels, points), lambda: _rule(panels, points))
 
 
@@ -110,16 +182,25 @@ def _rule(panels: int, points: int) -> tuple[Array, Array, Array]:
     Panels are equal in ``-ln``, and the last one is for functions of the square root. A polynomial
     has the same sum with the gathered weights at the far nodes.
     """
-    start = np.concatenate([[0.0], 1.0 + 3.0 * np.arange(panels)])
-    width = np.concatenate([[1.0], np.full(panels, 3.0)])
-    g, w = gauss_rule(points)
-    nodes = np.exp(-start[:, None] - width[:, None] * (1.0 + g) / 2.0)
-    root, rest = (1.0 + g) / 2.0, exp(-1.0 - 3.0 * panels)
-    weights = nodes * (w * width[:, None] / 2.0)
-    nodes = np.concatenate([nodes.ravel(), rest * root**2])
-    weights = np.concatenate([weights.ravel(), rest * root * w])
+    starts = np.concatenate([[0.0], 1.0 + _WIDTH * np.arange(panels)])
+    nodes, weights = _to_an_end(starts, np.concatenate([[1.0], np.full(panels, _WIDTH)]), points)
     vander = chebyshev.chebvander(2.0 * nodes - 1.0, len(FAR_NODES) - 1)
     return nodes, weights, FAR_FIT.T @ vander.T
+
+
+def _to_an_end(starts: Array, widths: Array, points: int) -> tuple[Array, Array]:
+    """Return nodes and weights on panels in ``-ln``, and on one for functions of the root below."""
+    nodes, weights = _on_panels(starts, widths, points)
+    g, w = gauss_rule(points)
+    root, rest = (1.0 + g) / 2.0, exp(-sum(widths))
+    return np.concatenate([nodes, rest * root**2]), np.concatenate([weights, rest * root * w])
+
+
+def _on_panels(starts: Array, widths: Array, points: int) -> tuple[Array, Array]:
+    """Return nodes and weights on panels in ``-ln`` of the distance."""
+    g, w = gauss_rule(points)
+    nodes = np.exp(-starts[:, None] - widths[:, None] * (1.0 + g) / 2.0)
+    return nodes.ravel(), (nodes * (w * widths[:, None] / 2.0)).ravel()
 
 
 def disk_resolution(
@@ -140,9 +221,14 @@ def disk_resolution(
 
 
 def rim_target(
-    drives: Sequence[Drive], radius: Radius, sources: list[tuple[float, SlipSource]], *, keep: bool
-) -> tuple[Array, Callable[[Array], Array]]:
-    """Return the target of a stick disk at its rim, and on the disk.
+    drives: Sequence[Drive],
+    radius: Radius,
+    sources: list[tuple[float, SlipSource]],
+    samples: Samples,
+    *,
+    keep: bool,
+) -> tuple[Array, Array]:
+    """Return the target of a stick disk at its rim, and at the samples of the disk.
 
     Parameters
     ----------
@@ -153,36 +239,34 @@ def rim_target(
     sources : list of (float, SlipSource)
         Slip zones outside under the pressures of the drives, each with its sign times
         ``f / kappa``.
+    samples : Samples
+        Of the disk.
     keep : bool
-        Whether the function includes the balance. It does not where the target must vanish at
+        Whether the target includes the balance. It does not where the target must vanish at
         the rim, at zero compliance.
 
     Returns
     -------
     balance : ndarray, shape (k,)
         ``R(c) - (f/kappa) P(c)``.
-    function : callable
-        The targets, (n, k), as functions of ``d = 1 - s**2/c**2``, which falls. Near the rim they
-        are built from differences that do not cancel; beyond, from the parts, whose noise falls
-        with their size.
+    value : ndarray, shape (samples, k)
+        The targets. Near the rim they are built from differences that do not cancel; beyond, from
+        the parts, whose noise falls with their size.
     """
     at_rim = np.array([float(drive.target(np.array(radius.rest))) for drive in drives])
     balance = at_rim - sum(factor * source.at_rim for factor, source in sources)
     reach, rises = rise_reach(radius), [drive.rise(radius) for drive in drives]
     at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
-
-    def function(d: Array) -> Array:
-        split = int(np.count_nonzero(d > reach))
-        value = np.empty((len(d), len(drives)))
-        far, near, below = value[:split], value[split:], radius.square * d
-        for column, (drive, rise) in enumerate(zip(drives, rises, strict=True)):
-            far[:, column] = drive.target(radius.rest + below[:split])
-            near[:, column] = rise(d[split:])
-        far -= at_end
-        near += at_start
-        for factor, source in sources:
-            far -= factor * source.half_integral(below[:split])
-            near += factor * source.fall(below[split:])
-        return value
-
-    return balance, function
+    d = samples.distances
+    split = int(np.count_nonzero(d > reach))
+    value = np.empty((len(d), len(drives)))
+    far, near, below = value[:split], value[split:], radius.square * d
+    for column, (drive, rise) in enumerate(zip(drives, rises, strict=True)):
+        far[:, column] = drive.target(radius.rest + below[:split])
+        near[:, column] = rise(d[split:])
+    far -= at_end
+    near += at_start
+    for factor, source in sources:
+        far -= factor * source.half_integral(below[:split])
+        near += factor * source.fall(below[split:])
+    return balance, value

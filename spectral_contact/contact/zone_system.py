@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.resolution import PANEL_WIDTH, interpolate, series_of
+from spectral_contact.contact.resolution import PANEL_WIDTH, series_of
 from spectral_contact.contact.rim import SlipSource, rim_target
 from spectral_contact.contact.slip_displacement import (
     annulus_between,
@@ -163,8 +163,8 @@ class ZoneSystem:
         sticks = self._sticks(radii, degrees, panels.degree)
         # disk targets: what does not depend on the annuli, the rim value, every annulus function
         sources = self._sources(radii, quadrature, rim.square * float(disk.nodes.d.min()))
-        _, function = rim_target([self.drive], rim, sources, keep=True)
-        fixed, unresolved = interpolate(panels, function)
+        _, values = rim_target([self.drive], rim, sources, disk.samples, keep=True)
+        fixed, unresolved = disk.samples.interpolate(values), disk.samples.unresolved(values)
         falls, shares, at_rim = sticks.falls(panels, rim)
         targets = np.hstack([fixed, np.ones_like(fixed), falls])
         responses = factored.solve(targets)

@@ -10,9 +10,6 @@ __all__ = ["Cholesky"]
 
 Array = NDArray[np.float64]
 
-#: So many right-hand sides are solved one by one, which is faster than LAPACK's blocks of few.
-_FEW = 3
-
 
 class Cholesky:
     """The Cholesky factor of a matrix, which is overwritten.
@@ -44,8 +41,6 @@ class Cholesky:
         """Return the solution of a right-hand side (n,), or of several as rows (k, n)."""
         if right.ndim == 1:
             return self._substituted(right)
-        if len(right) <= _FEW:
-            return np.array([self._substituted(row) for row in right])
         step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
         return np.asarray(step.T)
 

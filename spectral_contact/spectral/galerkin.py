@@ -48,6 +48,8 @@ Array = NDArray[np.float64]
 
 #: Strips into which the half-integral is cut, so that its zeros cost nothing.
 _STRIPS = 8
+#: So many targets are solved for one by one: products with few vectors take BLAS more time.
+_FEW = 3
 #: Above this compliance the normal equations lose no more than 30 eps, and need no correction.
 _HARMLESS = 1e-3
 
@@ -388,6 +390,9 @@ class Factored:
         ndarray, shape (size,) or (size, k)
             Coefficients, zero outside the space.
         """
+        if not isinstance(target, float) and target.ndim == 2 and target.shape[1] <= _FEW:
+            columns = np.ascontiguousarray(target.T)
+            return np.column_stack([self.solve(one, load, correct=correct) for one in columns])
         space = self.space
         fixed = 0.0 if load is None else self.compliance * load[space.index]
         coefficients = np.zeros((space.operator.panels.size, *np.shape(target)[1:]))
