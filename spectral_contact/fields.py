@@ -7,6 +7,7 @@ relative accuracy at the edge and at both ends of every zone.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -112,19 +113,34 @@ class LogSeries:
             return np.empty(shape)
         if d.size == 1:
             return np.full(shape, self._one(float(d[0])))
-        panels = len(self.coefficients)
-        end = float(np.exp(-panels * self.width))
-        x = -np.log(np.maximum(d, end * 1e-2)) / self.width
+        return np.asarray(self.several([self], d)[0].reshape(shape))
+
+    @staticmethod
+    def several(series: Sequence[LogSeries], d: Array) -> Array:
+        """Return the values of series on the same panels at distances (n,), as rows.
+
+        One pass serves all of them.
+        """
+        first, count = series[0], len(series)
+        panels = len(first.coefficients)
+        end = math.exp(-panels * first.width)
+        x = -np.log(np.maximum(d, end * 1e-2)) / first.width
         own = np.minimum(np.maximum(x.astype(int), 0), panels - 1)
         local = np.minimum(np.maximum(2.0 * (x - own) - 1.0, -1.0), 1.0)
-        result = legendre_sums(local, self.coefficients, own)
+        table = first.coefficients
+        if count > 1:
+            table = np.concatenate([one.coefficients for one in series])
+            own = (own + panels * np.arange(count)[:, None]).ravel()
+            local = np.tile(local, count)
+        result = legendre_sums(local, table, own).reshape(count, -1)
         deep = d < end
         if deep.any():
-            result[deep] = self._deep(d[deep], end)
-        if self.power != 0.0:
+            for row, one in zip(result, series, strict=True):
+                row[deep] = one._deep(d[deep], end)
+        if first.power != 0.0:
             with np.errstate(divide="ignore"):
-                result *= d**self.power
-        return np.asarray(result.reshape(shape))
+                result *= d**first.power
+        return result
 
     def _deep(self, d: Array, end: float) -> Array:
         """Evaluate the tail."""
@@ -240,6 +256,18 @@ class PressureField:
         if self.series is not None:
             value = value + self.series(y)
         return value
+
+    @staticmethod
+    def several(fields: Sequence[PressureField], y: Array) -> Array:
+        """Return the values of fields whose series have the same panels at ``y``, (n,), as rows."""
+        series = [one.series for one in fields if one.series is not None]
+        values = np.zeros((len(fields), len(y)))
+        if len(series) == len(fields):
+            values = LogSeries.several(series, y)
+        for row, one in zip(values, fields, strict=True):
+            if one.weight is not None:
+                row += one.weight(y)
+        return values
 
     def at_ends(self) -> Array:
         """Return the values at the `ends` of the series."""

@@ -8,7 +8,7 @@ kappa = 1, as functions of ``y = 1 - s**2`` or ``1 - t**2``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import cached_property
 from math import sqrt
 
@@ -22,7 +22,7 @@ from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.transforms import transforms
 
-__all__ = ["Drive", "rise_reach"]
+__all__ = ["Drive"]
 
 Array = NDArray[np.float64]
 
@@ -88,46 +88,74 @@ class Drive:
 
     def target(self, y: Array) -> Array:
         """Return R at ``1 - t**2 = y``; infinite at the edge of a smooth surface."""
-        t = np.sqrt(np.maximum(1.0 - y, 0.0))
-        value = np.zeros(np.shape(y))
+        value = np.zeros(np.shape(y)) if self._outer is None else self._outer(y)
+        return value + self._of_weight(y)
+
+    def _of_weight(self, y: Array) -> Array | float:
+        """Return the part of R that the endpoint weight of the pressure demands."""
         weight = self.pressure.weight
-        if weight is not None:
-            # (A/t) ln((b + t)/(b - t)) with b^2 = 1 + shift and b - t = (y + shift)/(b + t)
-            b = sqrt(1.0 + weight.shift)
-            small = t < 0.5
-            safe = np.where(small, 1.0, t)
-            with np.errstate(divide="ignore"):
-                far = np.log((b + t) ** 2 / (y + weight.shift)) / safe
+        if weight is None:
+            return 0.0
+        # (A/t) ln((b + t)/(b - t)) with b^2 = 1 + shift and b - t = (y + shift)/(b + t)
+        t = np.sqrt(np.maximum(1.0 - y, 0.0))
+        b = sqrt(1.0 + weight.shift)
+        small = t < 0.5
+        safe = np.where(small, 1.0, t)
+        with np.errstate(divide="ignore"):
+            value = np.log((b + t) ** 2 / (y + weight.shift)) / safe
+        if small.any():
             ratio = np.where(small, t / b, 0.5)
-            near = (
-                2.0
-                / b
-                * np.where(ratio > 0.0, np.arctanh(ratio) / np.where(ratio > 0.0, ratio, 1.0), 1.0)
-            )
-            value = value + weight.amplitude * np.where(small, near, far)
-        if self._outer is not None:
-            value = value + self._outer(y)
-        return np.asarray(value)
+            slope = np.arctanh(ratio) / np.where(ratio > 0.0, ratio, 1.0)
+            value = np.where(small, 2.0 / b * np.where(ratio > 0.0, slope, 1.0), value)
+        return np.asarray(weight.amplitude * value)
 
-    def rise(self, radius: Radius) -> Callable[[Array], Array]:
-        """Return R near the rim of a disk, less its value there, without the subtraction.
+    @staticmethod
+    def targets(drives: Sequence[Drive], y: Array) -> Array:
+        """Return R of a pressure or of several of its changes at ``y``, (n,), as rows."""
+        outer = [one._outer for one in drives if one._outer is not None]
+        values = np.zeros((len(drives), len(y)))
+        if len(outer) == len(drives):
+            values = LogSeries.several(outer, y)
+        for row, one in zip(values, drives, strict=True):
+            row += one._of_weight(y)
+        return values
 
-        ``R(rest + square d) - R(rest)`` for ``d <= rise_reach(radius)``: the Chebyshev interpolant
-        of R, from which the factor ``d`` is split off.
+    @staticmethod
+    def targets_from_rim(
+        drives: Sequence[Drive], radius: Radius, d: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return R at the rim of a disk, and inside.
+
+        Parameters
+        ----------
+        drives : sequence of Drive
+            That of a pressure, or of several of its changes: k.
+        radius : Radius
+            The rim.
+        d : ndarray, shape (n,)
+            Distances ``1 - s**2/c**2``, falling.
+
+        Returns
+        -------
+        rim : ndarray, shape (k,)
+        far : ndarray, shape (k, m)
+            Values at the first of the distances.
+        near : ndarray, shape (k, n - m)
+            Values at the others less those at the rim, without the subtraction: the Chebyshev
+            interpolant of R, from which the factor ``d`` is split off.
         """
-        reach = rise_reach(radius)
-        samples = self.target(radius.rest + radius.square * reach * (1.0 + _NODES) / 2.0)
-        start = float(self.target(np.array(radius.rest)))
+        # R is singular at the edge, however weakly
+        reach = min(0.2 * radius.rest / radius.square, 1.0)
+        split = int(np.count_nonzero(d > reach))
+        places = np.concatenate([[0.0], reach * (1.0 + _NODES) / 2.0, d[:split]])
+        values = Drive.targets(drives, radius.rest + radius.square * places)
+        rim = values[:, 0]
         # a flat stretch must come out flat: its rounding would be amplified by the division
-        fit = _FIT @ (samples - start)
-        fit[np.abs(fit) < 4e-16 * abs(start)] = 0.0
-        quotient = _QUOTIENT @ fit
-
-        def function(d: Array) -> Array:
-            x = 2.0 * d / reach - 1.0
-            return np.asarray((x + 1.0) * chebyshev.chebval(x, quotient))
-
-        return function
+        fit = _FIT @ (values[:, 1 : 1 + len(_NODES)] - rim[:, None]).T
+        fit[np.abs(fit) < 4e-16 * np.abs(rim)] = 0.0
+        x = 2.0 * d[split:] / reach - 1.0
+        near = (x + 1.0) * chebyshev.chebval(x, _QUOTIENT @ fit)
+        return rim, values[:, 1 + len(_NODES) :], near
 
     def mean_inside(self, y: Array) -> Array:
         """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""
@@ -144,9 +172,3 @@ class Drive:
         if self._load is not None:
             value = value + 0.5 * y * self._load(y)
         return np.asarray(value)
-
-
-def rise_reach(radius: Radius) -> float:
-    """Return the distance ``d`` from the rim up to which `Drive.rise` holds."""
-    # R is singular at the edge, however weakly
-    return min(0.2 * radius.rest / radius.square, 1.0)

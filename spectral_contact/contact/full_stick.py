@@ -119,7 +119,7 @@ class _StickProblem:
         if self.drive.changes:
 
             def lost_targets(d: Array) -> Array:
-                return np.column_stack([one.target(d) for one in self.drive.changes])
+                return Drive.targets(self.drive.changes, d).T
 
             both = factored.solve(interpolate(panels, lost_targets)[0], correct=False)
             moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both

@@ -14,7 +14,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.contact.drive import Drive, rise_reach
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
@@ -73,20 +73,22 @@ class SlipSource:
         least = max(1e-3 * tolerance, 1e-17)
         self._kernel: Array | None = None
         self._scale = inner.value
-        if samples is None:
-            near, near_weights, _ = _graded(min(nearest, inner.square, half) / half, points)
-            offset, near_weights = half * near, half * near_weights
-        else:
+        grid = None
+        if samples is not None:
             grid = _GRIDS.get((samples.panels, points), lambda: _Grid(samples, points))
+        if grid is not None and grid.reach < half / inner.square:
             near, near_weights, self._kernel = grid.from_rim(half / inner.square)
             offset, near_weights = inner.square * near, inner.square * near_weights
+        else:
+            near, near_weights, _ = _graded(min(nearest, inner.square, half) / half, points)
+            offset, near_weights = half * near, half * near_weights
         # a pressure that is singular at the edge is a square root there
         finest = min(1.0, alpha / half) * least if alpha else least**2
         far, far_weights, gather = _graded(finest, points)
         depth = half * far
         y = np.concatenate([inner.rest - offset, outer.rest + depth])
         z = np.concatenate([inner.square + offset, outer.square - depth])
-        densities = np.array([one.at(y) for one in pressures])
+        densities = PressureField.several(pressures, y)
         # with s ds = dz/2
         densities *= np.concatenate([near_weights, half * far_weights]) / (2.0 * np.sqrt(z))
         # seen from inside, what varies over the outer half is a polynomial: a few points do
@@ -145,17 +147,20 @@ class _Grid:
         d = samples.distances
         self._points = points
         self._panels = max(ceil(-log(float(d[-1])) / _WIDTH), 0)
-        starts: Array = _WIDTH * np.arange(self._panels)
-        self._nodes, self._weights = _to_an_end(starts, np.full(self._panels, _WIDTH), points)
+        #: least extent of an annulus whose panels these are
+        self.reach = exp(1.0 - _WIDTH * self._panels)
+        widths: Array = np.full(self._panels, _WIDTH)
+        starts = widths * np.arange(self._panels)
+        self._nodes, self._weights = _to_an_end(starts, widths, points)
         root = np.sqrt(self._nodes)
         longer = np.sqrt(d[:, None] + self._nodes)
         self._kernel = d[:, None] / (root * longer * (longer + root))
 
     def from_rim(self, reach: float) -> tuple[Array, Array, Array]:
-        """Return nodes and weights on ``0 < e < reach``, and the kernel of the last of them."""
+        """Return nodes and weights on ``0 < e <= reach``, and the kernel of the last of them."""
         # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
         start = 1.0 - log(reach)
-        first = min(max(ceil(start / _WIDTH), 0), self._panels)
+        first = max(ceil(start / _WIDTH), 0)
         count = max(ceil((_WIDTH * first - start) / _WIDTH), 0)
         width = (_WIDTH * first - start) / max(count, 1)
         starts = np.concatenate([[start - 1.0], start + width * np.arange(count)])
@@ -249,24 +254,16 @@ def rim_target(
     -------
     balance : ndarray, shape (k,)
         ``R(c) - (f/kappa) P(c)``.
-    value : ndarray, shape (samples, k)
+    values : ndarray, shape (samples, k)
         The targets. Near the rim they are built from differences that do not cancel; beyond, from
         the parts, whose noise falls with their size.
     """
-    at_rim = np.array([float(drive.target(np.array(radius.rest))) for drive in drives])
+    at_rim, far, near = (one.T for one in Drive.targets_from_rim(drives, radius, samples.distances))
     balance = at_rim - sum(factor * source.at_rim for factor, source in sources)
-    reach, rises = rise_reach(radius), [drive.rise(radius) for drive in drives]
     at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
-    d = samples.distances
-    split = int(np.count_nonzero(d > reach))
-    value = np.empty((len(d), len(drives)))
-    far, near, below = value[:split], value[split:], radius.square * d
-    for column, (drive, rise) in enumerate(zip(drives, rises, strict=True)):
-        far[:, column] = drive.target(radius.rest + below[:split])
-        near[:, column] = rise(d[split:])
-    far -= at_end
-    near += at_start
+    values, below = np.vstack([far - at_end, near + at_start]), radius.square * samples.distances
+    split = len(far)
     for factor, source in sources:
-        far -= factor * source.half_integral(below[:split])
-        near += factor * source.fall(below[split:])
-    return balance, value
+        values[:split] -= factor * source.half_integral(below[:split])
+        values[split:] += factor * source.fall(below[split:])
+    return balance, values
