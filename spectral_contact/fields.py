@@ -31,6 +31,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+#: Legendre polynomials at -1, of more terms than any panel has.
+_AT_START: Array = np.where(np.arange(128) % 2, -1.0, 1.0)
+
 
 @dataclass(frozen=True, slots=True)
 class Radius:
@@ -181,7 +184,7 @@ class LogSeries:
         """Return the values at `ends`."""
         terms = self.coefficients.shape[1]
         values = np.empty(len(self.coefficients) + 1)
-        values[:-1] = self.coefficients @ (1.0 - 2.0 * (np.arange(terms) % 2))
+        values[:-1] = self.coefficients @ _AT_START[:terms]
         values[-1] = self.coefficients[-1].sum()
         if self.power != 0.0:
             values *= self.ends**self.power

@@ -87,10 +87,9 @@ class Run:
         states = {step.name: step.state for step in self.plan.steps}
         contact = self._normal(states) if states[NORMAL] is StepState.RUN else None
         self.tangential(states, contact)
-        wanted = tuple(name for name in self.plan.quantities if name not in self.lacking)
-        steps = tuple(self.outcome.get(step.name, step) for step in self.plan.steps)
-        missing = tuple(sorted({**dict(self.plan.missing), **self.lacking}.items()))
-        errors = {k: v for k, v in self.errors.items() if k in (*wanted, "violation")}
+        done = self._done()
+        wanted = {*done.quantities}
+        errors = {k: v for k, v in self.errors.items() if k in wanted or k == "violation"}
         converged = all(error <= self.rtol for error in self.bounded_errors())
         ending = Ending.CONVERGED
         if self.exceeded:
@@ -105,15 +104,25 @@ class Run:
         return Solution(
             self.scene,
             self.rtol,
-            Plan(wanted, steps, missing),
+            done,
             ErrorEstimates(**errors),
             converged,
             ending,
             Work(tuple(self.work)),
-            {k: v for k, v in self.values.items() if k in (*wanted, "opening")},
+            {k: v for k, v in self.values.items() if k in wanted or k == "opening"},
             self.pressure if "pressure" in wanted else None,
             self.traction if "traction" in wanted else None,
             self.slip if "slip" in wanted else None,
+        )
+
+    def _done(self) -> Plan:
+        """Return the plan with what became of it."""
+        if not self.outcome and not self.lacking:
+            return self.plan
+        return Plan(
+            tuple(name for name in self.plan.quantities if name not in self.lacking),
+            tuple(self.outcome.get(step.name, step) for step in self.plan.steps),
+            tuple(sorted({**dict(self.plan.missing), **self.lacking}.items())),
         )
 
     def bounded_errors(self) -> list[float]:

@@ -23,6 +23,8 @@ _NEGLIGIBLE = 1e-10
 
 def wrong_intervals(annulus: Annulus, sample: Array) -> tuple[tuple[float, float], ...]:
     """Return where the displacement has the sense of the traction; 0 ends one at the edge."""
+    if not (sample > 0.0).any():
+        return ()
     y, _ = annulus.sampling
     order = np.argsort(-y)
     y, wrong = y[order], sample[order] > 0.0

@@ -63,8 +63,9 @@ PANEL_WIDTH = 2.0
 _ROOT_DEPTH = 7.0
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
-#: The last degrees of a panel, of which a rate is taken.
-_LAST = np.arange(4)[:, None]
+_LAST_PLACES: BoundedCache[tuple[bytes, int], tuple[NDArray[np.int_], Array]] = BoundedCache(
+    "last coefficients", 128
+)
 _TINY = float(np.finfo(float).tiny)
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
@@ -186,16 +187,25 @@ def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
 
     Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
     """
-    flat, top = np.abs(table).ravel(), table.shape[1] * np.arange(len(degrees)) + degrees
-    one, two, three, four = flat[np.maximum(top - _LAST, 0)]
+    key = degrees.tobytes(), table.shape[1]
+    places, least = _LAST_PLACES.get(key, lambda: _last_places(degrees, table.shape[1]))
+    one, two, three, four = np.abs(table.ravel()[places])
     last, before = np.maximum(one, two), np.maximum(three, four)
     ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
+    rate = np.sqrt(ratio)
     # in a pattern of longer period the larger ones may be three degrees apart
     outer = (one >= two) & (four >= three)
-    rate = np.where(outer, np.cbrt(ratio), np.sqrt(ratio))
-    # exp(-x), the smoothest there is, falls by 1/(2 n - 1): twice as fast is an accident
-    rate[(degrees < 4) | (rate * np.maximum(2 * degrees - 1, 1) < 0.5)] = 0.3
+    rate[outer] = np.cbrt(ratio[outer])
+    rate[rate < least] = 0.3
     return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
+
+
+def _last_places(degrees: NDArray[np.int_], terms: int) -> tuple[NDArray[np.int_], Array]:
+    """Return where the last four coefficients are in a table, (4, rows), and the least rates."""
+    top = terms * np.arange(len(degrees)) + degrees
+    # exp(-x), the smoothest there is, falls by 1/(2 n - 1): twice as fast is an accident
+    least = 0.5 / np.maximum(2.0 * degrees - 1.0, 1.0)
+    return np.maximum(top - np.arange(4)[:, None], 0), np.where(degrees < 4, np.inf, least)
 
 
 def boundary_error(shift: float, radius: Radius) -> tuple[float, float]:
@@ -258,7 +268,7 @@ def share_of_change(panels: LogPanels, change: Array, size: Array) -> Array:
         Values at the ends of the panels, as `LogSeries.at_ends`; the lesser one of two counts.
     """
     total = np.abs(panel_table(panels, change)).sum(axis=1)
-    tail = float(np.abs(change[-panels.tail_terms :]).sum())
+    tail = sum(map(abs, change[-panels.tail_terms :].tolist()))
     if panels.power != 0.0:
         d = np.exp(-panels.width * np.arange(1, panels.panels + 1))
         total, tail = total * d**panels.power, tail * panels.end**panels.power

@@ -276,6 +276,8 @@ class Space:
         self.kept_but_one = self.kept + sum(map(len, shed))
         #: basis functions of the space, those of the coarser spaces first
         self.index = np.concatenate(keep + shed + top)
+        #: their panels; that of the tail is one more
+        self.panel = np.minimum(self.index // terms, len(degrees))
         # panel by panel, as the half-integral is triangular, and from there to the order above
         self._sorted = np.argsort(self.index)
         self._place = np.argsort(self._sorted)
@@ -440,7 +442,6 @@ class Factored:
         shed = self._cholesky.shed(coefficients[index], kept)
         change = np.zeros_like(coefficients)
         change[index] = shed
-        panels = self.space.operator.panels
-        panel = np.minimum(index // (panels.degree + 1), panels.panels)
-        energies = np.bincount(panel, shed**2 * self._cholesky.diagonal, panels.panels + 1)
+        panels = self.space.operator.panels.panels
+        energies = np.bincount(self.space.panel, shed**2 * self._cholesky.diagonal, panels + 1)
         return Change(change, np.asarray(energies, dtype=float))
