@@ -153,8 +153,12 @@ class _Grid:
         starts = widths * np.arange(self._panels)
         self._nodes, self._weights = _to_an_end(starts, widths, points)
         root = np.sqrt(self._nodes)
-        longer = np.sqrt(d[:, None] + self._nodes)
-        self._kernel = d[:, None] / (root * longer * (longer + root))
+        longer = d[:, None] + self._nodes
+        np.sqrt(longer, out=longer)
+        self._kernel = longer + root
+        self._kernel *= longer
+        self._kernel *= root
+        np.divide(d[:, None], self._kernel, out=self._kernel)
 
     def from_rim(self, reach: float) -> tuple[Array, Array, Array]:
         """Return nodes and weights on ``0 < e <= reach``, and the kernel of the last of them."""

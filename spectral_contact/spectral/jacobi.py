@@ -136,20 +136,30 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
         return np.zeros(1), np.full(1, 2.0)
     order = np.arange(1.0, points)
     eigenvalues, _ = lapack.dsterf(np.zeros(points), order / np.sqrt(4.0 * order * order - 1.0))
-    start = eigenvalues.astype(np.longdouble)
-    before: NDArray[np.longdouble] = np.ones_like(start)
-    value: NDArray[np.longdouble] = start.copy()
-    for k in range(2, points + 1):
-        fresh = ((2 * k - 1) * start * value - (k - 1) * before) / k
-        before, value = value, np.asarray(fresh, dtype=np.longdouble)
+    # the upper half, of which the lower one is the mirror image
+    start = eigenvalues[points // 2 :].astype(np.longdouble)
+    if points % 2:
+        start[0] = 0.0
+    # polynomials whose leading coefficient is 1, which take the fewest steps
+    k = np.arange(2, points + 1, dtype=np.longdouble)
+    before, value, product = np.ones_like(start), start.copy(), np.empty_like(start)
+    for factor in (k - 1) ** 2 / ((2 * k - 1) * (2 * k - 3)):
+        before *= factor
+        np.multiply(start, value, out=product)
+        before, value = value, np.subtract(product, before, out=before)
     rest = (1 - start) * (1 + start)
-    slope = points * (before - start * value) / rest
+    slope = (k[-1] ** 2 / (2 * k[-1] - 1) * before - points * start * value) / rest
     curvature = (2 * start * slope - points * (points + 1) * value) / rest
     step = -value / slope
     nodes = start + step
-    slope = slope + step * curvature
+    slope = np.prod((2 * k - 1) / k) * (slope + step * curvature)
     weights = 2 / ((1 - nodes) * (1 + nodes) * slope**2)
-    return nodes.astype(float), weights.astype(float)
+    lower = slice(None, None if points % 2 == 0 else 0, -1)
+    halves = nodes.astype(float), weights.astype(float)
+    return (
+        np.concatenate([-halves[0][lower], halves[0]]),
+        np.concatenate([halves[1][lower], halves[1]]),
+    )
 
 
 def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
