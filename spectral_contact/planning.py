@@ -19,6 +19,7 @@ from spectral_contact.solution import (
     PlannedStep,
     StepState,
 )
+from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = ["asked_quantities", "plan"]
 
@@ -26,6 +27,7 @@ _ALL = frozenset(QUANTITIES)
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
 _NO_FRICTION = "the scene has no friction coefficient"
+_PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache("plans", 64)
 
 
 def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
@@ -49,7 +51,19 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
-    asked = asked_quantities(quantities)
+    asked, friction = asked_quantities(quantities), scene.friction
+    kind = (
+        friction if friction in (None, 0.0, math.inf) else "finite",
+        scene.poisson_ratio == 0.5,
+        scene.normal_compliance == 0.0,
+        scene.tangential_compliance == 0.0,
+        scene.coupling,
+    )
+    return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
+
+
+def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
+    """Return the plan for quantities; all that it depends on is of what kind a scene is."""
     missing: dict[str, str] = {
         name: "it was not asked for" for name in QUANTITIES if name not in asked
     }

@@ -15,7 +15,6 @@ from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
 from spectral_contact.spectral.jacobi import (
-    gauss_rule,
     legendre_projection_matrix,
 )
 from spectral_contact.spectral.panels import LogPanels
@@ -55,6 +54,7 @@ SAFETY = 4.5
 #: Largest error of ``logit(c**2)`` that is taken for small.
 _LINEAR = 1.0 / 3.0
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
+_LOAD_NODES: BoundedCache[LogPanels, tuple[Array, Array, int]] = BoundedCache("load nodes", 24)
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
@@ -280,12 +280,17 @@ def share_of_change(panels: LogPanels, change: Array, size: Array) -> Array:
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     """Return ``int basis * density(d) dd`` over (0, 1)."""
+    d, weights, points = _LOAD_NODES.get(panels, lambda: _load_nodes(panels))
+    values = weights * density(d)
+    count = panels.panels * points
+    own = values[:count].reshape(-1, points) @ legendre_projection_matrix(points, panels.degree)
+    tail = values[count:] @ legendre_projection_matrix(len(d) - count, TAIL_TERMS - 1)
+    return np.concatenate([own.ravel(), tail])
+
+
+def _load_nodes(panels: LogPanels) -> tuple[Array, Array, int]:
+    """Return nodes of `load_vector`, their weights but for Gauss's, and how many a panel has."""
     x, _ = panels.half_line_nodes()
-    d = np.exp(-x)
-    values = (panels.width / 2.0 * d * density(d)) @ legendre_projection_matrix(
-        x.shape[1], panels.degree
-    )
-    g, _ = gauss_rule(TAIL_TERMS + 1)
-    d = panels.end * (1.0 + g) / 2.0
-    tail = (panels.end / 2.0 * density(d)) @ legendre_projection_matrix(len(g), TAIL_TERMS - 1)
-    return np.concatenate([values.ravel(), tail])
+    near, tail = np.exp(-x), panels.tail_sampling()
+    weights = [panels.width / 2.0 * near.ravel(), np.full(len(tail), panels.end / 2.0)]
+    return np.concatenate([near.ravel(), tail]), np.concatenate(weights), x.shape[1]
