@@ -20,6 +20,7 @@ from spectral_contact.contact.normal import NormalContact
 from spectral_contact.fields import LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
+from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 
 __all__ = ["Drive"]
@@ -46,17 +47,16 @@ class Drive:
     ----------
     contact : NormalContact
         The solved normal problem.
+    outer : LogSeries, optional
+        What the series of the pressure demands, if known.
     """
 
-    def __init__(self, contact: NormalContact) -> None:
+    def __init__(self, contact: NormalContact, outer: LogSeries | None = None) -> None:
         self.contact = contact
         self.pressure = contact.pressure
-        self._outer: LogSeries | None = None
-        if contact.panels is not None:
-            panels = contact.panels
-            own = transforms(panels)
-            values = 2.0 * own.outer(contact.coefficients) / np.sqrt(1.0 - own.distances)
-            self._outer = sampled_series(panels, values)
+        if outer is None and contact.panels is not None:
+            [outer] = _demanded(contact.panels, [contact])
+        self._outer = outer
 
     @cached_property
     def _load(self) -> LogSeries | None:
@@ -67,24 +67,22 @@ class Drive:
         return sampled_series(panels, transforms(panels).mean(contact.coefficients))
 
     @cached_property
-    def change(self) -> Drive | None:
-        """The drive of the pressure's last change, to see how its error propagates."""
-        return None if self.contact.change is None else Drive(self.contact.change)
-
-    @cached_property
     def coarser(self) -> Drive:
         """The drive of the pressure without its last change."""
         return Drive(self.contact.coarser)
 
     @cached_property
-    def lesser(self) -> Drive | None:
-        """The drive of what the pressure's top degree contributes."""
-        return None if self.contact.lesser is None else Drive(self.contact.lesser)
-
-    @property
     def changes(self) -> list[Drive]:
-        """Both; an integral of either may be small by accident, hardly of both."""
-        return [one for one in (self.change, self.lesser) if one is not None]
+        """The drives of the pressure's last change and of what its top degree contributes.
+
+        They show how its error propagates: an integral of either may be small by accident, hardly
+        of both.
+        """
+        contact, panels = self.contact, self.contact.panels
+        both = [one for one in (contact.change, contact.lesser) if one is not None]
+        if panels is None or not both:
+            return []
+        return [Drive(*pair) for pair in zip(both, _demanded(panels, both), strict=True)]
 
     def target(self, y: Array) -> Array:
         """Return R at ``1 - t**2 = y``; infinite at the edge of a smooth surface."""
@@ -172,3 +170,11 @@ class Drive:
         if self._load is not None:
             value = value + 0.5 * y * self._load(y)
         return np.asarray(value)
+
+
+def _demanded(panels: LogPanels, contacts: list[NormalContact]) -> list[LogSeries]:
+    """Return what the series of pressures on the same panels demand of the traction."""
+    own = transforms(panels)
+    values = own.outer(np.array([one.coefficients for one in contacts]))
+    values *= 2.0 / np.sqrt(1.0 - own.distances)
+    return [sampled_series(panels, row) for row in values]

@@ -181,8 +181,12 @@ class _OneDiskProblem:
         start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
         if start <= LEAST_LOGIT:
             raise NoStickDiskError(at_centre=True)
+        # what a disk of great compliance needs falls like 1/c
+        radius = Radius.from_logit(start)
+        at_rim = float(self.drive.pressure.at(np.array(radius.rest)))
+        slope = 2.0 * self.friction * at_rim * self.beta / radius.value * radius.rest
         try:
-            return root_near(self._pressure_mismatch, start, max(self.slope, 0.1), _ROUGH)
+            return root_near(self._pressure_mismatch, start, self.slope + slope, _ROUGH, 1.0)
         except NoStickDiskError:  # that of the estimate, not of the disk
             return start, self.slope
 

@@ -47,7 +47,8 @@ def root_near(
     The slope is a guess at first, and steps are no longer than a longest one.
 
     The root of the parabola of x over the last three values, whose error is estimated by the
-    product of their distances from it.
+    product of their distances from it. The slope is a guess at first: no step is longer than
+    `longest` then.
     """
     x, value = start, function(start)
     last: tuple[float, float, float] | None = None  # x, value and secant at the point before

@@ -73,16 +73,16 @@ class Transforms:
         return np.asarray(own + tail @ coefficients[count * terms :])
 
     def outer(self, coefficients: Array) -> Array:
-        """Return the `outer` integral of a function, shape (sampling points,)."""
+        """Return the `outer` integral, (..., sampling points), of functions (..., size)."""
         panels, terms = self.panels, self.panels.degree + 1
         blocks, tail = self._outer
-        count = panels.panels
-        values = np.zeros_like(self._x)
-        series = coefficients[: count * terms].reshape(count, terms)
+        count, shape = panels.panels, coefficients.shape[:-1]
+        values = np.zeros((*shape, *self._x.shape))
+        series = coefficients[..., : count * terms].reshape(*shape, count, terms)
         scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
         for k in range(count):
-            values[k:] += scaled[: count - k] @ blocks[k]
-        return np.concatenate([values.ravel(), tail @ coefficients])
+            values[..., k:, :] += scaled[..., : count - k, :] @ blocks[k]
+        return np.concatenate([values.reshape(*shape, -1), coefficients @ tail.T], axis=-1)
 
     def across(self, coefficients: Array, other: LogPanels) -> Array:
         """Return ``1/2 int f dd' / sqrt(2 - d - d')`` at the sampling points ``d`` of `other`.
