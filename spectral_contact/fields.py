@@ -118,9 +118,17 @@ class LogSeries:
             return np.full(shape, self._one(float(d[0])))
         return np.asarray(self.several([self], d)[0].reshape(shape))
 
+    def on_panels_of(self, other: LogSeries | None) -> bool:
+        """Return whether another series has these panels and as many terms."""
+        return (
+            other is not None
+            and self.coefficients.shape == other.coefficients.shape
+            and (self.width, self.power) == (other.width, other.power)
+        )
+
     @staticmethod
     def several(series: Sequence[LogSeries], d: Array) -> Array:
-        """Return the values of series on the same panels at distances (n,), as rows.
+        """Return the values of series `on_panels_of` each other at distances (n,), as rows.
 
         One pass serves all of them.
         """

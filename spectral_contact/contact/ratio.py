@@ -42,12 +42,16 @@ def largest_ratio(
     depth : float
         ``-ln y`` down to which the maximum is looked for.
     """
+    alike = pressure.series is not None and pressure.series.on_panels_of(traction.series)
 
     def ratio(x: Array) -> Array:
         y = np.exp(-x)
         s = np.sqrt(-np.expm1(-x))
         assert traction.series is not None
-        return np.abs(s * traction.series(y) / pressure.at(y))
+        if not alike:
+            return np.abs(s * traction.series(y) / pressure.at(y))
+        above, below = PressureField.several([PressureField(None, traction.series), pressure], y)
+        return np.asarray(np.abs(s * above / below))
 
     if pressure.at(np.array(0.0)) == inf:
         edge = 0.0

@@ -18,6 +18,8 @@ __all__ = [
 LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
 #: What is linear in the radius may be off by this much.
 SETTLED = 1e-15
+#: A change of the condition as small as this is rounding by one per cent, and no slope follows.
+_NOISE = 1e-13
 
 
 class NoStickDiskError(ArithmeticError):
@@ -122,7 +124,8 @@ def polished_root(
         fresh = function(x + step)
         if fresh == value:
             return x + step, slope
-        slope = (fresh - value) / step
+        if abs(fresh - value) > _NOISE:
+            slope = (fresh - value) / step
         x, value, lag = x + step, fresh, abs(step)
         if not LEAST_LOGIT < x < LARGEST_LOGIT:
             raise NoStickDiskError(at_centre=x < 0.0)
