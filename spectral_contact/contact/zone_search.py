@@ -6,6 +6,7 @@ is imposed at their centres. The result only starts the solution on fitted zones
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import log
 
 import numpy as np
@@ -103,10 +104,15 @@ def full_stick_violations(
     return intervals
 
 
-def _crossing(function: object, a: float, b: float) -> float:
+def _crossing(function: Callable[[Array], Array], a: float, b: float) -> float:
     from scipy.optimize import brentq
 
-    return float(brentq(lambda x: function(np.array([x]))[0], a, b, xtol=1e-14))  # type: ignore[operator]
+    def one(x: float) -> float:
+        return float(function(np.array([x]))[0])
+
+    if one(a) * one(b) >= 0.0:  # one by one they have the same sign: rounding is all there is
+        return float(b)
+    return float(brentq(one, a, b, xtol=1e-14))
 
 
 def _layout(slips: list[tuple[float, float, int]]) -> Layout:
