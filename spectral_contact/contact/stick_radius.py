@@ -18,8 +18,9 @@ __all__ = [
 LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
 #: What is linear in the radius may be off by this much.
 SETTLED = 1e-15
-#: A change of the condition as small as this is rounding by one per cent, and no slope follows.
-_NOISE = 1e-13
+#: A change of the condition as small as this after a step as short as this is rounding by one
+#: per cent, and no slope follows.
+_NOISE, _SHORT = 1e-13, 1e-3
 
 
 class NoStickDiskError(ArithmeticError):
@@ -124,7 +125,7 @@ def polished_root(
         fresh = function(x + step)
         if fresh == value:
             return x + step, slope
-        if abs(fresh - value) > _NOISE:
+        if abs(fresh - value) > _NOISE or abs(step) > _SHORT:
             slope = (fresh - value) / step
         x, value, lag = x + step, fresh, abs(step)
         if not LEAST_LOGIT < x < LARGEST_LOGIT:
