@@ -25,6 +25,8 @@ _SHRINKS = 0.5
 #: A step as short as this may be made of rounding, which does not shrink.
 _NOISE = 1e-7
 _MAX_STEPS = 25
+#: Shares of a zone's width that differences are taken over, and rounding of the conditions.
+_LEAST_SHARE, _MOST_SHARE, _ROUNDED = 1e-3, 0.2, 2e-15
 
 
 T = TypeVar("T")
@@ -139,12 +141,18 @@ def _through_secants(slopes: Array, steps: list[Array], changes: list[Array]) ->
 
 
 def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:
-    """Return the slopes by central differences, a small share of the narrowest zone apart."""
+    """Return the slopes by central differences, a share of the narrowest zone apart.
+
+    Next to a narrow zone they fall with its width, and a small share would show rounding.
+    """
     slopes, spacing = [], np.diff(logits)
     for i in range(len(logits)):
         near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-        h = 1e-3 * near * np.eye(len(logits))[i]
-        slopes.append((conditions_at(logits + h) - conditions_at(logits - h)) / (2e-3 * near))
+        share = min(max(_LEAST_SHARE, float(np.cbrt(_ROUNDED / near**2))), _MOST_SHARE)
+        h = share * near * np.eye(len(logits))[i]
+        slopes.append(
+            (conditions_at(logits + h) - conditions_at(logits - h)) / (2.0 * share * near)
+        )
     return np.array(slopes).T
 
 
