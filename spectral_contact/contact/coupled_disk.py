@@ -42,7 +42,7 @@ from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.sliding import SlidingDisk
 from spectral_contact.spectral.sliding_factor import SlidingFactored
 
-__all__ = ["CoupledDisk", "solve_coupled_disk"]
+__all__ = ["CoupledDisk", "CoupledDiskProblem", "solve_coupled_disk"]
 
 Array = NDArray[np.float64]
 
@@ -114,8 +114,18 @@ class CoupledDisk:
     stray: float
 
 
-class _CoupledDiskProblem:
-    """Spaces for the disk and the annulus; the radius is found anew in each of them."""
+class CoupledDiskProblem:
+    """Spaces for the disk and the annulus; the radius is found anew in each of them.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        ``alpha*`` and ``beta*``, 0 or positive.
+    kappa, friction : float
+        The coupling, positive, and Coulomb's coefficient.
+    tolerance : float
+        Bound on the relative errors of both fields, pointwise.
+    """
 
     def __init__(
         self,
@@ -124,18 +134,24 @@ class _CoupledDiskProblem:
         kappa: float,
         friction: float,
         tolerance: float,
-        guess: float,
     ) -> None:
         self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
         self.tolerance = tolerance
         #: what rounding left of a correction, and how far the radius may be off
         self._floor, self._reach = 0.0, _SETTLED
-        self.logit, self.slope = root_near(self._rough_mismatch, guess, _SLOPE, _SETTLED, 1.0)
 
-    def _rough_mismatch(self, logit: float) -> float:
-        """Return the mismatch in a small space."""
+    def look_near(self, guess: float) -> None:
+        """Find the radius roughly; it is guessed as ``ln(c**2/(1 - c**2))``."""
+
+        def mismatch(logit: float) -> float:
+            return self.rough(logit).mismatch
+
+        self.logit, self.slope = root_near(mismatch, guess, _SLOPE, _SETTLED, 1.0)
+
+    def rough(self, logit: float) -> CoupledTrial:
+        """Return the contact with a given radius in a small space."""
         spaces = first_spaces(self.alpha, self.beta, Radius.from_logit(logit), _ROUGH)
-        return self._trial(spaces, logit, 1e-2 * _ROUGH).mismatch
+        return self._trial(spaces, logit, 1e-2 * _ROUGH)
 
     # spaces
 
@@ -352,5 +368,6 @@ def solve_coupled_disk(
     NoStickDiskError
         If no radius makes the traction continuous.
     """
-    problem = _CoupledDiskProblem(alpha, beta, kappa, friction, tolerance, guess)
+    problem = CoupledDiskProblem(alpha, beta, kappa, friction, tolerance)
+    problem.look_near(guess)
     return refine(problem, tolerance, max_unknowns // 2)
