@@ -277,6 +277,7 @@ class CoupledDiskProblem:
         return trial
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledDisk]:
+        """Solve in a space."""
         spaces = self._split(resolution)
         return self._assess(spaces, self._root(spaces))
 
