@@ -18,7 +18,7 @@ from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Around", "Inside", "OverRadius", "around", "inside"]
+__all__ = ["Around", "Inside", "OverRadius", "around", "finer", "inside"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
@@ -76,7 +76,7 @@ class Around:
             [inner.functions(degrees[0]), outside.functions(degrees[1]) + inner.size]
         )
         used, last = self.index, self.index[self.split :] - inner.size
-        more = [_finer(n, p) for n, p in zip(degrees, (inner, outside), strict=True)]
+        more = [finer(n, p) for n, p in zip(degrees, (inner, outside), strict=True)]
         first_over = inner.functions(more[0])
         self.over = np.concatenate([first_over, outside.functions(more[1]) + inner.size])
         self.e, self.weights = inner.distance_nodes(mirrored=True)
@@ -97,7 +97,7 @@ class Around:
         self.edge_inner = np.hstack(inner_integrals)[:, self.over]
 
 
-def _finer(degrees: Degrees, panels: LogPanels) -> Degrees:
+def finer(degrees: Degrees, panels: LogPanels) -> Degrees:
     """Return the degrees of a function over s."""
     return tuple(min(n + _SPARE, panels.degree) for n in degrees)
 
@@ -119,7 +119,7 @@ class OverRadius:
             s = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
             blocks = [
                 expand[: more + 1] @ (values[:, : n + 1] / one[:, None])
-                for one, n, more in zip(s, used, _finer(used, panels), strict=True)
+                for one, n, more in zip(s, used, finer(used, panels), strict=True)
             ]
             # on the tail s is the same to rounding
             at_end = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))

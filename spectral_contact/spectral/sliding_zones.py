@@ -1,0 +1,523 @@
+r"""Elastic coupling with any zones of stick and slip: one unsymmetric system for p and q.
+
+The equations and the half-integrals are those of `sliding`, with any number of zones: p is unknown
+everywhere, ``u = q/s`` in stick, and in slip q is ``f p`` with the sign of the zone. Every zone has
+panels to its ends, the central disk to its rim alone. Both misfits are taken as their value at the
+nearest boundary and a difference to it, in which nothing cancels. An error of ``W(b)`` is like one
+of delta. ``E(b)``, which is small, is an unknown of its own at every boundary between zones, a
+`lift`: together they make the traction continuous. That each is what p and q make it is the
+condition of its boundary.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from spectral_contact.fields import CENTRE, EDGE, Radius
+from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.annulus import Family, gap
+from spectral_contact.spectral.around_rim import OverRadius, finer
+from spectral_contact.spectral.coupled import moments
+from spectral_contact.spectral.from_boundary import (
+    Seen,
+    half_integrals,
+    inner_integrals,
+    node_rule,
+)
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Part", "SlidingZones", "ZonesFactored"]
+
+Array = NDArray[np.float64]
+Degrees = tuple[int, ...]
+Index = NDArray[np.int_]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Half a zone, or the central disk: a family of panels, and how the surface moves on it.
+
+    Attributes
+    ----------
+    zone : int
+        From the centre outward.
+    state : int
+        0 for stick, +1 or -1 for slip with this sign of the traction.
+    boundary : int
+        Number of the boundary that the panels are graded to; -1 for the edge.
+    family : Family
+        With the panels of the pressure.
+    degrees : tuple of int
+        Highest degree on every panel.
+    """
+
+    zone: int
+    state: int
+    boundary: int
+    family: Family
+    degrees: Degrees
+
+    @property
+    def shear(self) -> Family:
+        """The family of q/s, which no endpoint weight is needed for in stick."""
+        own = self.family
+        if self.state != 0 or own.panels.power == 0.0:
+            return own
+        plain = LogPanels(own.panels.panels, own.panels.width, own.panels.degree)
+        return Family(own.boundary, own.sign, own.reach, plain)
+
+
+class SlidingZones:
+    """The operators of zones that stick or slip.
+
+    Vectors hold the coefficients of the pressure, part by part outward, then those of ``u = q/s``
+    on the parts that stick.
+
+    Parameters
+    ----------
+    radii : tuple of Radius
+        Boundaries between zones, outward.
+    states : tuple of int
+        0 for stick, +1 or -1 for slip with this sign; the first is 0.
+    panels : list of LogPanels
+        Of the disk, then toward the inner and the outer end of every zone.
+    degrees : list of tuple of int
+        Highest degrees on them.
+    weighted : bool
+        Whether the normal equation is without compliance, see `SlidingDisk`.
+    """
+
+    def __init__(
+        self,
+        radii: tuple[Radius, ...],
+        states: tuple[int, ...],
+        panels: list[LogPanels],
+        degrees: list[Degrees],
+        weighted: bool = False,
+    ) -> None:
+        self.radii, self.states, self._weighted = radii, states, weighted
+        self.parts = _parts(radii, states, panels, degrees)
+        self._index = [p.family.panels.functions(p.degrees) for p in self.parts]
+        self._over = [
+            OverRadius((p.family,), (p.degrees,)) if p.state else None for p in self.parts
+        ]
+        #: functions of q/s: in slip those of p/s
+        self._columns = [
+            p.family.panels.functions(finer(p.degrees, p.family.panels)) if p.state else index
+            for p, index in zip(self.parts, self._index, strict=True)
+        ]
+        sizes = [len(index) for index in self._index]
+        self._starts = np.concatenate([[0], np.cumsum(sizes)])
+        #: number of unknowns of the pressure
+        self.count = int(self._starts[-1])
+        self.stick = [k for k, p in enumerate(self.parts) if p.state == 0]
+        ends = np.cumsum([self.count, *(sizes[k] for k in self.stick)])
+        self._shear = {
+            k: slice(int(a), int(b))
+            for k, a, b in zip(self.stick, ends[:-1], ends[1:], strict=True)
+        }
+        self.unknowns = int(ends[-1])
+        self._assemble_nodes()
+        self._assemble_transforms()
+
+    # vectors
+
+    def _pressure(self, k: int) -> slice:
+        return slice(int(self._starts[k]), int(self._starts[k + 1]))
+
+    def split(self, values: Array) -> tuple[list[Array], dict[int, Array]]:
+        """Return the coefficients in the whole bases: of p on every part, of u on those in stick."""
+
+        def full(size: int, k: int, part: Array) -> Array:
+            whole = np.zeros((size, *values.shape[1:]))
+            whole[self._index[k]] = part
+            return whole
+
+        size = [p.family.panels.size for p in self.parts]
+        pressure = [full(size[k], k, values[self._pressure(k)]) for k in range(len(self.parts))]
+        return pressure, {k: full(size[k], k, values[s]) for k, s in self._shear.items()}
+
+    def traction(self, values: Array, friction: float) -> list[Array]:
+        """Return the coefficients of q/s of vectors on every part, of the functions in use."""
+        parts = []
+        for k, (part, over) in enumerate(zip(self.parts, self._over, strict=True)):
+            if over is None:
+                parts.append(values[self._shear[k]])
+            else:
+                parts.append(part.state * friction * over.of(values[self._pressure(k)]))
+        return parts
+
+    @cached_property
+    def shed(self) -> tuple[Index, Index]:
+        """Places in a vector of the top two degrees of every panel, and of the top one."""
+        both: list[Index] = []
+        top: list[Index] = []
+        starts = [(k, int(self._starts[k])) for k in range(len(self.parts))]
+        for k, start in [*starts, *((k, s.start) for k, s in self._shear.items())]:
+            index, degrees = self._index[k], self.parts[k].degrees
+            terms = self.parts[k].family.panels.degree + 1
+            degree, panel = index % terms, index // terms
+            highest = np.array([*degrees, 0])[np.minimum(panel, len(degrees))]
+            for shed, least in ((both, highest - 2), (top, highest - 1)):
+                found = (panel < len(degrees)) & (degree > np.maximum(least, 0))
+                found[-1] = True
+                shed.append(start + np.flatnonzero(found))
+        return np.concatenate(both), np.concatenate(top)
+
+    # transforms
+
+    def _assemble_nodes(self) -> None:
+        self.offsets, self.t, self._beyond = [], [], []
+        self._weights, self._shear_weights = [], []
+        self.rules = []
+        for part in self.parts:
+            family, whole = part.family, part.zone == 0
+            rule = node_rule(family.panels, family.sign, whole)
+            offset = family.sign * family.reach * rule.d
+            b = family.boundary
+            t = b.value * np.sqrt(rule.rest) if whole else np.sqrt(b.square + offset)
+            weights = rule.weights * (b.value if whole else family.reach / (2.0 * t)) / np.pi
+            self._shear_weights.append(weights * t**2)
+            if self._weighted and part.boundary >= 0:
+                weights = weights * np.maximum(self._narrowest(part) / np.abs(offset), 1.0)
+            self._weights.append(weights)
+            self.rules.append(rule)
+            self.offsets.append(offset)
+            self.t.append(t)
+            #: t - b
+            self._beyond.append(offset / (t + b.value))
+
+    def _narrowest(self, part: Part) -> float:
+        """Return the least extent of the two parts at a boundary."""
+        return min(p.family.reach for p in self.parts if p.boundary == part.boundary)
+
+    def _assemble_transforms(self) -> None:
+        """Assemble the integrals of every part at the nodes of every other."""
+        count = len(self.parts)
+        self._half: list[dict[int, Array]] = [{} for _ in range(count)]
+        self._shear_half: list[dict[int, Array]] = [{} for _ in range(count)]
+        self._normal: list[tuple[Array, Array, Array, Array]] = []
+        self._tangential: list[tuple[Array, Array, Array, Array]] = []
+        for i, nodes in enumerate(self.parts):
+            plain = nodes.boundary < 0
+            # p outside and inside of the nodes, q/s likewise
+            found: list[list[Seen]] = [[], [], [], []]
+            for k, part in enumerate(self.parts):
+                index, columns = self._index[k], self._columns[k]
+                for which, integrals in enumerate((half_integrals, inner_integrals)):
+                    seen = integrals(part.family, nodes.family, self.rules[i])
+                    if seen is None:
+                        continue
+                    found[which].append(_of(seen, index))
+                    if part.shear is not part.family:
+                        own, rule = nodes.family, self.rules[i]
+                        if nodes is part:
+                            own, rule = part.shear, node_rule(part.shear.panels, own.sign)
+                        seen = integrals(part.shear, own, rule)
+                        assert seen is not None
+                    found[2 + which].append(_of(seen, columns))
+                    if which == 0:
+                        self._half[i][k] = found[0][-1].whole
+                        self._shear_half[i][k] = found[2][-1].whole
+            f, j, g, sweep = (_together(one) for one in found)
+            self._normal.append((f.at, f.more, *self._swept(i, sweep)))
+            self._tangential.append((g.at, g.more, *self._driven(i, j, plain)))
+        self._assemble_functionals()
+
+    def _swept(self, i: int, seen: Seen) -> tuple[Array, Array]:
+        """Return ``t I(t)`` at the boundary, and by how much it is more at the nodes."""
+        b = self.parts[i].family.boundary.value
+        more = self.t[i][:, None] * seen.more + self._beyond[i][:, None] * seen.at
+        return b * seen.at, more
+
+    def _driven(self, i: int, seen: Seen, plain: bool) -> tuple[Array, Array]:
+        """Return ``R(t)`` likewise."""
+        t, b = self.t[i][:, None], self.parts[i].family.boundary.value
+        if plain:
+            return seen.at, (2.0 / t) * seen.more
+        at = (2.0 / b) * seen.at
+        return at, (2.0 / t) * seen.more - (self._beyond[i][:, None] / t) * at
+
+    def _assemble_functionals(self) -> None:
+        """Assemble loads, pulls and shears: ``int p s ds``, ``int q ds``, ``2 pi int q s ds``."""
+        reach = [0.5 * p.family.reach for p in self.parts]
+        self.load = np.concatenate(
+            [
+                r * moments(p.family.panels)[index]
+                for r, p, index in zip(reach, self.parts, self._index, strict=True)
+            ]
+        )
+        self._pull = [
+            r * moments(p.shear.panels)[columns]
+            for r, p, columns in zip(reach, self.parts, self._columns, strict=True)
+        ]
+        self._shear_moments = {}
+        for k in self.stick:
+            if k == 0:
+                weights = 2.0 * np.pi**2 * self._weights_plain(0) * self.t[0]
+                self._shear_moments[k] = weights @ self._shear_half[0][0]
+            else:
+                points, matrix = self.parts[k].shear.sources()
+                full = 2.0 * np.pi * np.sqrt(points.z) @ matrix
+                self._shear_moments[k] = full[self._index[k]]
+
+    def _weights_plain(self, i: int) -> Array:
+        """Return the weights of ``dt / pi``."""
+        return np.asarray(self._shear_weights[i] / self.t[i] ** 2)
+
+    def shear(self, values: Array, friction: float) -> float:
+        """Return ``2 pi int q s ds`` of a vector."""
+        total = 0.0
+        for k, part in enumerate(self.parts):
+            own = self._pressure(k)
+            if part.state == 0:
+                total += float(self._shear_moments[k] @ values[self._shear[k]])
+            else:
+                slip = 2.0 * np.pi * part.state * friction
+                total += slip * float(self.load[own] @ values[own])
+        return total
+
+    @cached_property
+    def masses(self) -> list[tuple[slice, Array, bool]]:
+        """Masses of p and of q/s by their place; the last says of which."""
+        blocks = []
+        for k, part in enumerate(self.parts):
+            panels, index = part.family.panels, self._index[k]
+            if panels.power == 0.0:
+                mass = 0.5 * part.family.reach * panels.mass(index, 1.0, 0.0)
+                blocks.append((self._pressure(k), mass, False))
+        for k, own in self._shear.items():
+            blocks.append((own, self.parts[k].shear.mass(self._index[k]), True))
+        return blocks
+
+    @cached_property
+    def jumps(self) -> tuple[Array, Array]:
+        """Limits of q and of p at the boundaries, in stick, as functionals of vectors."""
+        signs = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
+        rows = np.zeros((2, len(self.radii), self.unknowns))
+        for k in self.stick:
+            part = self.parts[k]
+            if part.boundary >= 0:
+                last, b = self._shear[k].stop, part.family.boundary.value
+                rows[0, part.boundary, last - TAIL_TERMS : last] = b * signs
+                last = self._pressure(k).stop
+                rows[1, part.boundary, last - TAIL_TERMS : last] = signs
+        return rows[0], rows[1]
+
+    @cached_property
+    def senses(self) -> Array:
+        """The sign of the traction in slip at every boundary."""
+        pairs = zip(self.states[:-1], self.states[1:], strict=True)
+        return np.array([float(a + b) for a, b in pairs])
+
+    def balances(self, kappa: float, friction: float) -> tuple[Array, Array]:
+        """Return ``kappa R(b)`` and ``E(b)`` as functionals of vectors."""
+        drive = np.zeros((len(self.radii), self.unknowns))
+        balance = np.zeros_like(drive)
+        for i, part in enumerate(self.parts):
+            if part.boundary < 0 or part.family.sign > 0:
+                continue
+            g, _, r, _ = self._tangential[i]
+            drive[part.boundary, : len(r)] = kappa * r
+            self._add_traction(balance[part.boundary : part.boundary + 1], -g[None], i, friction)
+        return drive, balance + drive
+
+    # matrices
+
+    def _add_traction(self, matrix: Array, block: Array, i: int, friction: float) -> None:
+        """Add to rows what q/s contributes: of the parts from i outward."""
+        self._add(matrix, block, range(i, len(self.parts)), friction)
+
+    def _add(self, matrix: Array, block: Array, parts: range, friction: float) -> None:
+        start = 0
+        for k in parts:
+            columns = block[:, start : start + len(self._columns[k])]
+            start += columns.shape[1]
+            over = self._over[k]
+            if over is None:
+                matrix[:, self._shear[k]] += columns
+            else:
+                slip = self.parts[k].state * friction
+                matrix[:, self._pressure(k)] += slip * over.after(columns)
+
+    def _tests(self, i: int) -> tuple[Array, Array | None]:
+        """Return the half-integrals at the nodes of a part: of p from it on, of u in stick."""
+        last = len(self.parts)
+        normal = np.hstack([self._half[i][k] for k in range(i, last)])
+        stuck = [self._shear_half[i][k] for k in range(i, last) if k in self._shear]
+        return normal, np.hstack(stuck) if stuck else None
+
+    def _stuck_from(self, i: int) -> int:
+        """Return the first unknown of u on the parts from i outward."""
+        return next((s.start for k, s in self._shear.items() if k >= i), self.unknowns)
+
+    def matrix(self, alpha: float, beta: float, kappa: float, friction: float) -> Array:
+        """Return the matrix of both equations; it is that of `residual` but for roundings."""
+        matrix = np.zeros((self.unknowns, self.unknowns))
+        last = len(self.parts)
+        for i in range(last):
+            normal, stuck = self._tests(i)
+            rows = slice(int(self._starts[i]), self.count)
+            weighted = (normal * self._weights[i][:, None]).T
+            matrix[rows, rows] += weighted @ normal
+            _, _, at, more = self._normal[i]
+            block = 2.0 * kappa * (weighted @ (at + more))
+            self._add(matrix[rows], block, range(i + 1), friction)
+            pull = -2.0 * kappa * np.concatenate(self._pull)
+            self._add(matrix[rows], np.outer(weighted.sum(axis=1), pull), range(last), friction)
+            if stuck is None:
+                continue
+            rows = slice(self._stuck_from(i), self.unknowns)
+            weighted = (stuck * self._shear_weights[i][:, None]).T
+            _, fewer, _, more = self._tangential[i]
+            self._add(matrix[rows], weighted @ fewer, range(i, last), friction)
+            matrix[rows, : more.shape[1]] -= kappa * (weighted @ more)
+        for own, mass, shear in self.masses:
+            matrix[own, own] += (beta if shear else alpha) * mass
+        return matrix
+
+    def misfit(
+        self, values: Array, kappa: float, friction: float, approach: Array, lifts: Array
+    ) -> tuple[list[Array], list[Array]]:
+        """Return W and E at the nodes of every part.
+
+        Parameters
+        ----------
+        values : ndarray, shape (unknowns, k)
+        kappa, friction : float
+        approach : ndarray, shape (k,)
+            delta.
+        lifts : ndarray, shape (boundaries, k)
+            ``E(b)``.
+        """
+        q = self.traction(values, friction)
+        pull = sum(one @ u for one, u in zip(self._pull, q, strict=True))
+        normal, tangential = [], []
+        for i, part in enumerate(self.parts):
+            outside, inside = values[self._starts[i] : self.count], values[: self._starts[i + 1]]
+            q_outside, q_inside = np.concatenate(q[i:]), np.concatenate(q[: i + 1])
+            f, f_more, sweep, sweep_more = self._normal[i]
+            at = 2.0 * approach + 2.0 * kappa * (pull - sweep @ q_inside) - f @ outside
+            normal.append(at - 2.0 * kappa * (sweep_more @ q_inside) - f_more @ outside)
+            _, g_more, _, drive_more = self._tangential[i]
+            at = lifts[part.boundary] if part.boundary >= 0 else 0.0
+            tangential.append(at + kappa * (drive_more @ inside) - g_more @ q_outside)
+        return normal, tangential
+
+    def residual(
+        self,
+        values: Array,
+        alpha: float,
+        beta: float,
+        kappa: float,
+        friction: float,
+        approach: Array,
+        lifts: Array,
+    ) -> Array:
+        """Return what both equations miss, tested with all functions; see `misfit`."""
+        missed = np.zeros_like(values)
+        misfits = self.misfit(values, kappa, friction, approach, lifts)
+        for i, (normal, tangential) in enumerate(zip(*misfits, strict=True)):
+            w, e = self._weights[i][:, None] * normal, self._shear_weights[i][:, None] * tangential
+            for k in range(i, len(self.parts)):
+                missed[self._pressure(k)] += self._half[i][k].T @ w
+                if k in self._shear:
+                    missed[self._shear[k]] += self._shear_half[i][k].T @ e
+        for own, mass, shear in self.masses:
+            missed[own] -= (beta if shear else alpha) * (mass @ values[own])
+        return missed
+
+
+class ZonesFactored:
+    """Coupled zones in one space, factored.
+
+    Parameters
+    ----------
+    zones : SlidingZones
+    alpha, beta : float
+        Compliances; beta is positive.
+    kappa, friction : float
+    """
+
+    def __init__(
+        self, zones: SlidingZones, alpha: float, beta: float, kappa: float, friction: float
+    ) -> None:
+        self.zones = zones
+        self.parameters = alpha, beta, kappa, friction
+        matrix = zones.matrix(alpha, beta, kappa, friction)
+        self.scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
+        matrix *= self.scale
+        matrix *= self.scale[:, None]
+        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
+
+    def step(self, right: Array) -> Array:
+        """Return the solution as factored, of right-hand sides as columns."""
+        scale = self.scale[:, None]
+        return np.asarray(lu_solve(self._factor, right * scale, check_finite=False) * scale)
+
+    def correction(self, values: Array, zones: SlidingZones) -> Array:
+        """Return by how much the solutions for unit approach and for unit lifts are off.
+
+        Parameters
+        ----------
+        values : ndarray, shape (unknowns, 1 + boundaries)
+        zones : SlidingZones
+            Those of the factors or like ones.
+        """
+        columns = np.eye(values.shape[1])
+        return self.step(zones.residual(values, *self.parameters, columns[0], columns[1:]))
+
+    def change(self, values: Array, zones: SlidingZones) -> list[Array]:
+        """Return what the top two degrees of every panel, and the top one, contribute."""
+        both, top = zones.shed
+        right = np.zeros((zones.unknowns, len(both)))
+        right[both, np.arange(len(both))] = 1.0
+        response = self.step(right)
+        nothing = np.zeros((values.shape[1] - 1, values.shape[1]))
+        changes = []
+        for shed in (both, top):
+            columns = response[:, np.isin(both, shed)]
+            own = columns[shed] / self.scale[shed, None] / self.scale[shed]
+            forces = np.linalg.solve(own, values[shed] / self.scale[shed, None])
+            forces /= self.scale[shed, None]
+            change = columns @ forces
+            missed = zones.residual(change, *self.parameters, np.zeros(values.shape[1]), nothing)
+            missed[shed] += forces
+            changes.append(change + self.step(missed))
+        return changes
+
+
+def _parts(
+    radii: tuple[Radius, ...],
+    states: tuple[int, ...],
+    panels: list[LogPanels],
+    degrees: list[Degrees],
+) -> list[Part]:
+    """Return the parts of all zones, outward."""
+    bounds = (CENTRE, *radii, EDGE)
+    parts = []
+    each = iter(zip(panels, degrees, strict=True))
+    for zone, state in enumerate(states):
+        inner, outer = bounds[zone : zone + 2]
+        last = zone if zone < len(radii) else -1
+        ends = [(outer, -1, last)] if zone == 0 else [(inner, 1, zone - 1), (outer, -1, last)]
+        for boundary, sign, number in ends:
+            own, used = next(each)
+            family = Family(boundary, sign, gap(inner, outer) / len(ends), own)
+            parts.append(Part(zone, state, number, family, used))
+    return parts
+
+
+def _of(seen: Seen, columns: Index) -> Seen:
+    """Return the part of some functions."""
+    return Seen(seen.at[columns], seen.more[:, columns])
+
+
+def _together(seen: list[Seen]) -> Seen:
+    """Return several one after the other."""
+    return Seen(np.concatenate([s.at for s in seen]), np.hstack([s.more for s in seen]))
