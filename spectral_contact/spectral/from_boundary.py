@@ -43,19 +43,25 @@ class Seen:
         At the boundary; zero for the edge.
     more : ndarray, shape (nodes, size)
         By how much it is more at the nodes.
+    whole : ndarray, shape (nodes, size)
+        The sum, which may be far less than either.
     """
 
     at: Array
     more: Array
-
-    @property
-    def whole(self) -> Array:
-        """The integrals themselves, shape (nodes, size)."""
-        return self.at + self.more
+    whole: Array
 
     def times(self, factor: float) -> Seen:
         """Return the same in other units."""
-        return Seen(factor * self.at, factor * self.more)
+        whole = factor * self.whole
+        more = whole if self.more is self.whole else factor * self.more
+        return Seen(factor * self.at, more, whole)
+
+    def of(self, columns: NDArray[np.int_]) -> Seen:
+        """Return the part of some functions."""
+        whole = self.whole[:, columns]
+        more = whole if self.more is self.whole else self.more[:, columns]
+        return Seen(self.at[columns], more, whole)
 
 
 class NodeRule:
@@ -92,7 +98,8 @@ class NodeRule:
         """What lies beyond the nodes; under an endpoint weight it is infinite at the boundary."""
         if self.panels.power != 0.0:
             return _vanishing(outer(self.d, *self._form, self.panels.power))
-        return Seen(beyond(np.zeros(1), *self._form)[0], rise(self.d, *self._form))
+        whole = outer(self.d, *self._form)
+        return Seen(beyond(np.zeros(1), *self._form)[0], rise(self.d, *self._form), whole)
 
 
 def node_rule(panels: LogPanels, sign: int, whole: bool = False) -> NodeRule:
@@ -151,15 +158,15 @@ def _integrals(family: Family, nodes: Family, rule: NodeRule, side: int) -> Seen
 
 
 def _vanishing(matrix: Array) -> Seen:
-    return Seen(np.zeros(matrix.shape[1]), matrix)
+    return Seen(np.zeros(matrix.shape[1]), matrix, matrix)
 
 
 def _past(family: Family, nodes: Family, rule: NodeRule) -> Seen:
     """Return what is seen across the boundary that both families have."""
     panels = family.panels
     form = panels.panels, panels.width, panels.degree
-    _, falls = fall(nodes.reach / family.reach * rule.d, *form)
-    return Seen(beyond(np.zeros(1), *form)[0], -falls).times(np.sqrt(family.reach))
+    whole, falls = fall(nodes.reach / family.reach * rule.d, *form)
+    return Seen(beyond(np.zeros(1), *form)[0], -falls, whole).times(np.sqrt(family.reach))
 
 
 def _halves(family: Family, rule: NodeRule, side: int, edge: bool) -> Seen:
@@ -173,7 +180,7 @@ def _halves(family: Family, rule: NodeRule, side: int, edge: bool) -> Seen:
             return _vanishing(whole)
         near, more = rule.d <= _NEAR, whole - at
         more[near] = -far_fall(-rule.d[near], *form)
-        return Seen(at, more)
+        return Seen(at, more, whole)
 
     return _ACROSS.get((panels, rule.panels, 0 if edge else side), seen)
 
@@ -197,11 +204,11 @@ def _apart(panels: LogPanels, sign: int, distance: float, closer: Array) -> Seen
         blocks = ((weights * kernel) @ project).reshape(len(kernel), -1)
         return np.hstack([blocks, (tail_weights * tail_kernel) @ basis])
 
-    roots = [np.sqrt(distance + sign * d) for d in (source, tail)]
-    ats = [1.0 / one for one in roots]
-    mores = []
-    for d, root in zip((source, tail), roots, strict=True):
+    ats, mores, wholes = [], [], []
+    for d in (source, tail):
         step = closer.reshape(-1, *(1,) * d.ndim)
-        near = np.sqrt(distance + sign * d + step)
+        root, near = np.sqrt(distance + sign * d), np.sqrt(distance + sign * d + step)
+        ats.append(1.0 / root[None])
+        wholes.append(1.0 / near)
         mores.append(-step / (near * root * (near + root)))
-    return Seen(rows(ats[0][None], ats[1][None])[0], rows(*mores))
+    return Seen(rows(*ats)[0], rows(*mores), rows(*wholes))

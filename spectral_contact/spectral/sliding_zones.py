@@ -152,6 +152,14 @@ class SlidingZones:
                 parts.append(part.state * friction * over.of(values[self._pressure(k)]))
         return parts
 
+    def whole_traction(self, values: Array, friction: float) -> list[Array]:
+        """Return the same in the whole bases."""
+        whole = []
+        for k, own in enumerate(self.traction(values, friction)):
+            whole.append(np.zeros((self.parts[k].family.panels.size, *values.shape[1:])))
+            whole[-1][self._columns[k]] = own
+        return whole
+
     @cached_property
     def shed(self) -> tuple[Index, Index]:
         """Places in a vector of the top two degrees of every panel, and of the top one."""
@@ -173,7 +181,7 @@ class SlidingZones:
 
     def _assemble_nodes(self) -> None:
         self.offsets, self.t, self._beyond = [], [], []
-        self._weights, self._shear_weights = [], []
+        self._weights, self.shear_weights = [], []
         self.rules = []
         for part in self.parts:
             family, whole = part.family, part.zone == 0
@@ -182,7 +190,7 @@ class SlidingZones:
             b = family.boundary
             t = b.value * np.sqrt(rule.rest) if whole else np.sqrt(b.square + offset)
             weights = rule.weights * (b.value if whole else family.reach / (2.0 * t)) / np.pi
-            self._shear_weights.append(weights * t**2)
+            self.shear_weights.append(weights * t**2)
             if self._weighted and part.boundary >= 0:
                 weights = weights * np.maximum(self._narrowest(part) / np.abs(offset), 1.0)
             self._weights.append(weights)
@@ -213,35 +221,34 @@ class SlidingZones:
                     seen = integrals(part.family, nodes.family, self.rules[i])
                     if seen is None:
                         continue
-                    found[which].append(_of(seen, index))
+                    found[which].append(seen.of(index))
                     if part.shear is not part.family:
                         own, rule = nodes.family, self.rules[i]
                         if nodes is part:
                             own, rule = part.shear, node_rule(part.shear.panels, own.sign)
                         seen = integrals(part.shear, own, rule)
                         assert seen is not None
-                    found[2 + which].append(_of(seen, columns))
+                    found[2 + which].append(seen.of(columns))
                     if which == 0:
                         self._half[i][k] = found[0][-1].whole
                         self._shear_half[i][k] = found[2][-1].whole
             f, j, g, sweep = (_together(one) for one in found)
-            self._normal.append((f.at, f.more, *self._swept(i, sweep)))
-            self._tangential.append((g.at, g.more, *self._driven(i, j, plain)))
+            self._normal.append((*f, *self._swept(i, *sweep)))
+            self._tangential.append((*g, *self._driven(i, *j, plain)))
         self._assemble_functionals()
 
-    def _swept(self, i: int, seen: Seen) -> tuple[Array, Array]:
+    def _swept(self, i: int, at: Array, more: Array) -> tuple[Array, Array]:
         """Return ``t I(t)`` at the boundary, and by how much it is more at the nodes."""
         b = self.parts[i].family.boundary.value
-        more = self.t[i][:, None] * seen.more + self._beyond[i][:, None] * seen.at
-        return b * seen.at, more
+        return b * at, self.t[i][:, None] * more + self._beyond[i][:, None] * at
 
-    def _driven(self, i: int, seen: Seen, plain: bool) -> tuple[Array, Array]:
+    def _driven(self, i: int, at: Array, more: Array, plain: bool) -> tuple[Array, Array]:
         """Return ``R(t)`` likewise."""
         t, b = self.t[i][:, None], self.parts[i].family.boundary.value
         if plain:
-            return seen.at, (2.0 / t) * seen.more
-        at = (2.0 / b) * seen.at
-        return at, (2.0 / t) * seen.more - (self._beyond[i][:, None] / t) * at
+            return at, (2.0 / t) * more
+        at = (2.0 / b) * at
+        return at, (2.0 / t) * more - (self._beyond[i][:, None] / t) * at
 
     def _assemble_functionals(self) -> None:
         """Assemble loads, pulls and shears: ``int p s ds``, ``int q ds``, ``2 pi int q s ds``."""
@@ -268,7 +275,7 @@ class SlidingZones:
 
     def _weights_plain(self, i: int) -> Array:
         """Return the weights of ``dt / pi``."""
-        return np.asarray(self._shear_weights[i] / self.t[i] ** 2)
+        return np.asarray(self.shear_weights[i] / self.t[i] ** 2)
 
     def shear(self, values: Array, friction: float) -> float:
         """Return ``2 pi int q s ds`` of a vector."""
@@ -373,7 +380,7 @@ class SlidingZones:
             if stuck is None:
                 continue
             rows = slice(self._stuck_from(i), self.unknowns)
-            weighted = (stuck * self._shear_weights[i][:, None]).T
+            weighted = (stuck * self.shear_weights[i][:, None]).T
             _, fewer, _, more = self._tangential[i]
             self._add(matrix[rows], weighted @ fewer, range(i, last), friction)
             matrix[rows, : more.shape[1]] -= kappa * (weighted @ more)
@@ -423,7 +430,7 @@ class SlidingZones:
         missed = np.zeros_like(values)
         misfits = self.misfit(values, kappa, friction, approach, lifts)
         for i, (normal, tangential) in enumerate(zip(*misfits, strict=True)):
-            w, e = self._weights[i][:, None] * normal, self._shear_weights[i][:, None] * tangential
+            w, e = self._weights[i][:, None] * normal, self.shear_weights[i][:, None] * tangential
             for k in range(i, len(self.parts)):
                 missed[self._pressure(k)] += self._half[i][k].T @ w
                 if k in self._shear:
@@ -513,11 +520,6 @@ def _parts(
     return parts
 
 
-def _of(seen: Seen, columns: Index) -> Seen:
-    """Return the part of some functions."""
-    return Seen(seen.at[columns], seen.more[:, columns])
-
-
-def _together(seen: list[Seen]) -> Seen:
-    """Return several one after the other."""
-    return Seen(np.concatenate([s.at for s in seen]), np.hstack([s.more for s in seen]))
+def _together(seen: list[Seen]) -> tuple[Array, Array]:
+    """Return values at the boundary and differences to them of several, one after the other."""
+    return np.concatenate([s.at for s in seen]), np.hstack([s.more for s in seen])

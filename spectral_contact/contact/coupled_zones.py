@@ -1,0 +1,459 @@
+"""Elastic coupling with any zones of stick and slip: their boundaries are solved for.
+
+Pressure and traction are unknown together. At given boundaries the system is linear in the lifts,
+the values there of what the half-integral of the traction lacks. Continuity gives them, and that
+each is what the fields make it is the condition of its boundary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise, starmap
+from math import ceil, inf, log, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.boundaries import Boundaries, differences, find_boundaries
+from spectral_contact.contact.coupled_disk import LEADING
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.resolution import (
+    LEAST_RATE,
+    ROUNDING,
+    SAFETY,
+    TRACTION_ROUNDING,
+    boundary_error,
+    decay_rates,
+    expected_error,
+    series_of,
+    share_of_change,
+    starting_resolution,
+)
+from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
+from spectral_contact.contact.zones_trial import ZonesTrial
+from spectral_contact.fields import CENTRE, EDGE, LogSeries, Radius
+from spectral_contact.spectral.annulus import Points, gap
+from spectral_contact.spectral.sliding_zones import SlidingZones, ZonesFactored
+
+__all__ = ["CoupledZones", "solve_coupled_zones"]
+
+Array = NDArray[np.float64]
+
+#: Tolerance of the spaces in which boundaries are found first.
+_ROUGH = 1e-3
+#: How short the last step of the boundaries is in them, and at most in any space.
+_SETTLED, _LOOSEST = 1e-4, 1e-7
+#: A step as short as this is not taken.
+_ENOUGH = 1e-13
+#: How far boundaries may move, of the narrowest zone, before their slopes are found anew.
+_STALE = 0.1
+#: Most corrections, the share of its step that one leaves at least, and from which share on it is
+#: the factor or rounding that is not good enough.
+_CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
+#: A correction that is smaller and does not fall any more is rounding.
+_ROUNDED = 1e-9
+#: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
+#: in ``-ln d``, as where they end is felt for a while.
+_CLOSEST, _DEEPER = 2.2e-16, 10.0
+#: Degrees that the first panels have more, over ``-ln`` of the tolerance: of the disk, and of a
+#: half of an annulus, whose far end is a singularity ln 2 before them.
+_FIRST_INSIDE, _FIRST_AROUND = (0.2, 0.08), (0.4, 0.08)
+#: With a root at the edge, the error there relative to the change of the tail, as in full stick.
+_ROOT = 2.5
+
+
+@dataclass(frozen=True, slots=True)
+class CoupledZones:
+    """Coupled partial slip on any zones, for unit load.
+
+    Attributes
+    ----------
+    layout : Layout
+        The boundaries, and what every zone does.
+    approach, total_shear : float
+        ``delta*`` and ``Q*``.
+    zones : SlidingZones
+        The operators.
+    pressure, shear : list of LogSeries
+        p on every part of the zones, and q/s on those that stick (None elsewhere).
+    driven, sheared : list of ndarray
+        Coefficients of p and of q/s on every part, and what the top two degrees contribute to
+        them, as columns.
+    stuck : list of Stuck
+        Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
+    approach_error, shear_error, pressure_error, traction_error : float
+        Estimates of relative errors; those of the fields are pointwise.
+    boundary_errors : tuple of (float, float)
+        Relative errors of every boundary from the centre and from the edge.
+    zones_error : float
+        The largest of them; infinite if a zone may not be there.
+    stray : float
+        Estimate of the largest error of E.
+    """
+
+    layout: Layout
+    approach: float
+    total_shear: float
+    zones: SlidingZones
+    pressure: list[LogSeries]
+    shear: list[LogSeries | None]
+    driven: list[Array]
+    sheared: list[Array]
+    stuck: list[Stuck]
+    approach_error: float
+    shear_error: float
+    pressure_error: float
+    traction_error: float
+    boundary_errors: tuple[tuple[float, float], ...]
+    zones_error: float
+    stray: float
+
+
+class _CoupledZonesProblem:
+    """Spaces for given states of the zones; the boundaries are found anew in each of them."""
+
+    def __init__(
+        self,
+        alpha: float,
+        beta: float,
+        kappa: float,
+        friction: float,
+        layout: Layout,
+        tolerance: float,
+    ) -> None:
+        self.parameters = alpha, beta, kappa, friction
+        self.states, self.tolerance = layout.states, tolerance
+        self.logits = np.array(layout.logits)
+        self.slopes = self._differences()
+        start = self.logits
+        self._find(self._spaces(_ROUGH), _ROUGH, _SETTLED)
+        moved = float(np.abs(self.logits - start).max())
+        if moved > _STALE * min(1.0, *np.diff(self.logits)):
+            self.slopes = self._differences()
+
+    # spaces
+
+    @staticmethod
+    def _radii(logits: Array) -> tuple[Radius, ...]:
+        return tuple(Radius.from_logit(float(x)) for x in logits)
+
+    def _layer(self, extent: float) -> float:
+        """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
+        widths = [c / extent for c in self.parameters[:2] if c > 0.0]
+        return -log(min([1.0, *widths]))
+
+    def _spaces(self, tolerance: float) -> list[Resolution]:
+        """Return the first spaces on the disk, and toward both ends of every zone around it."""
+        bounds = (CENTRE, *self._radii(self.logits), EDGE)
+        extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
+        extents[0] *= 2.0
+        spaces = [self._toward(bounds[1], extents[0], extents[1], tolerance)]
+        for k in range(1, len(self.states)):
+            spaces.append(self._toward(bounds[k], extents[k], extents[k - 1], tolerance))
+            other = extents[k + 1] if k + 1 < len(extents) else inf
+            spaces.append(self._toward(bounds[k + 1], extents[k], other, tolerance))
+        digits = -log(tolerance)
+        for k, space in enumerate(spaces):
+            shares = _FIRST_AROUND if k else _FIRST_INSIDE
+            degrees = [
+                n + ceil(share * digits) for share, n in zip(shares, space.degrees, strict=False)
+            ]
+            spaces[k] = replace(space, degrees=(*degrees, *space.degrees[len(degrees) :]))
+        # in slip p over s has some degrees more
+        capacity = 4 * ceil((max(max(one.degrees) for one in spaces) + 4) / 4)
+        return [replace(one, panels=replace(one.panels, degree=capacity)) for one in spaces]
+
+    def _toward(self, end: Radius, extent: float, other: float, tolerance: float) -> Resolution:
+        """Return the space of a part toward an end, past which a part of another extent lies."""
+        alpha, beta, _, _ = self.parameters
+        if end.from_edge == 0.0:
+            if alpha > 0.0:
+                return starting_resolution(self._layer(extent), tolerance)
+            layer = self._layer(extent)
+            return starting_resolution(layer, tolerance, rate=0.5, power=-0.5, bends=(layer,))
+        layer = max(self._layer(extent), log(extent / other))
+        rate = 1.0 if alpha > 0.0 else 0.5
+        space = starting_resolution(layer, tolerance, rate=rate)
+        deepest = _DEEPER - log(_CLOSEST * min(end.square, end.rest) / extent)
+        count = min(space.panels.panels, ceil(deepest / space.panels.width))
+        return Resolution(replace(space.panels, panels=count), space.degrees[:count])
+
+    def start(self) -> Resolution:
+        """Return the first space, of all parts one after the other."""
+        # boundaries superconverge: a space for half the digits has nearly all of theirs
+        halfway = sqrt(self.tolerance)
+        if halfway < 0.1 * _ROUGH:
+            self._find(self._spaces(halfway), halfway, max(self.tolerance, _ENOUGH))
+        spaces = self._spaces(self.tolerance)
+        self._counts = [one.panels.panels for one in spaces]
+        degrees = tuple(n for one in spaces for n in one.degrees)
+        return Resolution(spaces[0].panels, degrees)
+
+    def _split(self, resolution: Resolution) -> list[Resolution]:
+        """Separate the panels of the parts."""
+        spaces = []
+        for a, b in pairwise(accumulate(self._counts, initial=0)):
+            power = -0.5 if self.parameters[0] == 0.0 and b == sum(self._counts) else 0.0
+            panels = replace(resolution.panels, panels=b - a, power=power)
+            spaces.append(Resolution(panels, resolution.degrees[a:b]))
+        return spaces
+
+    # solutions
+
+    def _trials(
+        self, spaces: list[Resolution], tolerance: float
+    ) -> Callable[[Array], ZonesTrial]:
+        """Return what solves with given boundaries; factors serve as long as they do."""
+        panels, degrees = [one.panels for one in spaces], [one.degrees for one in spaces]
+        last: list[ZonesTrial] = []
+
+        def trial_at(logits: Array) -> ZonesTrial:
+            zones = SlidingZones(
+                self._radii(logits), self.states, panels, degrees, self.parameters[0] == 0.0
+            )
+            if last:
+                trial, settled = self._corrected(
+                    zones, last[0].factored, last[0].values, tolerance
+                )
+                if settled:
+                    last[0] = trial
+                    return trial
+            factored = ZonesFactored(zones, *self.parameters)
+            start = np.zeros((zones.unknowns, 1 + len(logits)))
+            last[:] = [self._corrected(zones, factored, start, tolerance)[0]]
+            return last[0]
+
+        return trial_at
+
+    def _corrected(
+        self, zones: SlidingZones, factored: ZonesFactored, values: Array, tolerance: float
+    ) -> tuple[ZonesTrial, bool]:
+        """Correct solutions; return whether rounding or a share of the tolerance is left."""
+        own, before, size = factored.zones is zones, inf, inf
+        aim = max(1e-6 * tolerance, ROUNDING)
+        for _ in range(_CORRECTIONS):
+            change = factored.correction(values, zones)
+            values = values + change
+            trial = ZonesTrial(zones, factored, values, 0.0)
+            shares = self._shares(zones, trial.combined(change), trial.solution)
+            before, size = size, max(float(one.max()) for pair in shares for one in pair)
+            left = size * max(_LEFT, min(size / before, 1.0))
+            settled = left < aim or size < _ROUNDED
+            if left < aim or (size > _SLOW * before and (settled or not own)):
+                break
+        return ZonesTrial(zones, factored, values, left), own or settled
+
+    def _shares(self, zones: SlidingZones, change: Array, size: Array) -> list[list[Array]]:
+        """Return a change of p and of q/s on every panel, relative to their sizes there."""
+        shares: list[list[Array]] = []
+        moved, values = zones.split(change), zones.split(size)
+        for k, part in enumerate(zones.parts):
+            panels = part.family.panels
+            pairs = [(panels, moved[0][k], values[0][k])]
+            if k in moved[1]:
+                pairs.append((part.shear.panels, moved[1][k], values[1][k]))
+            shares.append([])
+            for own, step, whole in pairs:
+                share = share_of_change(own, step, series_of(own, whole).at_ends())
+                x = own.width * np.arange(own.panels)
+                if part.boundary < 0:
+                    if panels.power != 0.0:  # by what is felt of it
+                        share *= np.exp(-np.maximum(x - self._leading(part.family.reach), 0.0))
+                else:  # not closer to a boundary than it is known
+                    end = part.family.boundary
+                    closest = _CLOSEST * min(end.square, end.rest)
+                    share[x > -log(closest / part.family.reach)] = 0.0
+                shares[-1].append(share)
+        return shares
+
+    def _leading(self, extent: float) -> float:
+        """Return the depth past which a singular pressure is its leading term."""
+        return LEADING + self._layer(extent)
+
+    # boundaries
+
+    def _differences(self) -> Array:
+        """Return the slopes of the conditions in the space in which they are found first."""
+        trial_at = self._trials(self._spaces(_ROUGH), _ROUGH)
+        return differences(lambda logits: trial_at(logits).mismatch, self.logits)
+
+    def _find(
+        self, spaces: list[Resolution], tolerance: float, settle: float
+    ) -> Boundaries[ZonesTrial]:
+        """Find the boundaries in a space."""
+        found = find_boundaries(
+            self._trials(spaces, tolerance),
+            lambda trial: trial.mismatch,
+            self.logits,
+            self.slopes,
+            min(settle, _LOOSEST) if tolerance < _ROUGH else settle,
+            _ENOUGH,
+            near=False,
+        )
+        self.logits, self.slopes = found.logits, found.slopes
+        return found
+
+    # outcome
+
+    def attempt(self, resolution: Resolution) -> Attempt[CoupledZones]:
+        spaces = self._split(resolution)
+        settle = max(self.tolerance, 100.0 * _ENOUGH)
+        return self._assess(spaces, self._find(spaces, self.tolerance, settle).trial)
+
+    def _assess(self, spaces: list[Resolution], trial: ZonesTrial) -> Attempt[CoupledZones]:
+        """Turn the final trial into a solution with its errors."""
+        zones = trial.zones
+        whole = trial.solution * trial.approach
+        effects = [trial.moved(one) for one in trial.factored.change(trial.values, zones)]
+        moved = [trial.approach * one for one, _, _ in effects]
+        pressure, shear = zones.split(whole)
+        rates = [
+            [decay_rates(space, one) for one in (pressure[k], shear.get(k)) if one is not None]
+            for k, space in enumerate(spaces)
+        ]
+        shares = self._shares(zones, moved[0], whole)
+        expected = [
+            [expected_error(*pair) for pair in zip(*both, strict=True)]
+            for both in zip(shares, rates, strict=True)
+        ]
+        tails = [self._tail_error(trial, k, moved[0], whole) for k in (0, 1)]
+        rounding = trial.left + 20.0 * ROUNDING
+        pressure_error = max(tails[0], *(float(one[0].max()) for one in expected)) + rounding
+        traction_error = max(tails[1], *(float(one[-1].max()) for one in expected))
+        traction_error += trial.left + TRACTION_ROUNDING
+        error = max(pressure_error, traction_error)
+        # what superconverges may change little by accident, but hardly against the square
+        squared = error**2
+        total = trial.shear(whole)
+        sheared = max(abs(trial.shear(one)) for one in moved) / abs(total)
+        noise = 40.0 * ROUNDING + trial.left * 1e-2
+        kept = 2.0 * SAFETY * LEAST_RATE
+        missed = kept * np.max([np.abs(mismatch) for _, mismatch, _ in effects], axis=0)
+        missed = missed + squared + noise + np.abs(trial.mismatch)
+        shifts = np.abs(np.linalg.inv(self.slopes)) @ missed
+        shifts = shifts + float(np.finfo(float).eps) * np.abs(self.logits)
+        stuck, lost = (
+            self._stuck(zones, misfit)
+            for misfit in (trial.lacking(whole, trial.approach), trial.lacking(moved[0], 0.0))
+        )
+        boundary_errors = tuple(
+            boundary_error(float(d), r) for d, r in zip(shifts, zones.radii, strict=True)
+        )
+        bend = 2.0 * max(float(d) ** 2 * r.rest for d, r in zip(shifts, zones.radii, strict=True))
+        value = CoupledZones(
+            Layout(tuple(self.logits.tolist()), self.states, self.slopes),
+            trial.approach,
+            total,
+            zones,
+            [series_of(p.family.panels, c) for p, c in zip(zones.parts, pressure, strict=True)],
+            [
+                series_of(p.shear.panels, shear[k]) if k in shear else None
+                for k, p in enumerate(zones.parts)
+            ],
+            *self._columns(trial, whole, moved[0]),
+            stuck,
+            max(abs(raised) for _, _, raised in effects) + squared + noise,
+            sheared + squared + noise + bend,
+            pressure_error,
+            traction_error,
+            boundary_errors,
+            self._zones_error(zones.radii, boundary_errors),
+            SAFETY * self._largest_displacement(zones, lost),
+        )
+        indicators = np.concatenate([np.max(one, axis=0) for one in expected])
+        rate = np.concatenate([np.max(one, axis=0) for one in rates])
+        return Attempt(value, error, indicators, rate, zones.unknowns)
+
+    def _tail_error(self, trial: ZonesTrial, field: int, change: Array, whole: Array) -> float:
+        """Return the error at the edge of what has a root there: no degree of a panel helps."""
+        if min(self.parameters[:2]) > 0.0 or field == 0:
+            return 0.0
+        last = len(trial.zones.parts) - 1
+        moved, values = trial.zones.split(change)[1], trial.zones.split(whole)[1]
+        if last not in moved:
+            return 0.0
+        panels = trial.zones.parts[last].shear.panels
+        at_end = series_of(panels, values[last]).at_ends()[-1]
+        return _ROOT * float(np.abs(moved[last][-panels.tail_terms :]).sum() / abs(at_end))
+
+    def _columns(
+        self, trial: ZonesTrial, whole: Array, moved: Array
+    ) -> tuple[list[Array], list[Array]]:
+        """Return the coefficients of p and of q/s on every part, with their changes."""
+        pairs = np.column_stack([whole, moved])
+        return trial.zones.split(pairs)[0], trial.zones.whole_traction(pairs, self.parameters[3])
+
+    @staticmethod
+    def _stuck(zones: SlidingZones, misfit: list[Array]) -> list[Stuck]:
+        """Return the quadrature of ``t^2 E dt`` over the stick zones."""
+        stuck = []
+        for zone, state in enumerate(zones.states):
+            if state == 0:
+                parts = tuple(
+                    (Points(part.family.boundary, zones.offsets[k]), pi * weights * misfit[k])
+                    for k, (part, weights) in enumerate(
+                        zip(zones.parts, zones.shear_weights, strict=True)
+                    )
+                    if part.zone == zone
+                )
+                stuck.append(Stuck((*zones.radii, EDGE)[zone], parts))
+        return stuck
+
+    @staticmethod
+    def _largest_displacement(zones: SlidingZones, stuck: list[Stuck]) -> float:
+        """Return the largest displacement in the slip zones that E in the stick zones makes."""
+        bounds = (*zones.radii, EDGE)
+        return max(
+            largest_displacement(stuck, bounds[k - 1], bounds[k])
+            for k, state in enumerate(zones.states)
+            if state != 0
+        )
+
+    @staticmethod
+    def _zones_error(
+        radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]
+    ) -> float:
+        """Return the largest error of a boundary; infinite if a zone may not be there."""
+        unsure = [
+            min(2.0 * at.square * own, at.rest * edge)
+            for at, (own, edge) in zip(radii, errors, strict=True)
+        ]
+        widths = starmap(gap, pairwise(radii))
+        if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
+            return inf
+        return max(map(max, errors))
+
+
+def solve_coupled_zones(
+    alpha: float,
+    beta: float,
+    kappa: float,
+    friction: float,
+    layout: Layout,
+    tolerance: float,
+    max_unknowns: int,
+) -> Refinement[CoupledZones]:
+    """Solve coupled partial slip with the zones of a layout.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        ``alpha*``, 0 or positive, and ``beta*`` > 0.
+    kappa, friction : float
+        The coupling, positive, and Coulomb's coefficient.
+    layout : Layout
+        First guess of the boundaries, and the states.
+    tolerance : float
+        Bound on the relative errors of both fields, pointwise.
+    max_unknowns : int
+        Most unknowns of a space.
+
+    Returns
+    -------
+    Refinement
+        Whether the friction law holds is for the caller to check.
+    """
+    problem = _CoupledZonesProblem(alpha, beta, kappa, friction, layout, tolerance)
+    return refine(problem, tolerance, max_unknowns // 2)
