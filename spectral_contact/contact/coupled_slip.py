@@ -29,7 +29,7 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.sliding import SlidingDisk
 
-__all__ = ["CoupledSlip", "NoCoupledDiskError", "solve_coupled_slip"]
+__all__ = ["CoupledSlip", "InY", "NoCoupledDiskError", "as_power", "solve_coupled_slip"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
@@ -90,7 +90,7 @@ class CoupledSlip:
 
 
 @dataclass(frozen=True, slots=True)
-class _InY:
+class InY:
     """A field as a function of ``y = 1 - s**2``."""
 
     field: ZonalField
@@ -149,13 +149,13 @@ def solve_coupled_slip(
 def _outcome(solved: CoupledDisk, beta: float, kappa: float, friction: float) -> CoupledSlip:
     """Add fields, displacement and checks to the solution on the disk."""
     rim, (own, above, below, shear) = solved.radius, solved.series
-    around = AnnulusSeries(rim, EDGE, above, _as_power(below, kappa * friction), power=0)
+    around = AnnulusSeries(rim, EDGE, above, as_power(below, kappa * friction), power=0)
     inside = DiskSeries(rim, own, power=0)
     pressure = ZonalField((ZonePiece(rim, inside), ZonePiece(EDGE, around)))
     stuck = DiskSeries(rim, shear.times(rim.value))
     traction = ZonalField((ZonePiece(rim, stuck), ZonePiece(EDGE, around, friction)))
     annulus, misfit, lost = _misfit(solved, kappa, friction)
-    at = _InY(pressure)
+    at = InY(pressure)
     fields, samples, largest, unresolved = slip_displacement(
         [solved.stuck], [Slipping(annulus, 1, misfit)], at, beta, friction
     )
@@ -250,7 +250,7 @@ def _integrals(
     return list(zip(*pairs, strict=True))
 
 
-def _as_power(series: LogSeries, coupling: float) -> LogSeries:
+def as_power(series: LogSeries, coupling: float) -> LogSeries:
     """Return a pressure under a smooth punch as the power of y that it is next to the edge.
 
     ``p ~ y**(theta - 1/2)`` with ``tan(pi theta) = 2 kappa f``: far below the edge's panels the

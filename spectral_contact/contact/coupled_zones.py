@@ -37,7 +37,7 @@ from spectral_contact.fields import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
 from spectral_contact.spectral.sliding_zones import SlidingZones, ZonesFactored
 
-__all__ = ["CoupledZones", "solve_coupled_zones"]
+__all__ = ["CoupledZones", "leading_depth", "solve_coupled_zones"]
 
 Array = NDArray[np.float64]
 
@@ -140,9 +140,7 @@ class _CoupledZonesProblem:
         return tuple(Radius.from_logit(float(x)) for x in logits)
 
     def _layer(self, extent: float) -> float:
-        """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
-        widths = [c / extent for c in self.parameters[:2] if c > 0.0]
-        return -log(min([1.0, *widths]))
+        return _layer(*self.parameters[:2], extent)
 
     def _spaces(self, tolerance: float) -> list[Resolution]:
         """Return the first spaces on the disk, and toward both ends of every zone around it."""
@@ -260,17 +258,14 @@ class _CoupledZonesProblem:
                 x = own.width * np.arange(own.panels)
                 if part.boundary < 0:
                     if panels.power != 0.0:  # by what is felt of it
-                        share *= np.exp(-np.maximum(x - self._leading(part.family.reach), 0.0))
+                        leading = leading_depth(*self.parameters[:2], part.family.reach)
+                        share *= np.exp(-np.maximum(x - leading, 0.0))
                 else:  # not closer to a boundary than it is known
                     end = part.family.boundary
                     closest = _CLOSEST * min(end.square, end.rest)
                     share[x > -log(closest / part.family.reach)] = 0.0
                 shares[-1].append(share)
         return shares
-
-    def _leading(self, extent: float) -> float:
-        """Return the depth past which a singular pressure is its leading term."""
-        return LEADING + self._layer(extent)
 
     # boundaries
 
@@ -424,6 +419,16 @@ class _CoupledZonesProblem:
         if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
             return inf
         return max(map(max, errors))
+
+
+def _layer(alpha: float, beta: float, extent: float) -> float:
+    """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
+    return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
+
+
+def leading_depth(alpha: float, beta: float, extent: float) -> float:
+    """Return the depth toward the edge past which a singular pressure is its leading term."""
+    return LEADING + _layer(alpha, beta, extent)
 
 
 def solve_coupled_zones(
