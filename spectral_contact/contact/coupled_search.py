@@ -1,0 +1,159 @@
+"""Which zones partial slip with elastic coupling has: guesses are solved for until one fits.
+
+No search is known to be sure, as uniqueness is not proved. The zones without coupling come first;
+those that break the friction law show in places what others to try.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from math import log
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Refinement
+from spectral_contact.contact.boundaries import NoBoundariesError
+from spectral_contact.contact.coupled_annuli import solve_coupled_annuli
+from spectral_contact.contact.coupled_slip import (
+    CoupledSlip,
+    NoCoupledDiskError,
+    solve_coupled_slip,
+)
+from spectral_contact.contact.coupled_stick import CoupledStick
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.stick_radius import NoStickDiskError
+from spectral_contact.fields import Radius
+
+__all__ = ["CoupledSearch"]
+
+Array = NDArray[np.float64]
+Record = Callable[[str, Any, float], Any]
+
+#: Tolerance at which guesses are tried before they are solved for to a tighter one.
+_PROBE = 1e-3
+#: Where nothing is known of the stick radius: its logit where slip is narrow.
+_NARROW = 3.0
+#: Places in ``-ln y`` at which full stick is compared with friction.
+_PLACES, _DEPTH = 2000, 40.0
+#: What a guess of the zones ends in, if they do not fit.
+_MISFITS = (NoCoupledDiskError, NoStickDiskError, NoBoundariesError, np.linalg.LinAlgError)
+
+
+@dataclass(slots=True)
+class CoupledSearch:
+    """The zones of coupled partial slip below the critical friction.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        ``alpha*`` and ``beta*``, 0 or positive.
+    kappa, friction : float
+        The coupling, positive, and Coulomb's coefficient.
+    stick : CoupledStick
+        Full stick, with its fields.
+    plain : Layout
+        The zones without coupling.
+    tolerance : float
+        Bound on the relative errors of both fields.
+    max_unknowns : int
+        Most unknowns of a space.
+    record : callable
+        Takes the name of a step, its outcome and its beginning, returns the value.
+    """
+
+    alpha: float
+    beta: float
+    kappa: float
+    friction: float
+    stick: CoupledStick
+    plain: Layout
+    tolerance: float
+    max_unknowns: int
+    record: Record
+    tried: list[Layout] = field(default_factory=list)
+
+    def outcome(self) -> CoupledSlip:
+        """Return the first solution that obeys the friction law.
+
+        Raises
+        ------
+        NoCoupledDiskError
+            If none does.
+        """
+        reasons = []
+        for layout in self._layouts():
+            try:
+                return self._solved(layout)
+            except _MISFITS as missing:
+                reasons.append(f"{len(layout.states)} zones: {missing}")
+        raise NoCoupledDiskError("; ".join(reasons))
+
+    def _layouts(self) -> Iterator[Layout]:
+        """Guess zones."""
+        guesses = [self.plain, self._violated(), Layout((_NARROW,), (0, 1))]
+        known = [one for one in guesses if one.states[:2] == (0, 1)]
+        rim = known[0].logits[0]
+        guesses.append(Layout((rim,), (0, 1)))
+        seen = set()
+        for layout in guesses:
+            if layout.states[:2] == (0, 1) and layout.states not in seen and self._possible(layout):
+                seen.add(layout.states)
+                yield layout
+
+    def _possible(self, layout: Layout) -> bool:
+        """Return whether the edge may be as it is: of a smooth surface it sticks."""
+        smooth = self.alpha == 0.0 < self.beta and (self.friction * self.beta) ** 2 > 1e-80
+        annuli = len(layout.states) > 2
+        return self.beta > 0.0 if annuli else not smooth
+
+    def _solved(self, layout: Layout) -> CoupledSlip:
+        """Solve on zones like these, and keep the record if they fit."""
+        begin, notes = perf_counter(), []
+        parameters = self.alpha, self.beta, self.kappa, self.friction
+
+        def note(name: str, result: Any, begin: float) -> Any:
+            notes.append((name, result, perf_counter() - begin))
+            return result.best.value if isinstance(result, Refinement) else result
+
+        limits = self.tolerance, self.max_unknowns
+        if len(layout.states) == 2:
+            solved = solve_coupled_slip(*parameters, layout.logits[0], *limits, record=note)
+        else:
+            if self.tolerance < _PROBE:
+                probe = solve_coupled_annuli(
+                    *parameters, layout, _PROBE, self.max_unknowns, record=note
+                )
+                layout = _layout_of(probe, layout.states)
+                notes.clear()
+            solved = solve_coupled_annuli(*parameters, layout, *limits, record=note)
+        del begin
+        for name, result, seconds in notes:
+            self.record(name, result, perf_counter() - seconds)
+        return solved
+
+    def _violated(self) -> Layout:
+        """Return slip where full stick exceeds friction."""
+        pressure, traction = self.stick.pressure, self.stick.traction
+        if pressure is None or traction is None:
+            return Layout((), (0,))
+        x = np.linspace(1e-3, _DEPTH, _PLACES)
+        y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
+        p, q = pressure.at(y), traction(s, y / (1.0 + s))
+        beyond = (np.abs(q) > self.friction * p) | (p <= 0.0)
+        edges = np.flatnonzero(beyond[1:] != beyond[:-1])
+        middles = (x[edges] + x[edges + 1]) / 2.0
+        logits = tuple(float(np.log(-np.expm1(-one)) + one) for one in middles)
+        signs = np.sign(q[np.concatenate([[0], edges + 1])]) * beyond[
+            np.concatenate([[0], edges + 1])
+        ]
+        return Layout(logits, tuple(int(one) for one in signs))
+
+
+def _layout_of(solved: CoupledSlip, states: tuple[int, ...]) -> Layout:
+    """Return the zones of a solution."""
+    ends = (Radius(zone.outer, zone.outer_from_edge) for zone in solved.zones[:-1])
+    return Layout(tuple(one.logit for one in ends), states)
