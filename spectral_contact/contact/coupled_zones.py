@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.boundaries import Boundaries, differences, find_boundaries
+from spectral_contact.contact.boundaries import Boundaries, NoBoundariesError, differences, find_boundaries
 from spectral_contact.contact.coupled_disk import LEADING
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
@@ -45,6 +45,8 @@ Array = NDArray[np.float64]
 _ROUGH = 1e-3
 #: How short the last step of the boundaries is in them, and at most in any space.
 _SETTLED, _LOOSEST = 1e-4, 1e-7
+#: Where more of a step is left, of the narrowest zone, there are no such boundaries.
+_LOST = 0.1
 #: A step as short as this is not taken.
 _ENOUGH = 1e-13
 #: How far boundaries may move, of the narrowest zone, before their slopes are found anew.
@@ -128,7 +130,10 @@ class _CoupledZonesProblem:
         self.logits = np.array(layout.logits)
         self.slopes = self._differences()
         start = self.logits
-        self._find(self._spaces(_ROUGH), _ROUGH, _SETTLED)
+        found = self._find(self._spaces(_ROUGH), _ROUGH, _SETTLED)
+        left = np.abs(np.linalg.solve(found.slopes, found.trial.mismatch))
+        if not float(left.max()) < _LOST * min(1.0, *np.diff(self.logits)):
+            raise NoBoundariesError("no such boundaries are found")
         moved = float(np.abs(self.logits - start).max())
         if moved > _STALE * min(1.0, *np.diff(self.logits)):
             self.slopes = self._differences()
@@ -459,6 +464,11 @@ def solve_coupled_zones(
     -------
     Refinement
         Whether the friction law holds is for the caller to check.
+
+    Raises
+    ------
+    NoBoundariesError
+        If there are no such boundaries.
     """
     problem = _CoupledZonesProblem(alpha, beta, kappa, friction, layout, tolerance)
     return refine(problem, tolerance, max_unknowns // 2)

@@ -405,11 +405,14 @@ class SlidingZones:
         q = self.traction(values, friction)
         pull = sum(one @ u for one, u in zip(self._pull, q, strict=True))
         normal, tangential = [], []
+        known: dict[int, Array] = {}
         for i, part in enumerate(self.parts):
             outside, inside = values[self._starts[i] : self.count], values[: self._starts[i + 1]]
             q_outside, q_inside = np.concatenate(q[i:]), np.concatenate(q[: i + 1])
             f, f_more, sweep, sweep_more = self._normal[i]
             at = 2.0 * approach + 2.0 * kappa * (pull - sweep @ q_inside) - f @ outside
+            # the same on both sides to the last digit: a step would be felt like 1/sqrt(d)
+            at = known.setdefault(i if part.boundary < 0 else -1 - part.boundary, at)
             normal.append(at - 2.0 * kappa * (sweep_more @ q_inside) - f_more @ outside)
             _, g_more, _, drive_more = self._tangential[i]
             at = lifts[part.boundary] if part.boundary >= 0 else 0.0
