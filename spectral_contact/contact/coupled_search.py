@@ -7,8 +7,7 @@ those that break the friction law show in places what others to try.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from math import log
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -24,9 +23,9 @@ from spectral_contact.contact.coupled_slip import (
     solve_coupled_slip,
 )
 from spectral_contact.contact.coupled_stick import CoupledStick
+from spectral_contact.contact.coupled_zones import find_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.stick_radius import NoStickDiskError
-from spectral_contact.fields import Radius
 
 __all__ = ["CoupledSearch"]
 
@@ -39,6 +38,8 @@ _PROBE = 1e-3
 _NARROW = 3.0
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
+#: The least step of the coupling by which zones are followed.
+_LEAST_STEP = 0.05
 #: What a guess of the zones ends in, if they do not fit.
 _MISFITS = (NoCoupledDiskError, NoStickDiskError, NoBoundariesError, np.linalg.LinAlgError)
 
@@ -74,7 +75,6 @@ class CoupledSearch:
     tolerance: float
     max_unknowns: int
     record: Record
-    tried: list[Layout] = field(default_factory=list)
 
     def outcome(self) -> CoupledSlip:
         """Return the first solution that obeys the friction law.
@@ -112,7 +112,7 @@ class CoupledSearch:
 
     def _solved(self, layout: Layout) -> CoupledSlip:
         """Solve on zones like these, and keep the record if they fit."""
-        begin, notes = perf_counter(), []
+        notes: list[tuple[str, Any, float]] = []
         parameters = self.alpha, self.beta, self.kappa, self.friction
 
         def note(name: str, result: Any, begin: float) -> Any:
@@ -123,17 +123,31 @@ class CoupledSearch:
         if len(layout.states) == 2:
             solved = solve_coupled_slip(*parameters, layout.logits[0], *limits, record=note)
         else:
+            layout = self._found(layout)
             if self.tolerance < _PROBE:
-                probe = solve_coupled_annuli(
-                    *parameters, layout, _PROBE, self.max_unknowns, record=note
-                )
-                layout = _layout_of(probe, layout.states)
+                solve_coupled_annuli(*parameters, layout, _PROBE, self.max_unknowns, record=note)
                 notes.clear()
             solved = solve_coupled_annuli(*parameters, layout, *limits, record=note)
-        del begin
         for name, result, seconds in notes:
             self.record(name, result, perf_counter() - seconds)
         return solved
+
+    def _found(self, layout: Layout) -> Layout:
+        """Find the boundaries, with coupling that grows from none if they are too far."""
+        compliances, share, step = (self.alpha, self.beta), 0.0, 1.0
+        while share < 1.0:
+            part = min(share + step, 1.0)
+            try:
+                layout = find_coupled_zones(
+                    *compliances, part * self.kappa, part * self.friction, replace(layout, slopes=None)
+                )
+            except NoBoundariesError:
+                step /= 4.0
+                if step < _LEAST_STEP:
+                    raise
+            else:
+                share = part
+        return layout
 
     def _violated(self) -> Layout:
         """Return slip where full stick exceeds friction."""
@@ -151,9 +165,3 @@ class CoupledSearch:
             np.concatenate([[0], edges + 1])
         ]
         return Layout(logits, tuple(int(one) for one in signs))
-
-
-def _layout_of(solved: CoupledSlip, states: tuple[int, ...]) -> Layout:
-    """Return the zones of a solution."""
-    ends = (Radius(zone.outer, zone.outer_from_edge) for zone in solved.zones[:-1])
-    return Layout(tuple(one.logit for one in ends), states)

@@ -37,7 +37,7 @@ from spectral_contact.fields import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
 from spectral_contact.spectral.sliding_zones import SlidingZones, ZonesFactored
 
-__all__ = ["CoupledZones", "leading_depth", "solve_coupled_zones"]
+__all__ = ["CoupledZones", "find_coupled_zones", "leading_depth", "solve_coupled_zones"]
 
 Array = NDArray[np.float64]
 
@@ -128,6 +128,9 @@ class _CoupledZonesProblem:
         self.parameters = alpha, beta, kappa, friction
         self.states, self.tolerance = layout.states, tolerance
         self.logits = np.array(layout.logits)
+        if layout.slopes is not None:
+            self.slopes = layout.slopes
+            return
         self.slopes = self._differences()
         start = self.logits
         found = self._find(self._spaces(_ROUGH), _ROUGH, _SETTLED)
@@ -137,6 +140,11 @@ class _CoupledZonesProblem:
         moved = float(np.abs(self.logits - start).max())
         if moved > _STALE * min(1.0, *np.diff(self.logits)):
             self.slopes = self._differences()
+
+    @property
+    def layout(self) -> Layout:
+        """The boundaries as they are known, with the slopes of their conditions."""
+        return Layout(tuple(self.logits.tolist()), self.states, self.slopes)
 
     # spaces
 
@@ -343,7 +351,7 @@ class _CoupledZonesProblem:
         )
         bend = 2.0 * max(float(d) ** 2 * r.rest for d, r in zip(shifts, zones.radii, strict=True))
         value = CoupledZones(
-            Layout(tuple(self.logits.tolist()), self.states, self.slopes),
+            self.layout,
             trial.approach,
             total,
             zones,
@@ -436,6 +444,16 @@ def leading_depth(alpha: float, beta: float, extent: float) -> float:
     return LEADING + _layer(alpha, beta, extent)
 
 
+def find_coupled_zones(
+    alpha: float, beta: float, kappa: float, friction: float, layout: Layout
+) -> Layout:
+    """Return the boundaries of zones like these, to some digits, with what starts their solution.
+
+    Parameters and errors are those of `solve_coupled_zones`.
+    """
+    return _CoupledZonesProblem(alpha, beta, kappa, friction, layout, _ROUGH).layout
+
+
 def solve_coupled_zones(
     alpha: float,
     beta: float,
@@ -454,7 +472,7 @@ def solve_coupled_zones(
     kappa, friction : float
         The coupling, positive, and Coulomb's coefficient.
     layout : Layout
-        First guess of the boundaries, and the states.
+        The states of the zones; the boundaries as `find_coupled_zones` returns them, or a guess.
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     max_unknowns : int
