@@ -54,6 +54,8 @@ _STALE = 0.1
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
+#: What corrections leave, of the tolerance: boundaries are known better than the fields.
+_FURTHER = 1e-6
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 #: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
@@ -225,36 +227,32 @@ class _CoupledZonesProblem:
                 self._radii(logits), self.states, panels, degrees, self.parameters[0] == 0.0
             )
             if last:
-                trial, settled = self._corrected(
-                    zones, last[0].factored, last[0].values, tolerance
-                )
+                like = ZonesTrial(zones, last[0].factored, last[0].solution, last[0].lifts, inf)
+                trial, settled = self._corrected(like, tolerance)
                 if settled:
                     last[0] = trial
                     return trial
             factored = ZonesFactored(zones, *self.parameters)
-            start = np.zeros((zones.unknowns, 1 + len(logits)))
-            last[:] = [self._corrected(zones, factored, start, tolerance)[0]]
+            begin = np.zeros(zones.unknowns), np.zeros(len(logits))
+            last[:] = [self._corrected(ZonesTrial(zones, factored, *begin, inf), tolerance)[0]]
             return last[0]
 
         return trial_at
 
-    def _corrected(
-        self, zones: SlidingZones, factored: ZonesFactored, values: Array, tolerance: float
-    ) -> tuple[ZonesTrial, bool]:
-        """Correct solutions; return whether rounding or a share of the tolerance is left."""
-        own, before, size = factored.zones is zones, inf, inf
-        aim = max(1e-6 * tolerance, ROUNDING)
+    def _corrected(self, trial: ZonesTrial, tolerance: float) -> tuple[ZonesTrial, bool]:
+        """Correct a solution; return whether rounding or a share of the tolerance is left."""
+        zones = trial.zones
+        own, before, size = trial.factored.zones is zones, inf, inf
+        aim = max(_FURTHER * tolerance, ROUNDING)
         for _ in range(_CORRECTIONS):
-            change = factored.correction(values, zones)
-            values = values + change
-            trial = ZonesTrial(zones, factored, values, 0.0)
-            shares = self._shares(zones, trial.combined(change), trial.solution)
+            trial, change = trial.corrected()
+            shares = self._shares(zones, change, trial.solution)
             before, size = size, max(float(one.max()) for pair in shares for one in pair)
-            left = size * max(_LEFT, min(size / before, 1.0))
-            settled = left < aim or size < _ROUNDED
-            if left < aim or (size > _SLOW * before and (settled or not own)):
+            trial.left = size * max(_LEFT, min(size / before, 1.0))
+            settled = trial.left < aim or size < _ROUNDED
+            if trial.left < aim or (size > _SLOW * before and (settled or not own)):
                 break
-        return ZonesTrial(zones, factored, values, left), own or settled
+        return trial, own or settled
 
     def _shares(self, zones: SlidingZones, change: Array, size: Array) -> list[list[Array]]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
@@ -290,15 +288,16 @@ class _CoupledZonesProblem:
     def _find(
         self, spaces: list[Resolution], tolerance: float, settle: float
     ) -> Boundaries[ZonesTrial]:
-        """Find the boundaries in a space."""
+        """Find the boundaries in a space; after the first one they are near."""
+        near = tolerance < _ROUGH
         found = find_boundaries(
             self._trials(spaces, tolerance),
             lambda trial: trial.mismatch,
             self.logits,
             self.slopes,
-            min(settle, _LOOSEST) if tolerance < _ROUGH else settle,
+            min(settle, _LOOSEST) if near else settle,
             _ENOUGH,
-            near=False,
+            near=near,
         )
         self.logits, self.slopes = found.logits, found.slopes
         return found
@@ -314,8 +313,8 @@ class _CoupledZonesProblem:
         """Turn the final trial into a solution with its errors."""
         zones = trial.zones
         whole = trial.solution * trial.approach
-        effects = [trial.moved(one) for one in trial.factored.change(trial.values, zones)]
-        moved = [trial.approach * one for one, _, _ in effects]
+        effects = trial.effects()
+        moved = [trial.approach * one.change for one in effects]
         pressure, shear = zones.split(whole)
         rates = [
             [decay_rates(space, one) for one in (pressure[k], shear.get(k)) if one is not None]
@@ -338,13 +337,14 @@ class _CoupledZonesProblem:
         sheared = max(abs(trial.shear(one)) for one in moved) / abs(total)
         noise = 40.0 * ROUNDING + trial.left * 1e-2
         kept = 2.0 * SAFETY * LEAST_RATE
-        missed = kept * np.max([np.abs(mismatch) for _, mismatch, _ in effects], axis=0)
+        missed = kept * np.max([np.abs(one.mismatch) for one in effects], axis=0)
         missed = missed + squared + noise + np.abs(trial.mismatch)
         shifts = np.abs(np.linalg.inv(self.slopes)) @ missed
         shifts = shifts + float(np.finfo(float).eps) * np.abs(self.logits)
+        scales = (trial.approach, trial.lifts), (0.0, effects[0].lifts)
         stuck, lost = (
-            self._stuck(zones, misfit)
-            for misfit in (trial.lacking(whole, trial.approach), trial.lacking(moved[0], 0.0))
+            self._stuck(zones, trial.lacking(vector, approach, trial.approach * lifts))
+            for vector, (approach, lifts) in zip((whole, moved[0]), scales, strict=True)
         )
         boundary_errors = tuple(
             boundary_error(float(d), r) for d, r in zip(shifts, zones.radii, strict=True)
@@ -362,7 +362,7 @@ class _CoupledZonesProblem:
             ],
             *self._columns(trial, whole, moved[0]),
             stuck,
-            max(abs(raised) for _, _, raised in effects) + squared + noise,
+            max(abs(one.approach) for one in effects) + squared + noise,
             sheared + squared + noise + bend,
             pressure_error,
             traction_error,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
@@ -10,54 +11,79 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.sliding_zones import SlidingZones, ZonesFactored
 
-__all__ = ["ZonesTrial"]
+__all__ = ["Effect", "ZonesTrial"]
 
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What a change of the space does at unit load.
+
+    Attributes
+    ----------
+    change, lifts : ndarray
+        Of the solution and of its lifts.
+    mismatch : ndarray
+        Of the conditions of the boundaries.
+    approach : float
+        Of the approach, relative.
+    """
+
+    change: Array
+    lifts: Array
+    mismatch: Array
+    approach: float
+
+
 class ZonesTrial:
-    """Solutions for unit approach and for a unit lift at every boundary, combined.
+    """The solution for unit approach with a continuous traction.
 
     Parameters
     ----------
     zones : SlidingZones
     factored : ZonesFactored
         Of these zones or like ones.
-    values : ndarray, shape (unknowns, 1 + boundaries)
-        The solutions.
+    solution : ndarray, shape (unknowns,)
+    lifts : ndarray, shape (boundaries,)
+        They make the traction continuous.
     left : float
         Estimate of what rounding leaves of the fields' error.
     """
 
     def __init__(
-        self, zones: SlidingZones, factored: ZonesFactored, values: Array, left: float
+        self,
+        zones: SlidingZones,
+        factored: ZonesFactored,
+        solution: Array,
+        lifts: Array,
+        left: float,
     ) -> None:
-        self.zones, self.factored, self.values, self.left = zones, factored, values, left
+        self.zones, self.factored, self.left = zones, factored, left
+        self.solution, self.lifts = solution, lifts
         _, _, self.kappa, self.friction = factored.parameters
 
     def jump(self, values: Array) -> Array:
-        """Return what ``q`` exceeds friction by in stick at the boundaries, for columns."""
+        """Return what ``q`` exceeds friction by in stick at the boundaries."""
         traction, pressure = self.zones.jumps
-        slipping = self.zones.senses[:, None] * self.friction
-        return np.asarray(traction @ values - slipping * (pressure @ values))
+        jump = traction @ values
+        slipping = self.friction * (pressure @ values)
+        return np.asarray((jump.T - self.zones.senses * slipping.T).T)
 
-    @cached_property
-    def _jumps(self) -> Array:
-        return self.jump(self.values)
+    def _continuous(self, values: Array) -> tuple[Array, Array]:
+        """Return the lifts that take the jumps out of a vector, and what they make of it."""
+        responses = self.factored.responses
+        lifts = -np.linalg.solve(self.jump(responses), self.jump(values))
+        return lifts, values + responses @ lifts
 
-    @cached_property
-    def lifts(self) -> Array:
-        """The lifts that make the traction continuous, for unit approach."""
-        return -np.linalg.solve(self._jumps[:, 1:], self._jumps[:, 0])
-
-    def combined(self, values: Array) -> Array:
-        """Return the columns with the lifts."""
-        return np.asarray(values[:, 0] + values[:, 1:] @ self.lifts)
-
-    @cached_property
-    def solution(self) -> Array:
-        """The solution for unit approach with a continuous traction."""
-        return self.combined(self.values)
+    def corrected(self) -> tuple[ZonesTrial, Array]:
+        """Return a better solution, and by how much it is changed."""
+        missed = self.factored.correction(
+            self.solution[:, None], np.ones(1), self.lifts[:, None], self.zones
+        )[:, 0]
+        lifts, solution = self._continuous(self.solution + missed)
+        better = ZonesTrial(self.zones, self.factored, solution, self.lifts + lifts, self.left)
+        return better, solution - self.solution
 
     def bearing(self, values: Array) -> float:
         """Return ``int p s ds``."""
@@ -83,32 +109,26 @@ class ZonesTrial:
         """Return ``2 pi int q s ds`` of a vector."""
         return self.zones.shear(values, self.friction)
 
-    def moved(self, change: Array) -> tuple[Array, Array, float]:
-        """Return what changes of all solutions do to the combined one, with unit load.
+    def effects(self) -> list[Effect]:
+        """Return what the top two degrees of every panel contribute, and what the top one does."""
+        return [self._moved(one) for one in self.factored.change(self.solution, self.zones)]
 
-        Returns
-        -------
-        change : ndarray
-            Of the combined solution.
-        mismatch : ndarray
-        approach : float
-            Changes of the mismatch, and relative ones of the approach.
-        """
-        combined = self.combined(change)
-        lifted = -np.linalg.solve(self._jumps[:, 1:], self.jump(combined[:, None])[:, 0])
-        combined = combined + self.values[:, 1:] @ lifted
+    def _moved(self, change: Array) -> Effect:
+        """Return what a change at given lifts becomes with a continuous traction and unit load."""
+        lifts, change = self._continuous(change)
         drive, balance = self._balances
-        mismatch = (balance @ combined - lifted) / drive
-        raised = -self.bearing(combined) / self.bearing(self.solution)
-        return combined + raised * self.solution, mismatch, raised
+        raised = -self.bearing(change) / self.bearing(self.solution)
+        return Effect(
+            change + raised * self.solution,
+            lifts + raised * self.lifts,
+            (balance @ change - lifts) / drive,
+            raised,
+        )
 
-    def lacking(self, values: Array, approach: float) -> list[Array]:
-        """Return E at the nodes of every part, of a vector that has an approach and its lifts."""
-        scale = np.array([approach])
-        lifts = self.lifts[:, None] * approach
-        misfit = self.zones.misfit(values[:, None], self.kappa, self.friction, scale, lifts)
+    def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array]:
+        """Return E at the nodes of every part, of a vector that has an approach and lifts."""
+        approaches, columns = np.array([approach]), lifts[:, None]
+        misfit = self.zones.misfit(
+            values[:, None], self.kappa, self.friction, approaches, columns
+        )
         return [one[:, 0] for one in misfit[1]]
-
-    def toward(self, other: ZonesTrial, share: float) -> Array:
-        """Return the solutions, extrapolated from another trial's by a share of the way."""
-        return self.values + share * (self.values - other.values)

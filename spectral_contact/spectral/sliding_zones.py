@@ -470,35 +470,49 @@ class ZonesFactored:
         scale = self.scale[:, None]
         return np.asarray(lu_solve(self._factor, right * scale, check_finite=False) * scale)
 
-    def correction(self, values: Array, zones: SlidingZones) -> Array:
-        """Return by how much the solutions for unit approach and for unit lifts are off.
+    @cached_property
+    def responses(self) -> Array:
+        """The solutions for a unit lift at every boundary, without approach, as columns."""
+        lifts = np.eye(len(self.zones.radii))
+        values = np.zeros((self.zones.unknowns, len(lifts)))
+        for _ in range(2):
+            values += self.correction(values, np.zeros(len(lifts)), lifts, self.zones)
+        return values
+
+    def correction(
+        self, values: Array, approach: Array, lifts: Array, zones: SlidingZones
+    ) -> Array:
+        """Return by how much solutions are off.
 
         Parameters
         ----------
-        values : ndarray, shape (unknowns, 1 + boundaries)
+        values : ndarray, shape (unknowns, k)
+        approach : ndarray, shape (k,)
+        lifts : ndarray, shape (boundaries, k)
         zones : SlidingZones
-            Those of the factors or like ones.
+            Those of the factors or like ones, whose solutions they are.
         """
-        columns = np.eye(values.shape[1])
-        return self.step(zones.residual(values, *self.parameters, columns[0], columns[1:]))
+        return self.step(zones.residual(values, *self.parameters, approach, lifts))
 
     def change(self, values: Array, zones: SlidingZones) -> list[Array]:
-        """Return what the top two degrees of every panel, and the top one, contribute."""
+        """Return what the top two degrees of every panel, and the top one, contribute.
+
+        They are the differences to the solution without them, at the same approach and lifts.
+        """
         both, top = zones.shed
         right = np.zeros((zones.unknowns, len(both)))
         right[both, np.arange(len(both))] = 1.0
         response = self.step(right)
-        nothing = np.zeros((values.shape[1] - 1, values.shape[1]))
+        nothing = np.zeros(1), np.zeros((len(zones.radii), 1))
         changes = []
         for shed in (both, top):
             columns = response[:, np.isin(both, shed)]
             own = columns[shed] / self.scale[shed, None] / self.scale[shed]
-            forces = np.linalg.solve(own, values[shed] / self.scale[shed, None])
-            forces /= self.scale[shed, None]
+            forces = np.linalg.solve(own, values[shed] / self.scale[shed]) / self.scale[shed]
             change = columns @ forces
-            missed = zones.residual(change, *self.parameters, np.zeros(values.shape[1]), nothing)
-            missed[shed] += forces
-            changes.append(change + self.step(missed))
+            missed = zones.residual(change[:, None], *self.parameters, *nothing)
+            missed[shed, 0] += forces
+            changes.append(change + self.step(missed)[:, 0])
         return changes
 
 
