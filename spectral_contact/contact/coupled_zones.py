@@ -137,10 +137,10 @@ class _CoupledZonesProblem:
         start = self.logits
         found = self._find(self._spaces(_ROUGH), _ROUGH, _SETTLED)
         left = np.abs(np.linalg.solve(found.slopes, found.trial.mismatch))
-        if not float(left.max()) < _LOST * min(1.0, *np.diff(self.logits)):
+        if not float(left.max()) < _LOST * min([1.0, *np.diff(self.logits)]):
             raise NoBoundariesError("no such boundaries are found")
         moved = float(np.abs(self.logits - start).max())
-        if moved > _STALE * min(1.0, *np.diff(self.logits)):
+        if moved > _STALE * min([1.0, *np.diff(self.logits)]):
             self.slopes = self._differences()
 
     @property
