@@ -250,7 +250,9 @@ class _CoupledZonesProblem:
             before, size = size, max(float(one.max()) for pair in shares for one in pair)
             trial.left = size * max(_LEFT, min(size / before, 1.0))
             settled = trial.left < aim or size < _ROUNDED
-            if trial.left < aim or (size > _SLOW * before and (settled or not own)):
+            if trial.left < aim or (size > _SLOW * before and settled):
+                break
+            if size > before and not own:
                 break
         return trial, own or settled
 
@@ -371,6 +373,8 @@ class _CoupledZonesProblem:
             SAFETY * self._largest_displacement(zones, lost),
         )
         indicators = np.concatenate([np.max(one, axis=0) for one in expected])
+        # no degree lowers what rounding leaves
+        indicators[indicators <= trial.left] = 0.0
         rate = np.concatenate([np.max(one, axis=0) for one in rates])
         return Attempt(value, error, indicators, rate, zones.unknowns)
 
