@@ -16,11 +16,15 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.abel import beyond, deeper, fall, far_fall, outer, rise, tail_values
 from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_projection_matrix
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.graded import GradedNodes
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_interpolation_matrix,
+    legendre_values,
+)
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
-__all__ = ["NodeRule", "Seen", "half_integrals", "inner_integrals", "node_rule"]
+__all__ = ["Charges", "NodeRule", "Seen", "half_integrals", "inner_integrals", "node_rule"]
 
 Array = NDArray[np.float64]
 
@@ -29,8 +33,13 @@ _EXTRA, _TAIL_POINTS = 12, 12
 #: Distances, in units of a family's extent, up to which a difference is taken as such.
 _NEAR = 0.5
 
-_RULES: BoundedCache[tuple[LogPanels, int, bool], NodeRule] = BoundedCache("zone nodes", 24)
-_ACROSS: BoundedCache[tuple[LogPanels, LogPanels, int], Seen] = BoundedCache("zone halves", 24)
+_RULES: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NodeRule] = BoundedCache(
+    "zone nodes", 24
+)
+_ACROSS: BoundedCache[tuple[LogPanels, LogPanels, tuple[int, ...], int], Seen] = BoundedCache(
+    "zone halves", 24
+)
+_CHARGES: BoundedCache[LogPanels, Charges] = BoundedCache("charges", 24)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +66,10 @@ class Seen:
         more = whole if self.more is self.whole else factor * self.more
         return Seen(factor * self.at, more, whole)
 
+    def spread(self, nodes: GradedNodes) -> Seen:
+        """Return the same at the nodes, of what is known at their samples."""
+        return Seen(self.at, nodes.spread(self.more), nodes.spread(self.whole))
+
     def of(self, columns: NDArray[np.int_]) -> Seen:
         """Return the part of some functions."""
         whole = self.whole[:, columns]
@@ -70,27 +83,22 @@ class NodeRule:
     Parameters
     ----------
     panels : LogPanels
+    degrees : tuple of int
+        Highest degrees on the panels.
     sign : int
         As that of `Family`.
-    whole : bool
-        Whether the family fills a disk.
     """
 
-    def __init__(self, panels: LogPanels, sign: int, whole: bool) -> None:
-        self.panels, self.sign, self.whole = panels, sign, whole
+    def __init__(self, panels: LogPanels, degrees: tuple[int, ...], sign: int) -> None:
+        self.panels, self.degrees, self.sign = panels, degrees, sign
         self._form = panels.panels, panels.width, panels.degree
-        if whole:
-            nodes = disk_operators(panels).nodes
-            self.d, self.rest, self.weights = nodes.d, nodes.rest, nodes.weights
-        else:
-            self.d, self.weights = panels.distance_nodes(mirrored=sign > 0)
-            self.rest = 1.0 - self.d
+        # the far end of an annulus is as near to the first panel as a centre
+        self.nodes = GradedNodes(panels, degrees, centred=True)
+        self.d = self.nodes.d
 
     @cached_property
     def toward(self) -> Seen:
         """What lies between the nodes and the boundary, which vanishes there."""
-        if self.whole:
-            return _vanishing(disk_operators(self.panels).half_integral)
         return _vanishing(deeper(self.d, *self._form, self.panels.power))
 
     @cached_property
@@ -102,9 +110,9 @@ class NodeRule:
         return Seen(beyond(np.zeros(1), *self._form)[0], rise(self.d, *self._form), whole)
 
 
-def node_rule(panels: LogPanels, sign: int, whole: bool = False) -> NodeRule:
+def node_rule(panels: LogPanels, degrees: tuple[int, ...], sign: int) -> NodeRule:
     """Return the nodes of a family (cached); parameters are those of `NodeRule`."""
-    key = panels, sign, whole
+    key = panels, degrees, sign
     return _RULES.get(key, lambda: NodeRule(*key))
 
 
@@ -151,9 +159,9 @@ def _integrals(family: Family, nodes: Family, rule: NodeRule, side: int) -> Seen
         elif family.reach == nodes.reach and apart < 3.0 * family.reach and nodes.sign == side:
             seen = _halves(family, rule, side, edge).times(np.sqrt(family.reach))
         else:
-            offset = side * nodes.sign * nodes.reach / family.reach * rule.d
-            seen = _apart(family.panels, side * family.sign, apart / family.reach, -offset)
-            seen = seen.times(np.sqrt(family.reach))
+            closer = -side * nodes.sign * nodes.reach / family.reach * rule.nodes.samples
+            seen = _apart(family.panels, side * family.sign, apart / family.reach, closer)
+            seen = seen.spread(rule.nodes).times(np.sqrt(family.reach))
     return _vanishing(seen.whole) if edge else seen
 
 
@@ -165,8 +173,9 @@ def _past(family: Family, nodes: Family, rule: NodeRule) -> Seen:
     """Return what is seen across the boundary that both families have."""
     panels = family.panels
     form = panels.panels, panels.width, panels.degree
-    whole, falls = fall(nodes.reach / family.reach * rule.d, *form)
-    return Seen(beyond(np.zeros(1), *form)[0], -falls, whole).times(np.sqrt(family.reach))
+    whole, falls = fall(nodes.reach / family.reach * rule.nodes.samples, *form)
+    seen = Seen(beyond(np.zeros(1), *form)[0], -falls, whole)
+    return seen.spread(rule.nodes).times(np.sqrt(family.reach))
 
 
 def _halves(family: Family, rule: NodeRule, side: int, edge: bool) -> Seen:
@@ -182,7 +191,50 @@ def _halves(family: Family, rule: NodeRule, side: int, edge: bool) -> Seen:
         more[near] = -far_fall(-rule.d[near], *form)
         return Seen(at, more, whole)
 
-    return _ACROSS.get((panels, rule.panels, 0 if edge else side), seen)
+    return _ACROSS.get((panels, rule.panels, rule.degrees, 0 if edge else side), seen)
+
+
+class Charges:
+    """Few places on every panel that stand for its functions, as seen from apart.
+
+    Parameters
+    ----------
+    panels : LogPanels
+
+    Attributes
+    ----------
+    first, other, tail : ndarray
+        Distances of the places on the first panel, whose far end a singularity may be close to,
+        on every other, shape (panels - 1, n), and on the tail.
+    """
+
+    def __init__(self, panels: LogPanels) -> None:
+        h, n = panels.width, panels.degree + _EXTRA
+        g, w = gauss_rule(n)
+        self.first = np.exp(-h * (1.0 + g) / 2.0)
+        weights = (0.25 * h * w) * self.first ** (1.0 + panels.power)
+        self._first = weights[:, None] * legendre_values(g, panels.degree)
+        # a function of few terms on a panel, integrated with all functions there
+        local, _ = gauss_rule(SAMPLES)
+        starts = np.exp(-h * np.arange(1, panels.panels))
+        self.other = starts[:, None] * np.exp(-h * (1.0 + local) / 2.0)
+        g, w = gauss_rule(panels.degree + SAMPLES)
+        weights = (0.25 * h * w) * np.exp(-(1.0 + panels.power) * h * (1.0 + g) / 2.0)
+        between = legendre_interpolation_matrix(g, SAMPLES) * weights[:, None]
+        self._other = between.T @ legendre_values(g, panels.degree)
+        self._fall = (starts ** (1.0 + panels.power))[:, None]
+        v, w = gauss_rule(_TAIL_POINTS)
+        v = (1.0 + v) / 2.0
+        self.tail = panels.end * v**2
+        weights = w / 2.0 * v * panels.end * self.tail**panels.power
+        basis = tail_values(self.tail, panels.end, panels.tail_terms, panels.root_tail)
+        self._tail = weights[:, None] * basis
+
+    def integrals(self, kernels: list[Array]) -> Array:
+        """Return ``1/2 int d**power psi kernel dd`` of kernels at the three sets of places."""
+        first, other, tail = kernels
+        blocks = (other @ self._other * self._fall).reshape(len(first), -1)
+        return np.hstack([first @ self._first, blocks, tail @ self._tail])
 
 
 def _apart(panels: LogPanels, sign: int, distance: float, closer: Array) -> Seen:
@@ -190,25 +242,13 @@ def _apart(panels: LogPanels, sign: int, distance: float, closer: Array) -> Seen
 
     Its value is that without `closer`, and the difference that to it.
     """
-    g, _ = gauss_rule(panels.degree + _EXTRA)
-    source = np.exp(-panels.width * (np.arange(panels.panels)[:, None] + (1.0 + g) / 2.0))
-    weights = (0.25 * panels.width) * source ** (1.0 + panels.power)
-    project = legendre_projection_matrix(len(g), panels.degree)
-    v, w = gauss_rule(_TAIL_POINTS)
-    v = (1.0 + v) / 2.0
-    tail = panels.end * v**2
-    tail_weights = w / 2.0 * v * panels.end * tail**panels.power
-    basis = tail_values(tail, panels.end, panels.tail_terms, panels.root_tail)
-
-    def rows(kernel: Array, tail_kernel: Array) -> Array:
-        blocks = ((weights * kernel) @ project).reshape(len(kernel), -1)
-        return np.hstack([blocks, (tail_weights * tail_kernel) @ basis])
-
-    ats, mores, wholes = [], [], []
-    for d in (source, tail):
+    charges = _CHARGES.get(panels, lambda: Charges(panels))
+    kernels: tuple[list[Array], ...] = [], [], []
+    for d in (charges.first, charges.other, charges.tail):
         step = closer.reshape(-1, *(1,) * d.ndim)
         root, near = np.sqrt(distance + sign * d), np.sqrt(distance + sign * d + step)
-        ats.append(1.0 / root[None])
-        wholes.append(1.0 / near)
-        mores.append(-step / (near * root * (near + root)))
-    return Seen(rows(*ats)[0], rows(*mores), rows(*wholes))
+        parts = 1.0 / root[None], -step / (near * root * (near + root)), 1.0 / near
+        for kernel, part in zip(kernels, parts, strict=True):
+            kernel.append(part)
+    at, more, whole = (charges.integrals(one) for one in kernels)
+    return Seen(at[0], more, whole)

@@ -185,11 +185,12 @@ class SlidingZones:
         self.rules = []
         for part in self.parts:
             family, whole = part.family, part.zone == 0
-            rule = node_rule(family.panels, family.sign, whole)
+            rule = node_rule(family.panels, part.degrees, family.sign)
             offset = family.sign * family.reach * rule.d
             b = family.boundary
-            t = b.value * np.sqrt(rule.rest) if whole else np.sqrt(b.square + offset)
-            weights = rule.weights * (b.value if whole else family.reach / (2.0 * t)) / np.pi
+            root = b.value * np.sqrt(rule.nodes.rest)
+            t = root if whole else np.sqrt(b.square + offset)
+            weights = rule.nodes.weights * family.reach / (2.0 * np.pi * t)
             self.shear_weights.append(weights * t**2)
             if self._weighted and part.boundary >= 0:
                 weights = weights * np.maximum(self._narrowest(part) / np.abs(offset), 1.0)
@@ -225,7 +226,7 @@ class SlidingZones:
                     if part.shear is not part.family:
                         own, rule = nodes.family, self.rules[i]
                         if nodes is part:
-                            own, rule = part.shear, node_rule(part.shear.panels, own.sign)
+                            own, rule = part.shear, node_rule(own.panels, part.degrees, own.sign)
                         seen = integrals(part.shear, own, rule)
                         assert seen is not None
                     found[2 + which].append(seen.of(columns))
