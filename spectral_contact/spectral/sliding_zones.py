@@ -193,7 +193,7 @@ class SlidingZones:
             weights = rule.nodes.weights * family.reach / (2.0 * np.pi * t)
             self.shear_weights.append(weights * t**2)
             if self._weighted and part.boundary >= 0:
-                weights = weights * np.maximum(self._narrowest(part) / np.abs(offset), 1.0)
+                weights = weights * (1.0 + self._narrowest(part) / np.abs(offset))
             self._weights.append(weights)
             self.rules.append(rule)
             self.offsets.append(offset)
@@ -226,7 +226,8 @@ class SlidingZones:
                     if part.shear is not part.family:
                         own, rule = nodes.family, self.rules[i]
                         if nodes is part:
-                            own, rule = part.shear, node_rule(own.panels, part.degrees, own.sign)
+                            own = part.shear
+                            rule = node_rule(own.panels, part.degrees, own.sign)
                         seen = integrals(part.shear, own, rule)
                         assert seen is not None
                     found[2 + which].append(seen.of(columns))
