@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import ceil, inf, pi
 from time import perf_counter
 from typing import Any
@@ -12,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_slip import CoupledSlip, InY, NoCoupledDiskError, as_power
-from spectral_contact.contact.coupled_zones import CoupledZones, leading_depth, solve_coupled_zones
+from spectral_contact.contact.coupled_spaces import leading_depth
+from spectral_contact.contact.coupled_zones import CoupledZones, solve_coupled_zones
 from spectral_contact.contact.friction_law import obeys, unknown_slip
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING
@@ -77,9 +79,7 @@ def solve_coupled_annuli(
         If the friction law is broken.
     """
     begin = perf_counter()
-    refinement = solve_coupled_zones(
-        alpha, beta, kappa, friction, layout, tolerance, max_unknowns
-    )
+    refinement = solve_coupled_zones(alpha, beta, kappa, friction, layout, tolerance, max_unknowns)
     solved: CoupledZones = record(PARTIAL_SLIP, refinement, begin)
     begin = perf_counter()
     outcome: CoupledSlip = record(
@@ -123,14 +123,14 @@ class _Outcome:
         pressure = [ZonePiece(rim, DiskSeries(rim, series[0], power=0))]
         traction = [ZonePiece(rim, DiskSeries(rim, shear[0].times(rim.value)))]
         for zone, state in enumerate(solved.layout.states[1:], start=1):
-            ends, (a, b) = bounds[zone : zone + 2], (2 * zone - 1, 2 * zone)
-            own = AnnulusSeries(*ends, series[a], series[b], power=0)
-            pressure.append(ZonePiece(ends[1], own))
-            inner, outer = shear[a], shear[b]
-            if inner is None or outer is None:
-                traction.append(ZonePiece(ends[1], own, state * self.friction))
+            inner, outer, a, b = bounds[zone], bounds[zone + 1], 2 * zone - 1, 2 * zone
+            own = AnnulusSeries(inner, outer, series[a], series[b], power=0)
+            pressure.append(ZonePiece(outer, own))
+            above, below = shear[a], shear[b]
+            if above is None or below is None:
+                traction.append(ZonePiece(outer, own, state * self.friction))
             else:
-                traction.append(ZonePiece(ends[1], AnnulusSeries(*ends, inner, outer)))
+                traction.append(ZonePiece(outer, AnnulusSeries(inner, outer, above, below)))
         return ZonalField(tuple(pressure)), ZonalField(tuple(traction))
 
     def checked(self) -> CoupledSlip:
@@ -171,7 +171,7 @@ class _Outcome:
         return CoupledSlip(
             tuple(
                 Zone.between("slip" if state else "stick", *ends)
-                for state, ends in zip(states, zip(bounds, bounds[1:], strict=False), strict=True)
+                for state, ends in zip(states, pairwise(bounds), strict=True)
             ),
             pressure,
             traction,
@@ -211,7 +211,7 @@ class _Outcome:
                 continue
             halves = [p.family.panels for p in zones.parts if p.zone == zone]
             plain = [replace(p, power=0.0, degree=p.degree + _FINER) for p in halves]
-            annulus = Annulus(*self._bounds[zone : zone + 2], *plain)
+            annulus = Annulus(self._bounds[zone], self._bounds[zone + 1], plain[0], plain[1])
             values = [self._misfit(family) for family in annulus.families]
             lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in values))
             first, second = (np.ascontiguousarray(one[:, 0]) for one in values)

@@ -139,7 +139,10 @@ class CoupledSearch:
             part = min(share + step, 1.0)
             try:
                 layout = find_coupled_zones(
-                    *compliances, part * self.kappa, part * self.friction, replace(layout, slopes=None)
+                    *compliances,
+                    part * self.kappa,
+                    part * self.friction,
+                    replace(layout, slopes=None),
                 )
             except NoBoundariesError:
                 step /= 4.0
@@ -161,7 +164,7 @@ class CoupledSearch:
         edges = np.flatnonzero(beyond[1:] != beyond[:-1])
         middles = (x[edges] + x[edges + 1]) / 2.0
         logits = tuple(float(np.log(-np.expm1(-one)) + one) for one in middles)
-        signs = np.sign(q[np.concatenate([[0], edges + 1])]) * beyond[
-            np.concatenate([[0], edges + 1])
-        ]
+        signs = (
+            np.sign(q[np.concatenate([[0], edges + 1])]) * beyond[np.concatenate([[0], edges + 1])]
+        )
         return Layout(logits, tuple(int(one) for one in signs))

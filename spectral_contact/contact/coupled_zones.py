@@ -10,14 +10,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise, starmap
-from math import ceil, inf, log, pi, sqrt
+from math import inf, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.boundaries import Boundaries, NoBoundariesError, differences, find_boundaries
-from spectral_contact.contact.coupled_disk import LEADING
+from spectral_contact.contact.boundaries import (
+    Boundaries,
+    NoBoundariesError,
+    differences,
+    find_boundaries,
+)
+from spectral_contact.contact.coupled_spaces import CLOSEST, first_spaces, leading_depth
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -29,15 +34,15 @@ from spectral_contact.contact.resolution import (
     expected_error,
     series_of,
     share_of_change,
-    starting_resolution,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.zones_trial import ZonesTrial
-from spectral_contact.fields import CENTRE, EDGE, LogSeries, Radius
+from spectral_contact.fields import EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
-from spectral_contact.spectral.sliding_zones import SlidingZones, ZonesFactored
+from spectral_contact.spectral.sliding_zones import SlidingZones
+from spectral_contact.spectral.zones_factored import ZonesFactored
 
-__all__ = ["CoupledZones", "find_coupled_zones", "leading_depth", "solve_coupled_zones"]
+__all__ = ["CoupledZones", "find_coupled_zones", "solve_coupled_zones"]
 
 Array = NDArray[np.float64]
 
@@ -58,12 +63,6 @@ _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
 _FURTHER = 1e-6
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
-#: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
-#: in ``-ln d``, as where they end is felt for a while.
-_CLOSEST, _DEEPER = 2.2e-16, 10.0
-#: Degrees that the first panels have more, over ``-ln`` of the tolerance: of the disk, and of a
-#: half of an annulus, whose far end is a singularity ln 2 before them.
-_FIRST_INSIDE, _FIRST_AROUND = (0.2, 0.08), (0.4, 0.08)
 #: With a root at the edge, the error there relative to the change of the tail, as in full stick.
 _ROOT = 2.5
 
@@ -154,44 +153,8 @@ class _CoupledZonesProblem:
     def _radii(logits: Array) -> tuple[Radius, ...]:
         return tuple(Radius.from_logit(float(x)) for x in logits)
 
-    def _layer(self, extent: float) -> float:
-        return _layer(*self.parameters[:2], extent)
-
     def _spaces(self, tolerance: float) -> list[Resolution]:
-        """Return the first spaces on the disk, and toward both ends of every zone around it."""
-        bounds = (CENTRE, *self._radii(self.logits), EDGE)
-        extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
-        extents[0] *= 2.0
-        spaces = [self._toward(bounds[1], extents[0], extents[1], tolerance)]
-        for k in range(1, len(self.states)):
-            spaces.append(self._toward(bounds[k], extents[k], extents[k - 1], tolerance))
-            other = extents[k + 1] if k + 1 < len(extents) else inf
-            spaces.append(self._toward(bounds[k + 1], extents[k], other, tolerance))
-        digits = -log(tolerance)
-        for k, space in enumerate(spaces):
-            shares = _FIRST_AROUND if k else _FIRST_INSIDE
-            degrees = [
-                n + ceil(share * digits) for share, n in zip(shares, space.degrees, strict=False)
-            ]
-            spaces[k] = replace(space, degrees=(*degrees, *space.degrees[len(degrees) :]))
-        # in slip p over s has some degrees more
-        capacity = 4 * ceil((max(max(one.degrees) for one in spaces) + 4) / 4)
-        return [replace(one, panels=replace(one.panels, degree=capacity)) for one in spaces]
-
-    def _toward(self, end: Radius, extent: float, other: float, tolerance: float) -> Resolution:
-        """Return the space of a part toward an end, past which a part of another extent lies."""
-        alpha, beta, _, _ = self.parameters
-        if end.from_edge == 0.0:
-            if alpha > 0.0:
-                return starting_resolution(self._layer(extent), tolerance)
-            layer = self._layer(extent)
-            return starting_resolution(layer, tolerance, rate=0.5, power=-0.5, bends=(layer,))
-        layer = max(self._layer(extent), log(extent / other))
-        rate = 1.0 if alpha > 0.0 else 0.5
-        space = starting_resolution(layer, tolerance, rate=rate)
-        deepest = _DEEPER - log(_CLOSEST * min(end.square, end.rest) / extent)
-        count = min(space.panels.panels, ceil(deepest / space.panels.width))
-        return Resolution(replace(space.panels, panels=count), space.degrees[:count])
+        return first_spaces(*self.parameters[:2], self._radii(self.logits), tolerance)
 
     def start(self) -> Resolution:
         """Return the first space, of all parts one after the other."""
@@ -215,9 +178,7 @@ class _CoupledZonesProblem:
 
     # solutions
 
-    def _trials(
-        self, spaces: list[Resolution], tolerance: float
-    ) -> Callable[[Array], ZonesTrial]:
+    def _trials(self, spaces: list[Resolution], tolerance: float) -> Callable[[Array], ZonesTrial]:
         """Return what solves with given boundaries; factors serve as long as they do."""
         panels, degrees = [one.panels for one in spaces], [one.degrees for one in spaces]
         last: list[ZonesTrial] = []
@@ -275,7 +236,7 @@ class _CoupledZonesProblem:
                         share *= np.exp(-np.maximum(x - leading, 0.0))
                 else:  # not closer to a boundary than it is known
                     end = part.family.boundary
-                    closest = _CLOSEST * min(end.square, end.rest)
+                    closest = CLOSEST * min(end.square, end.rest)
                     share[x > -log(closest / part.family.reach)] = 0.0
                 shares[-1].append(share)
         return shares
@@ -424,9 +385,7 @@ class _CoupledZonesProblem:
         )
 
     @staticmethod
-    def _zones_error(
-        radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]
-    ) -> float:
+    def _zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:
         """Return the largest error of a boundary; infinite if a zone may not be there."""
         unsure = [
             min(2.0 * at.square * own, at.rest * edge)
@@ -436,16 +395,6 @@ class _CoupledZonesProblem:
         if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
             return inf
         return max(map(max, errors))
-
-
-def _layer(alpha: float, beta: float, extent: float) -> float:
-    """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
-    return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
-
-
-def leading_depth(alpha: float, beta: float, extent: float) -> float:
-    """Return the depth toward the edge past which a singular pressure is its leading term."""
-    return LEADING + _layer(alpha, beta, extent)
 
 
 def find_coupled_zones(

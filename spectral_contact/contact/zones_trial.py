@@ -9,7 +9,8 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.sliding_zones import SlidingZones, ZonesFactored
+from spectral_contact.spectral.sliding_zones import SlidingZones
+from spectral_contact.spectral.zones_factored import ZonesFactored
 
 __all__ = ["Effect", "ZonesTrial"]
 
@@ -74,7 +75,7 @@ class ZonesTrial:
         """Return the lifts that take the jumps out of a vector, and what they make of it."""
         responses = self.factored.responses
         lifts = -np.linalg.solve(self.jump(responses), self.jump(values))
-        return lifts, values + responses @ lifts
+        return np.asarray(lifts), np.asarray(values + responses @ lifts)
 
     def corrected(self) -> tuple[ZonesTrial, Array]:
         """Return a better solution, and by how much it is changed."""
@@ -128,7 +129,5 @@ class ZonesTrial:
     def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array]:
         """Return E at the nodes of every part, of a vector that has an approach and lifts."""
         approaches, columns = np.array([approach]), lifts[:, None]
-        misfit = self.zones.misfit(
-            values[:, None], self.kappa, self.friction, approaches, columns
-        )
+        misfit = self.zones.misfit(values[:, None], self.kappa, self.friction, approaches, columns)
         return [one[:, 0] for one in misfit[1]]

@@ -11,16 +11,13 @@ condition of its boundary.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
-from spectral_contact.fields import CENTRE, EDGE, Radius
+from spectral_contact.fields import Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
-from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.around_rim import OverRadius, finer
 from spectral_contact.spectral.coupled import moments
 from spectral_contact.spectral.from_boundary import (
@@ -30,46 +27,13 @@ from spectral_contact.spectral.from_boundary import (
     node_rule,
 )
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.zone_parts import Part, zone_parts
 
-__all__ = ["Part", "SlidingZones", "ZonesFactored"]
+__all__ = ["SlidingZones"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 Index = NDArray[np.int_]
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """Half a zone, or the central disk: a family of panels, and how the surface moves on it.
-
-    Attributes
-    ----------
-    zone : int
-        From the centre outward.
-    state : int
-        0 for stick, +1 or -1 for slip with this sign of the traction.
-    boundary : int
-        Number of the boundary that the panels are graded to; -1 for the edge.
-    family : Family
-        With the panels of the pressure.
-    degrees : tuple of int
-        Highest degree on every panel.
-    """
-
-    zone: int
-    state: int
-    boundary: int
-    family: Family
-    degrees: Degrees
-
-    @property
-    def shear(self) -> Family:
-        """The family of q/s, which no endpoint weight is needed for in stick."""
-        own = self.family
-        if self.state != 0 or own.panels.power == 0.0:
-            return own
-        plain = LogPanels(own.panels.panels, own.panels.width, own.panels.degree)
-        return Family(own.boundary, own.sign, own.reach, plain)
 
 
 class SlidingZones:
@@ -101,7 +65,7 @@ class SlidingZones:
         weighted: bool = False,
     ) -> None:
         self.radii, self.states, self._weighted = radii, states, weighted
-        self.parts = _parts(radii, states, panels, degrees)
+        self.parts = zone_parts(radii, states, panels, degrees)
         self._index = [p.family.panels.functions(p.degrees) for p in self.parts]
         self._over = [
             OverRadius((p.family,), (p.degrees,)) if p.state else None for p in self.parts
@@ -131,7 +95,7 @@ class SlidingZones:
         return slice(int(self._starts[k]), int(self._starts[k + 1]))
 
     def split(self, values: Array) -> tuple[list[Array], dict[int, Array]]:
-        """Return the coefficients in the whole bases: of p on every part, of u on those in stick."""
+        """Return the coefficients in the whole bases: of p on all parts, of u on those in stick."""
 
         def full(size: int, k: int, part: Array) -> Array:
             whole = np.zeros((size, *values.shape[1:]))
@@ -405,7 +369,7 @@ class SlidingZones:
             ``E(b)``.
         """
         q = self.traction(values, friction)
-        pull = sum(one @ u for one, u in zip(self._pull, q, strict=True))
+        pull = np.concatenate(self._pull) @ np.concatenate(q)
         normal, tangential = [], []
         known: dict[int, Array] = {}
         for i, part in enumerate(self.parts):
@@ -414,11 +378,12 @@ class SlidingZones:
             f, f_more, sweep, sweep_more = self._normal[i]
             at = 2.0 * approach + 2.0 * kappa * (pull - sweep @ q_inside) - f @ outside
             # the same on both sides to the last digit: a step would be felt like 1/sqrt(d)
-            at = known.setdefault(i if part.boundary < 0 else -1 - part.boundary, at)
+            at = known.setdefault(part.boundary, at)
             normal.append(at - 2.0 * kappa * (sweep_more @ q_inside) - f_more @ outside)
             _, g_more, _, drive_more = self._tangential[i]
-            at = lifts[part.boundary] if part.boundary >= 0 else 0.0
-            tangential.append(at + kappa * (drive_more @ inside) - g_more @ q_outside)
+            tangential.append(kappa * (drive_more @ inside) - g_more @ q_outside)
+            if part.boundary >= 0:
+                tangential[-1] += lifts[part.boundary]
         return normal, tangential
 
     def residual(
@@ -443,100 +408,6 @@ class SlidingZones:
         for own, mass, shear in self.masses:
             missed[own] -= (beta if shear else alpha) * (mass @ values[own])
         return missed
-
-
-class ZonesFactored:
-    """Coupled zones in one space, factored.
-
-    Parameters
-    ----------
-    zones : SlidingZones
-    alpha, beta : float
-        Compliances; beta is positive.
-    kappa, friction : float
-    """
-
-    def __init__(
-        self, zones: SlidingZones, alpha: float, beta: float, kappa: float, friction: float
-    ) -> None:
-        self.zones = zones
-        self.parameters = alpha, beta, kappa, friction
-        matrix = zones.matrix(alpha, beta, kappa, friction)
-        self.scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
-        matrix *= self.scale
-        matrix *= self.scale[:, None]
-        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
-
-    def step(self, right: Array) -> Array:
-        """Return the solution as factored, of right-hand sides as columns."""
-        scale = self.scale[:, None]
-        return np.asarray(lu_solve(self._factor, right * scale, check_finite=False) * scale)
-
-    @cached_property
-    def responses(self) -> Array:
-        """The solutions for a unit lift at every boundary, without approach, as columns."""
-        lifts = np.eye(len(self.zones.radii))
-        values = np.zeros((self.zones.unknowns, len(lifts)))
-        for _ in range(2):
-            values += self.correction(values, np.zeros(len(lifts)), lifts, self.zones)
-        return values
-
-    def correction(
-        self, values: Array, approach: Array, lifts: Array, zones: SlidingZones
-    ) -> Array:
-        """Return by how much solutions are off.
-
-        Parameters
-        ----------
-        values : ndarray, shape (unknowns, k)
-        approach : ndarray, shape (k,)
-        lifts : ndarray, shape (boundaries, k)
-        zones : SlidingZones
-            Those of the factors or like ones, whose solutions they are.
-        """
-        return self.step(zones.residual(values, *self.parameters, approach, lifts))
-
-    def change(self, values: Array, zones: SlidingZones) -> list[Array]:
-        """Return what the top two degrees of every panel, and the top one, contribute.
-
-        They are the differences to the solution without them, at the same approach and lifts.
-        """
-        both, top = zones.shed
-        right = np.zeros((zones.unknowns, len(both)))
-        right[both, np.arange(len(both))] = 1.0
-        response = self.step(right)
-        nothing = np.zeros(1), np.zeros((len(zones.radii), 1))
-        changes = []
-        for shed in (both, top):
-            columns = response[:, np.isin(both, shed)]
-            own = columns[shed] / self.scale[shed, None] / self.scale[shed]
-            forces = np.linalg.solve(own, values[shed] / self.scale[shed]) / self.scale[shed]
-            change = columns @ forces
-            missed = zones.residual(change[:, None], *self.parameters, *nothing)
-            missed[shed, 0] += forces
-            changes.append(change + self.step(missed)[:, 0])
-        return changes
-
-
-def _parts(
-    radii: tuple[Radius, ...],
-    states: tuple[int, ...],
-    panels: list[LogPanels],
-    degrees: list[Degrees],
-) -> list[Part]:
-    """Return the parts of all zones, outward."""
-    bounds = (CENTRE, *radii, EDGE)
-    parts = []
-    each = iter(zip(panels, degrees, strict=True))
-    for zone, state in enumerate(states):
-        inner, outer = bounds[zone : zone + 2]
-        last = zone if zone < len(radii) else -1
-        ends = [(outer, -1, last)] if zone == 0 else [(inner, 1, zone - 1), (outer, -1, last)]
-        for boundary, sign, number in ends:
-            own, used = next(each)
-            family = Family(boundary, sign, gap(inner, outer) / len(ends), own)
-            parts.append(Part(zone, state, number, family, used))
-    return parts
 
 
 def _together(seen: list[Seen]) -> tuple[Array, Array]:
