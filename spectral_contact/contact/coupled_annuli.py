@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_slip import CoupledSlip, InY, NoCoupledDiskError, as_power
-from spectral_contact.contact.coupled_spaces import leading_depth
 from spectral_contact.contact.coupled_zones import CoupledZones, solve_coupled_zones
 from spectral_contact.contact.friction_law import obeys, unknown_slip
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
+from spectral_contact.contact.zones_spaces import leading_depth
 from spectral_contact.fields import (
     CENTRE,
     EDGE,

@@ -22,7 +22,6 @@ from spectral_contact.contact.boundaries import (
     differences,
     find_boundaries,
 )
-from spectral_contact.contact.coupled_spaces import CLOSEST, first_spaces, leading_depth
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -36,6 +35,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
+from spectral_contact.contact.zones_spaces import CLOSEST, first_spaces, leading_depth
 from spectral_contact.contact.zones_trial import ZonesTrial
 from spectral_contact.fields import EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points, gap
