@@ -289,21 +289,25 @@ class _CoupledZonesProblem:
             for both in zip(shares, rates, strict=True)
         ]
         tails = [self._tail_error(trial, k, moved[0], whole) for k in (0, 1)]
-        rounding = trial.left + 20.0 * ROUNDING
-        pressure_error = max(tails[0], *(float(one[0].max()) for one in expected)) + rounding
+        # what the boundaries still are off is felt everywhere
+        inverse = np.abs(np.linalg.inv(self.slopes))
+        off = 2.0 * float((inverse @ np.abs(trial.mismatch)).max())
+        left = trial.left + off
+        pressure_error = max(tails[0], *(float(one[0].max()) for one in expected))
+        pressure_error += left + 20.0 * ROUNDING
         traction_error = max(tails[1], *(float(one[-1].max()) for one in expected))
-        traction_error += trial.left + TRACTION_ROUNDING
+        traction_error += left + TRACTION_ROUNDING
         error = max(pressure_error, traction_error)
         # what superconverges may change little by accident, but hardly against the square
         squared = error**2
         total = trial.shear(whole)
         sheared = max(abs(trial.shear(one)) for one in moved) / abs(total)
         noise = 40.0 * ROUNDING + trial.left * 1e-2
+        known = squared + noise + off
         kept = 2.0 * SAFETY * LEAST_RATE
         missed = kept * np.max([np.abs(one.mismatch) for one in effects], axis=0)
-        missed = missed + squared + noise + np.abs(trial.mismatch)
-        shifts = np.abs(np.linalg.inv(self.slopes)) @ missed
-        shifts = shifts + float(np.finfo(float).eps) * np.abs(self.logits)
+        missed = missed + squared + noise + 2.0 * np.abs(trial.mismatch)
+        shifts = inverse @ missed + float(np.finfo(float).eps) * np.abs(self.logits)
         scales = (trial.approach, trial.lifts), (0.0, effects[0].lifts)
         stuck, lost = (
             self._stuck(zones, trial.lacking(vector, approach, trial.approach * lifts))
@@ -325,8 +329,8 @@ class _CoupledZonesProblem:
             ],
             *self._columns(trial, whole, moved[0]),
             stuck,
-            max(abs(one.approach) for one in effects) + squared + noise,
-            sheared + squared + noise + bend,
+            max(abs(one.approach) for one in effects) + known,
+            sheared + known + bend,
             pressure_error,
             traction_error,
             boundary_errors,
