@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import accumulate, pairwise, starmap
+from itertools import accumulate, pairwise
 from math import inf, log, pi, sqrt
 
 import numpy as np
@@ -21,6 +21,7 @@ from spectral_contact.contact.boundaries import (
     NoBoundariesError,
     differences,
     find_boundaries,
+    zones_error,
 )
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
@@ -38,7 +39,7 @@ from spectral_contact.contact.slip_displacement import Stuck, largest_displaceme
 from spectral_contact.contact.zones_spaces import CLOSEST, first_spaces, leading_depth
 from spectral_contact.contact.zones_trial import ZonesTrial
 from spectral_contact.fields import EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import Points, gap
+from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.sliding_zones import SlidingZones
 from spectral_contact.spectral.zones_factored import ZonesFactored
 
@@ -334,7 +335,7 @@ class _CoupledZonesProblem:
             pressure_error,
             traction_error,
             boundary_errors,
-            self._zones_error(zones.radii, boundary_errors),
+            zones_error(zones.radii, boundary_errors),
             SAFETY * self._largest_displacement(zones, lost),
         )
         indicators = np.concatenate([np.max(one, axis=0) for one in expected])
@@ -387,18 +388,6 @@ class _CoupledZonesProblem:
             for k, state in enumerate(zones.states)
             if state != 0
         )
-
-    @staticmethod
-    def _zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:
-        """Return the largest error of a boundary; infinite if a zone may not be there."""
-        unsure = [
-            min(2.0 * at.square * own, at.rest * edge)
-            for at, (own, edge) in zip(radii, errors, strict=True)
-        ]
-        widths = starmap(gap, pairwise(radii))
-        if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
-            return inf
-        return max(map(max, errors))
 
 
 def find_coupled_zones(
