@@ -121,7 +121,9 @@ class CoupledSearch:
 
         limits = self.tolerance, self.max_unknowns
         if len(layout.states) == 2:
-            solved = solve_coupled_slip(*parameters, layout.logits[0], *limits, record=note)
+            # the search for a radius that is not there ends at the edge, past rounding
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                solved = solve_coupled_slip(*parameters, layout.logits[0], *limits, record=note)
         else:
             layout = self._found(layout)
             if self.tolerance < _PROBE:
