@@ -18,6 +18,7 @@ from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.boundaries import NoBoundariesError
 from spectral_contact.contact.coupled_annuli import solve_coupled_annuli
 from spectral_contact.contact.coupled_slip import (
+    FINEST,
     CoupledSlip,
     NoCoupledDiskError,
     solve_coupled_slip,
@@ -38,8 +39,8 @@ _PROBE = 1e-3
 _NARROW = 3.0
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
-#: The least step of the coupling by which zones are followed.
-_LEAST_STEP = 0.05
+#: The first and the least step of the coupling by which zones are followed.
+_STEP, _LEAST_STEP = 0.25, 0.05
 #: What a guess of the zones ends in, if they do not fit.
 _MISFITS = (NoCoupledDiskError, NoStickDiskError, NoBoundariesError, np.linalg.LinAlgError)
 
@@ -85,32 +86,37 @@ class CoupledSearch:
             If none does.
         """
         reasons = []
-        for layout in self._layouts():
+        for layout, far in self._layouts():
             try:
-                return self._solved(layout)
+                return self._solved(layout, far)
             except _MISFITS as missing:
                 reasons.append(f"{len(layout.states)} zones: {missing}")
         raise NoCoupledDiskError("; ".join(reasons))
 
-    def _layouts(self) -> Iterator[Layout]:
-        """Guess zones."""
-        guesses = [self.plain, self._violated(), Layout((_NARROW,), (0, 1))]
-        known = [one for one in guesses if one.states[:2] == (0, 1)]
-        rim = known[0].logits[0]
-        guesses.append(Layout((rim,), (0, 1)))
-        seen = set()
-        for layout in guesses:
-            if layout.states[:2] == (0, 1) and layout.states not in seen and self._possible(layout):
-                seen.add(layout.states)
-                yield layout
+    def _layouts(self) -> Iterator[tuple[Layout, bool]]:
+        """Guess zones; the last ones are far from those without coupling."""
+        guesses = [self.plain, self._violated()]
+        rim = next((one.logits[0] for one in guesses if one.logits), _NARROW)
+        # where full stick breaks the law at the edge, the edge is likely to slip
+        disk = 0 if guesses[1].states[-1] else 2
+        guesses.insert(disk, Layout((rim,), (0, 1)))
+        possible: dict[tuple[int, ...], Layout] = {}
+        for layout in filter(self._possible, guesses):
+            possible.setdefault(layout.states, layout)
+        yield from ((layout, False) for layout in possible.values())
+        if len(self.plain.states) > 2 and self._possible(self.plain):
+            yield self.plain, True
 
     def _possible(self, layout: Layout) -> bool:
-        """Return whether the edge may be as it is: of a smooth surface it sticks."""
-        smooth = self.alpha == 0.0 < self.beta and (self.friction * self.beta) ** 2 > 1e-80
-        annuli = len(layout.states) > 2
-        return self.beta > 0.0 if annuli else not smooth
+        """Return whether there is slip, and the edge may be as it is.
 
-    def _solved(self, layout: Layout) -> CoupledSlip:
+        That of a smooth surface sticks with tangential compliance, unless less than any distance.
+        """
+        if len(layout.states) == 2:
+            return self.alpha > 0.0 or (self.friction * self.beta) ** 2 <= FINEST
+        return len(layout.states) > 2 and self.beta > 0.0
+
+    def _solved(self, layout: Layout, far: bool) -> CoupledSlip:
         """Solve on zones like these, and keep the record if they fit."""
         notes: list[tuple[str, Any, float]] = []
         parameters = self.alpha, self.beta, self.kappa, self.friction
@@ -125,7 +131,7 @@ class CoupledSearch:
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 solved = solve_coupled_slip(*parameters, layout.logits[0], *limits, record=note)
         else:
-            layout = self._found(layout)
+            layout = self._found(layout, far)
             if self.tolerance < _PROBE:
                 solve_coupled_annuli(*parameters, layout, _PROBE, self.max_unknowns, record=note)
                 notes.clear()
@@ -134,9 +140,9 @@ class CoupledSearch:
             self.record(name, result, perf_counter() - seconds)
         return solved
 
-    def _found(self, layout: Layout) -> Layout:
-        """Find the boundaries, with coupling that grows from none if they are too far."""
-        compliances, share, step = (self.alpha, self.beta), 0.0, 1.0
+    def _found(self, layout: Layout, far: bool) -> Layout:
+        """Find the boundaries, with coupling that grows from none if they are far."""
+        compliances, share, step = (self.alpha, self.beta), 0.0, _STEP if far else 1.0
         while share < 1.0:
             part = min(share + step, 1.0)
             try:
@@ -148,7 +154,7 @@ class CoupledSearch:
                 )
             except NoBoundariesError:
                 step /= 4.0
-                if step < _LEAST_STEP:
+                if not far or step < _LEAST_STEP:
                     raise
             else:
                 share = part

@@ -29,7 +29,7 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.sliding import SlidingDisk
 
-__all__ = ["CoupledSlip", "InY", "NoCoupledDiskError", "as_power", "solve_coupled_slip"]
+__all__ = ["FINEST", "CoupledSlip", "InY", "NoCoupledDiskError", "as_power", "solve_coupled_slip"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
@@ -37,7 +37,7 @@ Record = Callable[[str, Any, float], Any]
 #: A violation of the friction law that other zones are to blame for, not rounding.
 _BROKEN = 1e-6
 #: Stick at the edge of a smooth surface with tangential compliance that is wider than this counts.
-_FINEST = 1e-80
+FINEST = 1e-80
 #: Depth in ``-ln d`` down to which the traction is compared with friction.
 _CHECKED = 36.0
 #: Degrees that the panels of the displacement have beyond those of the pressure.
@@ -136,7 +136,7 @@ def solve_coupled_slip(
     NoCoupledDiskError
         If the friction law is broken at the one that does: there are other zones.
     """
-    if alpha == 0.0 < beta and (friction * beta) ** 2 > _FINEST:
+    if alpha == 0.0 < beta and (friction * beta) ** 2 > FINEST:
         raise NoCoupledDiskError("the edge sticks, as the pressure is infinite there and q is not")
     begin = perf_counter()
     refinement = solve_coupled_disk(alpha, beta, kappa, friction, tolerance, max_unknowns, guess)

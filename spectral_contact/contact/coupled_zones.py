@@ -53,6 +53,8 @@ _ROUGH = 1e-3
 _SETTLED, _LOOSEST = 1e-4, 1e-7
 #: Where more of a step is left, of the narrowest zone, there are no such boundaries.
 _LOST = 0.1
+#: At the edge nothing happens in less than this of the layer.
+_NARROWEST = 1e-12
 #: A step as short as this is not taken.
 _ENOUGH = 1e-13
 #: How far boundaries may move, of the narrowest zone, before their slopes are found anew.
@@ -185,6 +187,8 @@ class _CoupledZonesProblem:
         last: list[ZonesTrial] = []
 
         def trial_at(logits: Array) -> ZonesTrial:
+            if Radius.from_logit(float(logits[-1])).rest < _NARROWEST * self.parameters[0]:
+                raise NoBoundariesError("the last zone vanishes")
             zones = SlidingZones(
                 self._radii(logits), self.states, panels, degrees, self.parameters[0] == 0.0
             )
