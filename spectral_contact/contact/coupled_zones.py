@@ -62,8 +62,9 @@ _STALE = 0.1
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
-#: What corrections leave, of the tolerance: boundaries are known better than the fields.
-_FURTHER = 1e-6
+#: What corrections should leave, of the tolerance, as boundaries are known better than the fields;
+#: and what they may leave with the factors of other boundaries.
+_FURTHER, _ENOUGH_LEFT = 1e-6, 1e-2
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 #: With a root at the edge, the error there relative to the change of the tail, as in full stick.
@@ -206,21 +207,19 @@ class _CoupledZonesProblem:
         return trial_at
 
     def _corrected(self, trial: ZonesTrial, tolerance: float) -> tuple[ZonesTrial, bool]:
-        """Correct a solution; return whether rounding or a share of the tolerance is left."""
+        """Correct a solution; return whether other factors would not leave less."""
         zones = trial.zones
-        own, before, size = trial.factored.zones is zones, inf, inf
+        own, size = trial.factored.zones is zones, inf
         aim = max(_FURTHER * tolerance, ROUNDING)
         for _ in range(_CORRECTIONS):
             trial, change = trial.corrected()
             shares = self._shares(zones, change, trial.solution)
             before, size = size, max(float(one.max()) for pair in shares for one in pair)
             trial.left = size * max(_LEFT, min(size / before, 1.0))
-            settled = trial.left < aim or size < _ROUNDED
-            if trial.left < aim or (size > _SLOW * before and settled):
+            slow = size > _SLOW * before
+            if trial.left < aim or (slow and size < _ROUNDED) or (size > before and not own):
                 break
-            if size > before and not own:
-                break
-        return trial, own or settled
+        return trial, own or trial.left < _ENOUGH_LEFT * tolerance
 
     def _shares(self, zones: SlidingZones, change: Array, size: Array) -> list[list[Array]]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
