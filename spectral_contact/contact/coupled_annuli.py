@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_slip import CoupledSlip, InY, NoCoupledDiskError, as_power
+from spectral_contact.contact.coupled_slip import (
+    BROKEN,
+    CHECKED,
+    FINER,
+    CoupledSlip,
+    InY,
+    NoCoupledDiskError,
+    as_power,
+)
 from spectral_contact.contact.coupled_zones import CoupledZones, solve_coupled_zones
 from spectral_contact.contact.friction_law import obeys, unknown_slip
 from spectral_contact.contact.layout import Layout
@@ -36,13 +44,6 @@ __all__ = ["solve_coupled_annuli"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
-
-#: A violation of the friction law that other zones are to blame for, not rounding.
-_BROKEN = 1e-6
-#: Depth in ``-ln d`` down to which the traction is compared with friction.
-_CHECKED = 36.0
-#: Degrees that the panels of the displacement have beyond those of the pressure.
-_FINER = 8
 
 
 def solve_coupled_annuli(
@@ -154,7 +155,7 @@ class _Outcome:
         d = np.exp(-np.linspace(0.0, 60.0, 500))
         if not min(float(one(d).min()) for one in solved.pressure) > 0.0:
             raise NoCoupledDiskError("the pressure is not positive")
-        if excess > _BROKEN:
+        if excess > BROKEN:
             raise NoCoupledDiskError("the traction in stick exceeds friction")
         # beta f p is part of the displacement, as large as the rest of it or less
         highest = max(
@@ -165,7 +166,7 @@ class _Outcome:
         direct = self.beta * friction * highest * solved.pressure_error
         stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
         slip_error = stray / max(largest, 1e-300)
-        if wrong > max(_BROKEN, slip_error):
+        if wrong > max(BROKEN, slip_error):
             raise NoCoupledDiskError("the surface slips with the traction")
         rim = solved.boundary_errors[0]
         return CoupledSlip(
@@ -191,7 +192,7 @@ class _Outcome:
 
     def _excess(self) -> float:
         """Return the largest ``|q|/(f p) - 1`` in stick, or 0."""
-        d, most = np.exp(-np.linspace(1e-3, _CHECKED, 400)), 0.0
+        d, most = np.exp(-np.linspace(1e-3, CHECKED, 400)), 0.0
         for part, p, u in zip(
             self.solved.zones.parts, self.solved.pressure, self.solved.shear, strict=True
         ):
@@ -210,7 +211,7 @@ class _Outcome:
             if state == 0:
                 continue
             halves = [p.family.panels for p in zones.parts if p.zone == zone]
-            plain = [replace(p, power=0.0, degree=p.degree + _FINER) for p in halves]
+            plain = [replace(p, power=0.0, degree=p.degree + FINER) for p in halves]
             annulus = Annulus(self._bounds[zone], self._bounds[zone + 1], plain[0], plain[1])
             values = [self._misfit(family) for family in annulus.families]
             lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in values))

@@ -292,14 +292,14 @@ class _CoupledZonesProblem:
             [expected_error(*pair) for pair in zip(*both, strict=True)]
             for both in zip(shares, rates, strict=True)
         ]
-        tails = [self._tail_error(trial, k, moved[0], whole) for k in (0, 1)]
         # what the boundaries still are off is felt everywhere
         inverse = np.abs(np.linalg.inv(self.slopes))
         off = 2.0 * float((inverse @ np.abs(trial.mismatch)).max())
         left = trial.left + off
-        pressure_error = max(tails[0], *(float(one[0].max()) for one in expected))
+        pressure_error = max(float(one[0].max()) for one in expected)
         pressure_error += left + 20.0 * ROUNDING
-        traction_error = max(tails[1], *(float(one[-1].max()) for one in expected))
+        traction_error = max(float(one[-1].max()) for one in expected)
+        traction_error = max(traction_error, self._edge_error(zones, moved[0], whole))
         traction_error += left + TRACTION_ROUNDING
         error = max(pressure_error, traction_error)
         # what superconverges may change little by accident, but hardly against the square
@@ -347,17 +347,15 @@ class _CoupledZonesProblem:
         rate = np.concatenate([np.max(one, axis=0) for one in rates])
         return Attempt(value, error, indicators, rate, zones.unknowns)
 
-    def _tail_error(self, trial: ZonesTrial, field: int, change: Array, whole: Array) -> float:
-        """Return the error at the edge of what has a root there: no degree of a panel helps."""
-        if min(self.parameters[:2]) > 0.0 or field == 0:
+    def _edge_error(self, zones: SlidingZones, change: Array, whole: Array) -> float:
+        """Return the error of q/s at an edge where it has a root: no degree of a panel helps."""
+        part = zones.parts[-1]
+        if self.parameters[0] > 0.0 or part.state != 0:
             return 0.0
-        last = len(trial.zones.parts) - 1
-        moved, values = trial.zones.split(change)[1], trial.zones.split(whole)[1]
-        if last not in moved:
-            return 0.0
-        panels = trial.zones.parts[last].shear.panels
-        at_end = series_of(panels, values[last]).at_ends()[-1]
-        return _ROOT * float(np.abs(moved[last][-panels.tail_terms :]).sum() / abs(at_end))
+        moved, values = (zones.split(one)[1][len(zones.parts) - 1] for one in (change, whole))
+        panels = part.shear.panels
+        at_end = series_of(panels, values).at_ends()[-1]
+        return _ROOT * float(np.abs(moved[-panels.tail_terms :]).sum() / abs(at_end))
 
     def _columns(
         self, trial: ZonesTrial, whole: Array, moved: Array

@@ -232,16 +232,12 @@ class SlidingZones:
         self._shear_moments = {}
         for k in self.stick:
             if k == 0:
-                weights = 2.0 * np.pi**2 * self._weights_plain(0) * self.t[0]
+                weights = 2.0 * np.pi**2 * self.shear_weights[0] / self.t[0]
                 self._shear_moments[k] = weights @ self._shear_half[0][0]
             else:
                 points, matrix = self.parts[k].shear.sources()
                 full = 2.0 * np.pi * np.sqrt(points.z) @ matrix
                 self._shear_moments[k] = full[self._index[k]]
-
-    def _weights_plain(self, i: int) -> Array:
-        """Return the weights of ``dt / pi``."""
-        return np.asarray(self.shear_weights[i] / self.t[i] ** 2)
 
     def shear(self, values: Array, friction: float) -> float:
         """Return ``2 pi int q s ds`` of a vector."""
