@@ -8,14 +8,16 @@ see `one_disk`, and with the same differences, in which nothing cancels.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
-from math import ceil, inf, log, sqrt
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.coupled_spaces import LEADING, first_spaces
 from spectral_contact.contact.coupled_trial import CoupledTrial
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -27,35 +29,44 @@ from spectral_contact.contact.resolution import (
     expected_error,
     series_of,
     share_of_change,
-    starting_resolution,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
-from spectral_contact.contact.stick_radius import polished_root, root_near
+from spectral_contact.contact.stick_radius import (
+    LARGEST_LOGIT,
+    LEAST_LOGIT,
+    NoStickDiskError,
+    root_near,
+)
 from spectral_contact.fields import EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import Points, gap
-from spectral_contact.spectral.sliding import SlidingDisk, SlidingFactored
+from spectral_contact.spectral.annulus import Points
+from spectral_contact.spectral.sliding import SlidingDisk
+from spectral_contact.spectral.sliding_factor import SlidingFactored
 
-__all__ = ["LEADING", "CoupledDisk", "solve_coupled_disk"]
+__all__ = ["CoupledDisk", "solve_coupled_disk"]
 
 Array = NDArray[np.float64]
 
 #: Tolerance of the spaces in which the radius is bracketed, and how well it is known then.
-_ROUGH, _SETTLED = 1e-3, 1e-4
+_ROUGH, _SETTLED = 1e-2, 1e-3
+#: A first guess of how fast the mismatch rises with the logit.
+_SLOPE = 0.3
 #: Most corrections, the share of its step that one leaves at least, and from which share on it is
 #: the factor or rounding that is not good enough.
 _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
-#: A correction that is smaller and does not fall any more is rounding.
-_ROUNDED = 1e-9
-#: Rounding of a radius next to the rim, closer to which nothing can be asked; panels go deeper by
-#: this in ``-ln d``, as where they end is felt for a while.
-_CLOSEST, _DEEPER = 2.2e-16, 10.0
-#: Depth in ``-ln y``, past the layer, from which a singular pressure is a power of y, to 1e-13.
-LEADING = 30.0
+#: Compliances from which on corrections with factors in single precision are not more.
+_SINGLE = 5e-7
+#: A correction that is smaller and does not fall any more is rounding; with the factors of another
+#: radius it may be these.
+_ROUNDED = 3e-12, 1e-9
+#: Rounding of a radius, closer to which than that nothing can be asked at the rim.
+_CLOSEST = 2.2e-16
+#: Radii tried in a space; how far the fields are corrected, over how far a radius may be off; and
+#: the least step between radii that tells of the slope.
+_RADII, _SHARE, _MEANT = 12, 0.1, 1e-8
+#: Radii, as logits, at which thin layers do not tell whose factors they are corrected with.
+_ALIKE = 1e-7
 #: A step of the radius, as a logit, that is left out: its fields are not solved for again.
 _UNFELT = 1e-13
-#: Degrees that the first panels have more, over ``-ln`` of the tolerance, measured: the far end of
-#: the annulus is a singularity ln 2 before them.
-_FIRST_INSIDE, _FIRST_AROUND = (0.2, 0.08), (0.4, 0.08)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,56 +128,24 @@ class _CoupledDiskProblem:
     ) -> None:
         self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
         self.tolerance = tolerance
-        self.logit, self.slope = root_near(self._rough_mismatch, guess, 1.0, _SETTLED)
-        # the radius superconverges: a space for half the digits has nearly all of its
-        halfway = sqrt(tolerance)
-        if halfway < 0.1 * _ROUGH:
-            self._root(self._spaces(Radius.from_logit(self.logit), halfway), halfway)
+        #: what rounding left of a correction, and how far the radius may be off
+        self._floor, self._reach = 0.0, _SETTLED
+        self.logit, self.slope = root_near(self._rough_mismatch, guess, _SLOPE, _SETTLED, 1.0)
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
-        spaces = self._spaces(Radius.from_logit(logit), _ROUGH)
-        return self._trial(spaces, logit, _ROUGH).mismatch
+        spaces = first_spaces(self.alpha, self.beta, Radius.from_logit(logit), _ROUGH)
+        return self._trial(spaces, logit, 1e-2 * _ROUGH).mismatch
 
     # spaces
 
-    def _layer(self, extent: float) -> float:
-        """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
-        widths = [c / extent for c in (self.alpha, self.beta) if c > 0.0]
-        return -log(min([1.0, *widths]))
-
-    def _spaces(self, radius: Radius, tolerance: float) -> list[Resolution]:
-        """Return the first spaces on the disk, above its rim, and below the edge."""
-        half = gap(radius, EDGE) / 2.0
-        rate = 1.0 if min(self.alpha, self.beta) > 0.0 else 0.5
-        apart = abs(log(half / radius.square))
-        smooth = self.alpha == 0.0
-        spaces = []
-        for extent, other in ((radius.square, half), (half, radius.square)):
-            layer = max(self._layer(extent), apart if extent > other else 0.0)
-            space = starting_resolution(layer, tolerance, rate=rate)
-            if not smooth:
-                deepest = _DEEPER - log(_CLOSEST * min(radius.square, radius.rest) / extent)
-                count = min(space.panels.panels, ceil(deepest / space.panels.width))
-                panels = replace(space.panels, panels=count)
-                space = Resolution(panels, space.degrees[:count])
-            spaces.append(space)
-        layer = max(self._layer(half), LEADING if smooth else 0.0)
-        edge = starting_resolution(layer, tolerance, power=-0.5 if smooth else 0.0)
-        return [*spaces, edge]
-
     def start(self) -> Resolution:
         """Return the first space: the panels of the disk, then those of the annulus."""
-        spaces = self._spaces(Radius.from_logit(self.logit), self.tolerance)
-        digits = -log(self.tolerance)
-        for k, shares in enumerate((_FIRST_INSIDE, _FIRST_AROUND, _FIRST_AROUND)):
-            more = [ceil(share * digits) for share in shares]
-            degrees = spaces[k].degrees
-            raised = [n + extra for n, extra in zip(degrees, more, strict=False)]
-            spaces[k] = replace(spaces[k], degrees=(*raised, *degrees[len(raised) :]))
+        radius = Radius.from_logit(self.logit)
+        spaces = first_spaces(self.alpha, self.beta, radius, self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
         degrees = tuple(n for one in spaces for n in one.degrees)
-        capacity = 4 * ceil((max(degrees) + 4) / 4)
+        capacity = max(one.panels.degree for one in spaces)
         return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
 
     def _split(self, resolution: Resolution) -> list[Resolution]:
@@ -183,12 +162,12 @@ class _CoupledDiskProblem:
 
     def _trial(
         self,
-        spaces: list[Resolution],
+        spaces: Sequence[Resolution],
         logit: float,
-        tolerance: float,
+        aim: float,
         like: CoupledTrial | None = None,
     ) -> CoupledTrial:
-        """Solve at one radius; the factors of a like one serve as long as they do."""
+        """Solve at one radius to an error; the factors of a like one serve as long as they do."""
         disk = SlidingDisk(
             Radius.from_logit(logit),
             (spaces[0].panels, spaces[1].panels, spaces[2].panels),
@@ -196,29 +175,45 @@ class _CoupledDiskProblem:
             (self.alpha == 0.0, self.beta == 0.0),
         )
         if like is not None:
-            trial, settled = self._corrected(disk, like.factored, like.values, tolerance)
+            aim = max(aim, 2.0 * self._floor)
+            trial, settled = self._corrected(disk, like.factored, like.values, aim)
             if settled:
                 return trial
-        factored = disk.factor(self.alpha, self.beta, self.kappa, self.friction)
-        return self._corrected(disk, factored, factored.start(), tolerance)[0]
+        parameters = self.alpha, self.beta, self.kappa, self.friction
+        thick = self.alpha >= _SINGLE and (self.beta == 0.0 or self.beta >= _SINGLE)
+        for exact in (False, True) if thick else (True,):
+            factored = SlidingFactored(disk, *parameters, exact=exact)
+            trial, settled = self._corrected(disk, factored, factored.start(), aim, size=1.0)
+            if settled:
+                break
+        return trial
 
     def _corrected(
-        self, disk: SlidingDisk, factored: SlidingFactored, values: Array, tolerance: float
+        self,
+        disk: SlidingDisk,
+        factored: SlidingFactored,
+        values: Array,
+        aim: float,
+        size: float = 0.0,
     ) -> tuple[CoupledTrial, bool]:
-        """Correct solutions; return whether rounding or a share of the tolerance is left."""
-        own, before, size = factored.disk is disk, inf, inf
-        aim = max(1e-2 * tolerance, ROUNDING)
-        for _ in range(_CORRECTIONS):
+        """Correct solutions from errors of a size; return whether what is left is as aimed."""
+        own, slow = factored.disk is disk, 0
+        for k in range(_CORRECTIONS):
             change = factored.correction(values, disk)
             values = values + change
             trial = CoupledTrial(disk, factored, values, 0.0)
             shares = self._shares(trial, trial.combined(change, trial.lift), trial.solution)
             before, size = size, max(float(one.max()) for one in shares)
-            left = size * max(_LEFT, min(size / before, 1.0))
-            settled = left < aim or size < _ROUNDED
-            if left < aim or (size > _SLOW * before and (settled or not own)):
+            left = size * min(max(_LEFT, size / before if before else 1.0), 1.0)
+            slow = slow + 1 if size > _SLOW * before > 0.0 else 0
+            settled = left < aim or size < _ROUNDED[own]
+            # the first steps with factors in single precision do not tell
+            told = settled and (factored.exact or k > 2)
+            if left < aim or slow > (0 if told else 1):
                 break
-        return CoupledTrial(disk, factored, values, left), own or settled
+        if settled and left >= aim:
+            self._floor = left
+        return CoupledTrial(disk, factored, values, left), settled or (own and factored.exact)
 
     def _shares(self, trial: CoupledTrial, change: Array, size: Array) -> list[Array]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
@@ -236,31 +231,40 @@ class _CoupledDiskProblem:
             shares.append(share)
         return shares
 
-    def _root(self, spaces: list[Resolution], tolerance: float) -> CoupledTrial:
-        """Find the radius in given spaces; return the contact there."""
-        trials: list[tuple[float, CoupledTrial]] = []
+    def _root(self, spaces: Sequence[Resolution]) -> CoupledTrial:
+        """Find the radius in given spaces; return the contact there.
 
-        def mismatch(logit: float) -> float:
-            like = trials[-1][1] if trials else None
-            trials.append((logit, self._trial(spaces, logit, tolerance, like)))
-            return trials[-1][1].mismatch
-
-        self.logit, self.slope = polished_root(mismatch, self.logit, self.slope)
-        (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
-        self.off = abs(self.logit - last)
-        if self.off <= _UNFELT * max(1.0, abs(last)):
-            return second
-        # what is linear in the last two trials is right to the product of the steps
-        share = (self.logit - last) / (last - before) if last != before else 0.0
-        like = CoupledTrial(second.disk, second.factored, second.toward(first, share), 0.0)
-        self.off = 0.0
-        return self._trial(spaces, self.logit, tolerance, like)
+        The fields are corrected at every radius as far as its error is worth.
+        """
+        aim = max(0.1 * self.tolerance**2, 25.0 * ROUNDING)
+        logit, like, before, self._floor = self.logit, None, None, 0.0
+        for _ in range(_RADII):
+            trial = self._trial(spaces, logit, max(aim, _SHARE * self._reach), like)
+            value = trial.mismatch
+            if before is not None and abs(logit - before[0]) > _MEANT:
+                self.slope = (value - before[1]) / (logit - before[0])
+            before, self.logit = (logit, value), logit
+            if self.slope == 0.0:  # the annulus is so narrow that its width makes no difference
+                raise NoStickDiskError(at_centre=logit < 0.0)
+            step = max(min(-value / self.slope, 2.0), -2.0)
+            self.off = abs(step)
+            if self.off <= _UNFELT and self._reach <= _UNFELT:
+                break
+            # a secant step errs by a share of itself that the slope is off by
+            self._reach = max(self.off * min(1e-3, self._reach), _UNFELT)
+            logit, like = logit + step, trial
+            off = abs(logit - trial.factored.disk.radius.logit)
+            if trial.factored.exact and self._reach < _ALIKE < off:
+                like = None  # thin layers feel where the factors are from
+            if not LEAST_LOGIT < logit < LARGEST_LOGIT:
+                raise NoStickDiskError(at_centre=logit < 0.0)
+        return trial
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledDisk]:
         spaces = self._split(resolution)
-        return self._assess(spaces, self._root(spaces, self.tolerance))
+        return self._assess(spaces, self._root(spaces))
 
-    def _assess(self, spaces: list[Resolution], trial: CoupledTrial) -> Attempt[CoupledDisk]:
+    def _assess(self, spaces: Sequence[Resolution], trial: CoupledTrial) -> Attempt[CoupledDisk]:
         """Turn the final trial into a solution with its errors."""
         disk = trial.disk
         radius = disk.radius
@@ -281,12 +285,13 @@ class _CoupledDiskProblem:
         squared = error**2
         shear = trial.shear(whole)
         sheared = max(abs(trial.shear(one)) for one in moved) / shear
-        noise = 40.0 * ROUNDING + trial.left * 1e-2
+        noise = 40.0 * ROUNDING + 0.1 * self.tolerance**2 + trial.left * 1e-2
         kept = 2.0 * SAFETY * LEAST_RATE
-        shift = kept * max(abs(mismatch) for _, mismatch, _ in effects) + squared + noise
+        shift = kept * max(abs(mismatch) for _, mismatch, _ in effects)
+        shift += squared + noise + trial.left
         shift = shift / abs(self.slope) + float(np.finfo(float).eps) * abs(self.logit) + self.off
         points = Points(radius, -radius.square * disk.nodes.d)
-        weights = radius.value**3 * disk.nodes.weights * disk.nodes.rest
+        weights = radius.value**3 * disk.node_weights * disk.nodes.rest
         whole_misfit = trial.lacking(whole, trial.approach)
         stuck, lost = (
             Stuck(radius, ((points, weights * one),))

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_disk import LEADING, CoupledDisk, solve_coupled_disk
+from spectral_contact.contact.coupled_disk import CoupledDisk, solve_coupled_disk
+from spectral_contact.contact.coupled_spaces import LEADING
 from spectral_contact.contact.friction_law import obeys, unknown_slip
 from spectral_contact.contact.resolution import ROUNDING, series_of
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
@@ -226,9 +227,9 @@ def _misfit(
     annulus = Annulus(solved.radius, EDGE, plain[0], plain[1])
     values, lost = [], 0.0
     integrals = _integrals(disk, annulus, around)
-    for family, (inner, halves) in zip(annulus.families, integrals, strict=True):
-        points = family.sampling()
-        driven = (disk.from_disk(points, own) + inner) / np.sqrt(points.z)[:, None]
+    inside = disk.from_disk(own, (plain[0], plain[1]))
+    for family, (inner, halves), seen in zip(annulus.families, integrals, inside, strict=True):
+        driven = (seen + inner) / np.sqrt(family.sampling().z)[:, None]
         missed = 2.0 * kappa * driven - friction * halves
         values.append(np.ascontiguousarray(missed[:, 0]))
         lost = max(lost, float(np.abs(missed[:, 1]).max()))

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import series_of
-from spectral_contact.spectral.sliding import SlidingDisk, SlidingFactored
+from spectral_contact.spectral.sliding import SlidingDisk
+from spectral_contact.spectral.sliding_factor import SlidingFactored
 
 __all__ = ["CoupledTrial"]
 
@@ -119,7 +120,3 @@ class CoupledTrial:
         vector = values[:, None]
         misfit = self.disk.misfit(vector, self.kappa, self.friction, scale, self.lift * scale)
         return misfit[3][:, 0]
-
-    def toward(self, other: CoupledTrial, share: float) -> Array:
-        """Return the solutions, extrapolated from another trial's by a share of the way."""
-        return self.values + share * (self.values - other.values)

@@ -36,14 +36,20 @@ class NoStickDiskError(ArithmeticError):
 
 
 def root_near(
-    function: Callable[[float], float], start: float, slope: float, error: float
+    function: Callable[[float], float],
+    start: float,
+    slope: float,
+    error: float,
+    longest: float = 0.3,
 ) -> tuple[float, float]:
     """Return a rough root in logit(c**2), and the slope there; else that of a bracket.
+
+    The slope is a guess at first, and steps are no longer than a longest one.
 
     The root of the parabola of x over the last three values, whose error is estimated by the
     product of their distances from it.
     """
-    x, value, longest = start, function(start), 0.3  # the slope is a guess at first
+    x, value = start, function(start)
     last: tuple[float, float, float] | None = None  # x, value and secant at the point before
     step, product, inverse = -value / slope, 1.0, 1.0 / slope
     for _ in range(8):

@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import ceil, inf, log
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.contact.coupled_disk import LEADING
+from spectral_contact.contact.coupled_spaces import LEADING
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import gap

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.legendre import legendre_rows_between
+from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_projection_matrix,
@@ -337,18 +338,52 @@ def _beyond_tail(e: Array, end: float) -> Array:
     return np.asarray(_panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
 
 
-def fall(e: Array, panels: int, width: float, degree: int) -> tuple[Array, Array]:
-    """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels."""
+class _Charges:
+    """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
+
+    def __init__(self, panels: int, width: float, degrees: tuple[int, ...]) -> None:
+        rules = [gauss_rule(n + _EXTRA)[0] for n in degrees]
+        parts = [np.exp(-width * (j + (1.0 + g) / 2.0)) for j, g in enumerate(rules)]
+        #: distances of the points
+        self.d: Array = np.concatenate(parts)
+        self._blocks = [(0.25 * width) * legendre_projection_matrix(n + _EXTRA, n) for n in degrees]
+
+    def onto(self, values: Array) -> Array:
+        """Return integrals over ``1/2 dx`` of kernels at the points, as rows, with functions."""
+        result = np.empty((len(values), sum(block.shape[1] for block in self._blocks)))
+        point = column = 0
+        for block in self._blocks:
+            stop, end = point + block.shape[0], column + block.shape[1]
+            np.matmul(values[:, point:stop], block, out=result[:, column:end])
+            point, column = stop, end
+        return result
+
+
+_CHARGES: BoundedCache[tuple[int, float, tuple[int, ...]], _Charges] = BoundedCache(
+    "charges on panels", 32
+)
+
+
+def _charges(panels: int, width: float, degree: int | tuple[int, ...]) -> _Charges:
+    degrees = (degree,) * panels if isinstance(degree, int) else degree
+    key = panels, width, degrees
+    return _CHARGES.get(key, lambda: _Charges(*key))
+
+
+def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> tuple[Array, Array]:
+    """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels.
+
+    There may be a highest degree for each panel; only these functions have columns then.
+    """
     end = np.exp(-panels * width)
-    source = _sources(panels, width, degree)
-    near, far = np.sqrt(source), np.sqrt(source + e[:, None, None])
-    project = (0.25 * width) * legendre_projection_matrix(degree + _EXTRA, degree)
-    plain = np.hstack([((source / far) @ project).reshape(len(e), -1), _beyond_tail(e, end)])
-    blocks = (near * (e[:, None, None] / (far * (near + far)))) @ project
+    charges = _charges(panels, width, degree)
+    near, far = np.sqrt(charges.d), np.sqrt(charges.d + e[:, None])
+    plain = np.hstack([charges.onto(charges.d / far), _beyond_tail(e, end)])
+    blocks = charges.onto(near * (e[:, None] / (far * (near + far))))
     tail = _beyond_tail(np.zeros(1), end) - plain[:, -TAIL_TERMS:]
     small = (e > 0.0) & (e < 1e-3 * end)
     tail[small] = _fall_of_tail(e[small], end)
-    return plain, np.hstack([blocks.reshape(len(e), -1), tail])
+    return plain, np.hstack([blocks, tail])
 
 
 def _fall_of_tail(e: Array, end: float) -> Array:
@@ -365,26 +400,26 @@ def _fall_of_tail(e: Array, end: float) -> Array:
     return np.asarray(np.sqrt(e)[:, None] * np.column_stack(legendre))
 
 
-def far_fall(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+def far_fall(
+    e: Array, panels: int, width: float, degree: int | tuple[int, ...], power: float = 0.0
+) -> Array:
     """Return ``1/2 int d'**power psi (1/sqrt(2 - d') - 1/sqrt(2 + e - d')) dd'`` for ``e > -1``.
 
-    Shapes are those of `deeper`: it is how this integral falls past the distance 2.
+    It is how this integral falls past the distance 2. Shapes are those of `fall`.
     """
     end = np.exp(-panels * width)
 
     def kernel(source: Array) -> Array:
-        near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None, None])
-        return np.asarray(e[:, None, None] / (near * far * (near + far)))
+        near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None])
+        return np.asarray(e[:, None] / (near * far * (near + far)))
 
-    source = _sources(panels, width, degree)
-    values = (0.25 * width) * source ** (1.0 + power) * kernel(source)
-    blocks = values @ legendre_projection_matrix(degree + _EXTRA, degree)
+    charges = _charges(panels, width, degree)
+    blocks = charges.onto(charges.d ** (1.0 + power) * kernel(charges.d))
     g, w = gauss_rule(TAIL_TERMS + 9)
     v = (1.0 + g) / 2.0
     source = end * v**2
-    values = w / 2.0 * v * end * source**power * kernel(source[None])[:, 0]
-    tail = values @ tail_values(source, end, TAIL_TERMS, False)
-    return np.hstack([blocks.reshape(len(e), panels * (degree + 1)), tail])
+    values = w / 2.0 * v * end * source**power * kernel(source)
+    return np.hstack([blocks, values @ tail_values(source, end, TAIL_TERMS, False)])
 
 
 def rise(d: Array, panels: int, width: float, degree: int) -> Array:

@@ -11,11 +11,25 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import beyond, deeper, far_fall, outer, rise
-from spectral_contact.spectral.annulus import Family
+from spectral_contact.spectral.abel import (
+    beyond,
+    deeper,
+    deeper_blocks,
+    deeper_tail,
+    far_fall,
+    outer,
+    rise,
+)
+from spectral_contact.spectral.annulus import FAR_NODES, Family
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.coupled import inner_moments, moments
+from spectral_contact.spectral.graded import GradedNodes
+from spectral_contact.spectral.jacobi import (
+    chebyshev_values,
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+)
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["Around", "Inside", "OverRadius", "around", "finer", "inside"]
@@ -50,13 +64,36 @@ class Inside:
 
     def __init__(self, panels: LogPanels, degrees: Degrees) -> None:
         form = panels.panels, panels.width, panels.degree
-        disk = disk_operators(panels)
         self.index = panels.functions(degrees)
-        self.nodes, self.root = disk.nodes, np.sqrt(disk.nodes.rest)
-        self.half = disk.half_integral[:, self.index]
+        self.nodes = GradedNodes(panels, degrees, centred=True)
+        self.form = panels.panels, panels.width, degrees
+        self.root = np.sqrt(self.nodes.rest)
+        #: weights of ``dt``
+        self.weights = self.nodes.weights / (2.0 * self.root)
+        self.half = _half_integral(panels, self.nodes)[:, self.index]
         #: outer integrals at the rim, and by how much they are more at the nodes
         self.start = beyond(np.zeros(1), *form)[0][self.index]
-        self.rise = rise(disk.nodes.d, *form)[:, self.index]
+        self.rise = rise(self.nodes.d, *form)[:, self.index]
+        self.moments = moments(panels)[self.index]
+        #: ``int phi psi dd`` and half of ``int phi psi (1 - d) dd``
+        self.masses = panels.mass(self.index, 1.0, 0.0), panels.mass(self.index, 0.5, -0.5)
+        #: ``int phi int_0^d psi``: the coupling
+        self.inner = inner_moments(panels, panels)[np.ix_(self.index, self.index)]
+
+
+def _half_integral(panels: LogPanels, nodes: GradedNodes) -> Array:
+    """Return half-integrals of all functions at nodes that know their distances to panel ends."""
+    terms, rows = panels.degree + 1, 0
+    matrix = np.zeros((len(nodes.d), panels.size))
+    for j, (start, end) in enumerate(zip(nodes.start, nodes.end, strict=True)):
+        blocks = deeper_blocks(end, panels.panels - j, panels.width, panels.degree, 0.0, start)
+        matrix[rows : rows + len(end), j * terms : -panels.tail_terms] = blocks.reshape(
+            len(end), -1
+        )
+        rows += len(end)
+    matrix *= np.sqrt(nodes.d)[:, None]
+    matrix[:, -panels.tail_terms :] = deeper_tail(nodes.d, panels.end)
+    return matrix
 
 
 class Around:
@@ -76,25 +113,48 @@ class Around:
             [inner.functions(degrees[0]), outside.functions(degrees[1]) + inner.size]
         )
         used, last = self.index, self.index[self.split :] - inner.size
-        more = [finer(n, p) for n, p in zip(degrees, (inner, outside), strict=True)]
+        more = finer(degrees[0], inner), finer(degrees[1], outside)
         first_over = inner.functions(more[0])
         self.over = np.concatenate([first_over, outside.functions(more[1]) + inner.size])
-        self.e, self.weights = inner.distance_nodes(mirrored=True)
-        self.d, self.edge_weights = outside.distance_nodes(mirrored=False)
+        #: places among them of the functions in use, and of those of the outer half
+        self.within = np.searchsorted(self.over, self.index)
+        self.over_split = len(first_over)
+        #: panels and degrees of both halves, as `abel.fall` takes them
+        self.forms = (
+            (inner.panels, inner.width, more[0]),
+            (outside.panels, outside.width, more[1], outside.power),
+        )
+        self.above = GradedNodes(inner, degrees[0])
+        self.below = GradedNodes(outside, degrees[1])
+        e, d = self.above.d, self.below.d
         #: half-integrals at the rim, at the nodes above it, and by how much they are more there
         at_rim = [beyond(np.zeros(1), *first)[0], deeper(np.array([2.0]), *singular)[0]]
         self.at_rim = np.concatenate(at_rim)
-        half = np.hstack([outer(self.e, *first), deeper(2.0 - self.e, *singular)])
-        higher, near = half - self.at_rim, self.e <= _NEAR
-        higher[near, : inner.size] = rise(self.e[near], *first)
-        higher[near, inner.size :] = -far_fall(-self.e[near], *singular)
-        self.half, self.rise = half[:, used], higher[:, used]
+        half = np.hstack([outer(e, *first), deeper(2.0 - e, *singular)])[:, used]
+        higher, near = half - self.at_rim[used], e <= _NEAR
+        higher[near, : self.split] = rise(e[near], *first)[:, used[: self.split]]
+        higher[near, self.split :] = -far_fall(-e[near], *second[:2], degrees[1], outside.power)
+        self.half, self.rise = half, higher
         #: ``int_c^t . ds / sqrt(t^2 - s^2)`` above the rim
-        self.inner = deeper(self.e, *first)[:, first_over]
+        self.inner = deeper(e, *first)[:, first_over]
         #: both integrals below the edge, one of the outer half alone, the other of both
-        self.edge_half = deeper(self.d, *singular)[:, last]
-        inner_integrals = deeper(2.0 - self.d, *first), outer(self.d, *singular)
+        self.edge_half = deeper(d, *singular)[:, last]
+        inner_integrals = deeper(2.0 - d, *first), outer(d, *singular)
         self.edge_inner = np.hstack(inner_integrals)[:, self.over]
+        self.masses = tuple(
+            p.mass(k, 1.0, 0.0) if p.power == 0.0 else np.zeros((len(k), len(k)))
+            for p, k in ((inner, used[: self.split]), (outside, last))
+        )
+        both = np.concatenate([moments(inner), moments(outside)])
+        self.moments = both[self.over]
+        #: ``int phi int psi`` over what lies outside of phi
+        outside_moments = np.outer(moments(inner), both)
+        outside_moments[:, : inner.size] -= inner_moments(inner, inner)
+        nothing = np.zeros((outside.size, inner.size))
+        within = np.hstack([nothing, inner_moments(outside, outside)])
+        self.outside = np.vstack([outside_moments, within])[np.ix_(used, self.over)]
+        #: what lies inside the rim is smooth below the edge: Chebyshev polynomials there
+        self.smooth_below = chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1)
 
 
 def finer(degrees: Degrees, panels: LogPanels) -> Degrees:

@@ -23,18 +23,20 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.fields import EDGE, Radius
-from spectral_contact.spectral.abel import beyond, fall, far_fall
+from spectral_contact.spectral.abel import fall, far_fall
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, Family, Points, gap
-from spectral_contact.spectral.around_rim import OverRadius, around, inside
-from spectral_contact.spectral.coupled import moments
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.around_rim import Around, Inside, OverRadius, around, inside
+from spectral_contact.spectral.jacobi import (
+    chebyshev_values,
+    gauss_rule,
+    legendre_interpolation_matrix,
+)
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
-__all__ = ["SlidingDisk", "SlidingFactored"]
+__all__ = ["SlidingDisk"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
@@ -68,7 +70,7 @@ class SlidingDisk:
         weighted: tuple[bool, bool] = (False, False),
     ) -> None:
         self.radius, self.panels, self.degrees = radius, panels, degrees
-        self._weighted = weighted
+        self.weighted = weighted
         self.half = gap(radius, EDGE) / 2.0
         own, above, below = panels
         self.families = (
@@ -82,7 +84,7 @@ class SlidingDisk:
         self.inside = len(self._index[0])
         #: number of unknowns of the pressure
         self.count = self.inside + len(used)
-        self._over = OverRadius(self.families, degrees[1:])
+        self.over = OverRadius(self.families, degrees[1:])
         self._assemble_transforms()
 
     @property
@@ -125,146 +127,106 @@ class SlidingDisk:
 
     # transforms
 
+    @property
+    def transforms(self) -> tuple[Inside, Around]:
+        """Transforms of the disk and of the annulus at their own nodes."""
+        return self._inside, self._around
+
     def _assemble_transforms(self) -> None:
-        own, above, below = self.panels
         c, disk, annulus = self.radius.value, self._inside, self._around
         nodes, scale = disk.nodes, np.sqrt(self.half)
-        form, first = (own.panels, own.width, own.degree), (above.panels, above.width, above.degree)
-        self.nodes = nodes
-        plain, falls = fall(self.radius.square / self.half * nodes.d, *first)
-        far = self._far_fall(self.radius.square / self.half * nodes.d)
-        falls = np.hstack([falls, far])
-        self._fall, self._fall_over = (
-            scale * falls[:, one] for one in (annulus.index, annulus.over)
-        )
+        #: of the disk, and weights of ``dt / c`` there
+        self.nodes, self.node_weights = nodes, disk.weights
+        #: at samples on the disk: what is seen of the annulus, and how it falls from the rim
+        e = self.radius.square / self.half * nodes.samples
+        plain, falls = fall(e, *annulus.forms[0])
+        far, split = self._far_fall(e), annulus.split
+        self.falls = scale * np.hstack([falls, far])
         # what lies deeper than a node is far hardly seen there, which no difference can tell
-        plain = np.hstack([plain, annulus.at_rim[above.size :] - far])
-        self._around_half = scale * plain[:, annulus.index]
+        second = (
+            annulus.at_rim[annulus.index[split:]]
+            - far[:, annulus.within[split:] - annulus.over_split]
+        )
+        self.plain = scale * np.hstack([plain[:, annulus.within[:split]], second])
         self._at_rim = scale * annulus.at_rim
-        #: above the rim: t, t - c, and by how much less is seen of the disk
-        step = self.half * annulus.e
+        #: above the rim: t, t - c, and by how much less is seen of the disk, at samples
+        step = self.half * annulus.above.d
         t = np.sqrt(self.radius.square + step)
-        falls = fall(step / self.radius.square, *form)[1][:, disk.index]
-        self._above = t, step / (t + c), c * falls
-        above_weights = self.half * annulus.weights / (2.0 * np.pi * t)
-        #: below the edge: t, and what is seen of the disk
-        t = np.sqrt(1.0 - self.half * annulus.d)
+        falls = c * fall(self.half / self.radius.square * annulus.above.samples, *disk.form)[1]
+        self.above = t, step / (t + c), falls
+        #: below the edge: t, and what is seen of the disk, as Chebyshev series
+        t = np.sqrt(1.0 - self.half * annulus.below.d)
         depth = self.half / self.radius.square * (2.0 - (1.0 + FAR_NODES) / 2.0)
-        seen = FAR_FIT @ beyond(depth, *form)[:, disk.index]
-        self._below = t, c * chebyshev.chebvander(2.0 * annulus.d - 1.0, len(seen) - 1) @ seen
-        self._below_weights = self.half * annulus.edge_weights / (2.0 * np.pi * t)
-        self._weights = nodes.weights * c / np.pi
-        self._shear_weights = self._weights * self.radius.square * nodes.rest
-        reach = min(self.radius.square, self.half)
-        closer = np.maximum(reach / (self.radius.square * nodes.d), 1.0)
-        if self._weighted[0]:
-            self._weights = self._weights * closer
-            above_weights *= np.maximum(reach / (self.half * annulus.e), 1.0)
-        if self._weighted[1]:
-            self._shear_weights = self._shear_weights * closer
-        self._above_weights = above_weights
-        extents = 0.5 * self.radius.square, 0.5 * self.half, 0.5 * self.half
-        parts = [
-            e * moments(p)[k] for e, p, k in zip(extents, self.panels, self._index, strict=True)
-        ]
+        self.below = t, c * FAR_FIT @ fall(depth, *disk.form)[0]
         #: ``int p s ds``, ``int q ds`` of the disk, and ``int p ds`` of the annulus
-        self.load, self._pull = np.concatenate(parts), parts[0]
-        around_moments = 0.5 * self.half * np.concatenate([moments(above), moments(below)])
-        self._drag = self._over.after(around_moments[None, annulus.over])[0]
-        self.shear_moments = 2.0 * np.pi * c**3 * (nodes.weights * disk.root) @ disk.half
+        own_load, around_load = 0.5 * c**2 * disk.moments, 0.5 * self.half * annulus.moments
+        self.load = np.concatenate([own_load, around_load[annulus.within]])
+        self.pull, self.drag_over = own_load, around_load
+        self.drag = self.over.after(self.drag_over[None])[0]
+        self.shear_moments = 2.0 * np.pi * c**3 * (disk.weights * disk.root) @ disk.half
+
+    @cached_property
+    def weights(self) -> tuple[Array, Array, Array, Array]:
+        """Of the normal equation on the disk, above its rim and below the edge; of the other."""
+        disk, annulus, square = self._inside, self._around, self.radius.square
+        on_disk = disk.weights * self.radius.value / np.pi
+        above = self.half * annulus.above.weights / (2.0 * np.pi * self.above[0])
+        below = self.half * annulus.below.weights / (2.0 * np.pi * self.below[0])
+        shear = on_disk * square * self.nodes.rest
+        reach = min(square, self.half)
+        closer = np.maximum(reach / (square * self.nodes.d), 1.0)
+        if self.weighted[0]:
+            on_disk = on_disk * closer
+            above *= np.maximum(reach / (self.half * annulus.above.d), 1.0)
+        if self.weighted[1]:
+            shear = shear * closer
+        return on_disk, above, below, shear
 
     def _far_fall(self, e: Array) -> Array:
-        """Return `far_fall` of the outer half, interpolated where it is a polynomial over e."""
-        below = self.panels[2]
-        form = below.panels, below.width, below.degree, below.power
-        values, near = np.empty((len(e), below.size)), e <= 1.0
-        values[~near] = far_fall(e[~near], *form)
+        """Return the `far_fall` of the outer half, interpolated where it is a polynomial over e."""
+        form, near = self._around.forms[1], e <= 1.0
         nodes = (1.0 + FAR_NODES) / 2.0
         fit = FAR_FIT @ (far_fall(nodes, *form) / nodes[:, None])
-        table = chebyshev.chebvander(2.0 * e[near] - 1.0, len(fit) - 1)
+        values = np.empty((len(e), fit.shape[1]))
+        values[~near] = far_fall(e[~near], *form)
+        table = chebyshev_values(2.0 * e[near] - 1.0, len(fit) - 1)
         values[near] = e[near, None] * (table @ fit)
         return values
 
-    # matrices
-
     @cached_property
-    def _masses(self) -> tuple[list[Array], Array]:
+    def masses(self) -> tuple[Array, Array, Array, Array]:
         """Masses of the pressure's parts, and of the traction."""
-        extents = 0.5 * self.radius.square, 0.5 * self.half, 0.5 * self.half
-        masses = [
-            e * p.mass(k, 1.0, 0.0) if p.power == 0.0 else np.zeros((len(k), len(k)))
-            for e, p, k in zip(extents, self.panels, self._index, strict=True)
-        ]
-        return masses, self.radius.value**4 * self.panels[0].mass(self._index[0], 0.5, -0.5)
-
-    def matrix(self, alpha: float, beta: float, kappa: float, friction: float) -> Array:
-        """Return the matrix of both equations; parameters are those of `factor`.
-
-        It is that of `residual` but for roundings.
-        """
-        n, c, scale = self.inside, self.radius.value, np.sqrt(self.half)
-        disk, annulus = self._inside, self._around
-        m = n + annulus.split
-        matrix = np.zeros((self.unknowns, self.unknowns))
-        tests = (
-            (np.hstack([c * disk.half, self._around_half]), self._weights, 0),
-            (scale * annulus.half, self._above_weights, n),
-            (scale * annulus.edge_half, self._below_weights, m),
-        )
-        tested = np.zeros(self.count)
-        # t I(t) at all nodes: of the disk, and of what lies inside on the annulus
-        t, _, falling = self._above
-        t_below, seen = self._below
-        of_disk = (
-            c**2 * disk.root[:, None] * (disk.rise + disk.start),
-            t[:, None] * (c * disk.start - falling),
-            t_below[:, None] * seen,
-        )
-        of_slip = None, t[:, None] * annulus.inner, t_below[:, None] * annulus.edge_inner
-        for (test, weights, start), stuck, slip in zip(tests, of_disk, of_slip, strict=True):
-            root = test * np.sqrt(weights)[:, None]
-            rows = slice(start, self.count)
-            matrix[rows, rows] += root.T @ root
-            weighted = (test * weights[:, None]).T
-            matrix[rows, self.count :] += 2.0 * kappa * (weighted @ stuck)
-            tested[rows] += weighted.sum(axis=1)
-            if slip is not None:
-                swept = self._over.after(weighted @ slip)
-                matrix[rows, n : self.count] += 2.0 * kappa * friction * scale * swept
-        pull = np.concatenate([friction * self._drag, self._pull])
-        matrix[: self.count, n:] -= np.outer(2.0 * kappa * tested, pull)
-        weighted = (disk.half * (c * self._shear_weights[:, None])).T
-        root = disk.root[:, None]
-        far = np.outer(self.nodes.d / (disk.root * (1.0 + disk.root)), disk.start)
-        matrix[self.count :, :n] = -2.0 * kappa * (weighted @ (disk.rise / root + far))
-        matrix[self.count :, n : self.count] = -friction * self._over.after(
-            weighted @ self._fall_over
-        )
-        matrix[self.count :, self.count :] = weighted @ (c * disk.half)
-        masses, shear_mass = self._masses
-        begin = 0
-        for mass in masses:
-            rows = slice(begin, begin + len(mass))
-            matrix[rows, rows] += alpha * mass
-            begin = rows.stop
-        matrix[self.count :, self.count :] += beta * shear_mass
-        return matrix
+        normal, tangential = self._inside.masses
+        above, below = self._around.masses
+        c, half = self.radius.value, 0.5 * self.half
+        return 0.5 * c**2 * normal, half * above, half * below, c**4 * tangential
 
     def balance(self, kappa: float, friction: float) -> Array:
         """Return ``kappa R(c) - f int_c^1 p ds / sqrt(s^2 - c^2)`` as a functional of vectors."""
         row = np.zeros(self.unknowns)
         row[: self.inside] = 2.0 * kappa * self._inside.start
         row[self.inside : self.count] = (
-            -friction * self._over.after(self._at_rim[None, self._around.over])[0]
+            -friction * self.over.after(self._at_rim[None, self._around.over])[0]
         )
         return row
 
-    def from_disk(self, points: Points, own: Array) -> Array:
-        """Return ``int_0^c s p ds / sqrt(t^2 - s^2)`` outside the disk, for columns."""
-        panels = self.panels[0]
-        depth = -points.before(self.radius) / self.radius.square
-        values = beyond(depth, panels.panels, panels.width, panels.degree) @ own
-        return np.asarray(self.radius.value * values)
+    def from_disk(self, own: Array, panels: tuple[LogPanels, LogPanels]) -> tuple[Array, Array]:
+        """Return ``int_0^c s p ds / sqrt(t^2 - s^2)`` on the annulus, for columns.
+
+        Above the rim and below the edge, at the sampling points of these panels.
+        """
+        disk, c = self._inside, self.radius.value
+        values = own[disk.index]
+        samples = panels[0].sampling(SAMPLES)
+        d = np.concatenate([np.exp(-samples).ravel(), panels[0].tail_sampling()])
+        seen = c * (fall(self.half / self.radius.square * d, *disk.form)[0] @ values)
+        on_panels = seen[: samples.size].reshape(*samples.shape, -1)
+        g, _ = gauss_rule(panels[0].sampling().shape[1])
+        above = legendre_interpolation_matrix(g, SAMPLES) @ on_panels
+        above = np.concatenate([above.reshape(-1, values.shape[1]), seen[samples.size :]])
+        d = np.concatenate([np.exp(-panels[1].sampling()).ravel(), panels[1].tail_sampling()])
+        chebyshev = chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1)
+        return above, chebyshev @ (self.below[1] @ values)
 
     def from_annulus(self, points: Points, around: Array) -> tuple[Array, Array]:
         """Return what the pressure of the annulus contributes outside the disk.
@@ -282,22 +244,8 @@ class SlidingDisk:
         """
         inner = np.hstack([one.inner_integral(points) for one in self.families]) @ around
         halves = np.hstack([one.half_integral(points) for one in self.families])
-        over = self._over.of(around[self._around.index])
+        over = self.over.of(around[self._around.index])
         return inner, halves[:, self._around.over] @ over
-
-    def factor(self, alpha: float, beta: float, kappa: float, friction: float) -> SlidingFactored:
-        """Factor the system.
-
-        Parameters
-        ----------
-        alpha, beta : float
-            Compliances, at least 0.
-        kappa : float
-            The coupling.
-        friction : float
-            ``q/p`` on the annulus.
-        """
-        return SlidingFactored(self, alpha, beta, kappa, friction)
 
     def misfit(
         self, values: Array, kappa: float, friction: float, approach: Array, lift: Array
@@ -313,26 +261,31 @@ class SlidingDisk:
         """
         n, c, disk, annulus = self.inside, self.radius.value, self._inside, self._around
         p, slipping, u = values[:n], values[n : self.count], values[self.count :]
-        scale, over = np.sqrt(self.half), self._over.of(slipping)
+        scale, over = np.sqrt(self.half), self.over.of(slipping)
         start_u, start_p = disk.start @ u, disk.start @ p
-        pull = self._pull @ u + friction * (self._drag @ slipping)
+        pull = self.pull @ u + friction * (self.drag @ slipping)
         bearing = self._at_rim[annulus.index] @ slipping
         at_rim = 2.0 * approach + kappa * 2.0 * (pull - c**2 * start_u) - bearing
         d, root = self.nodes.d[:, None], disk.root[:, None]
         swept = root * (disk.rise @ u) - start_u * (d / (1.0 + root))
         within = at_rim - 2.0 * kappa * c**2 * swept - c * (disk.half @ p)
-        within += self._fall @ slipping
+        falls = np.zeros((len(over), 2 * values.shape[1]))
+        falls[annulus.within, : values.shape[1]] = slipping
+        falls[:, values.shape[1] :] = over
+        fall, fall_over = np.hsplit(self.nodes.spread(self.falls @ falls), 2)
+        within += fall
         drive = (disk.rise @ p) / root + start_p * (d / (root * (1.0 + root)))
-        lacking = lift + 2.0 * kappa * drive + friction * (self._fall_over @ over)
+        lacking = lift + 2.0 * kappa * drive + friction * fall_over
         lacking -= c * (disk.half @ u)
-        t, step, falling = self._above
+        t, step, falling = self.above
         t, step = t[:, None], step[:, None]
-        swept = friction * scale * (annulus.inner @ over[: annulus.inner.shape[1]]) - falling @ u
+        swept = friction * scale * (annulus.inner @ over[: annulus.over_split])
+        swept -= annulus.above.spread(falling @ u)
         above = at_rim - 2.0 * kappa * (t * swept + step * (c * start_u))
         above -= scale * (annulus.rise @ slipping)
-        t, seen = self._below
-        swept = t[:, None] * (seen @ u + friction * scale * (annulus.edge_inner @ over))
-        below = at_rim - 2.0 * kappa * (swept - c**2 * start_u) + bearing
+        t, seen = self.below
+        swept = annulus.smooth_below @ (seen @ u) + friction * scale * (annulus.edge_inner @ over)
+        below = at_rim - 2.0 * kappa * (t[:, None] * swept - c**2 * start_u) + bearing
         below -= scale * (annulus.edge_half @ slipping[annulus.split :])
         return within, above, below, lacking
 
@@ -352,86 +305,19 @@ class SlidingDisk:
         m = n + annulus.split
         within, above, below, lacking = self.misfit(values, kappa, friction, approach, lift)
         missed = np.zeros_like(values)
-        within *= self._weights[:, None]
-        above *= scale * self._above_weights[:, None]
-        below *= scale * self._below_weights[:, None]
-        lacking *= self.radius.value * self._shear_weights[:, None]
+        on_disk, on_above, on_below, shear = (one[:, None] for one in self.weights)
+        within *= on_disk
+        above *= scale * on_above
+        below *= scale * on_below
+        lacking *= self.radius.value * shear
         missed[:n] = self.radius.value * (disk.half.T @ within)
-        missed[n : self.count] = self._around_half.T @ within + annulus.half.T @ above
+        missed[n : self.count] = self.plain.T @ self.nodes.gathered(within) + annulus.half.T @ above
         missed[m : self.count] += annulus.edge_half.T @ below
         missed[self.count :] = disk.half.T @ lacking
-        masses, shear_mass = self._masses
-        if alpha:
-            start = 0
-            for mass in masses:
-                rows = slice(start, start + len(mass))
-                missed[rows] -= alpha * (mass @ values[rows])
-                start = rows.stop
-        if beta:
-            missed[self.count :] -= beta * (shear_mass @ values[self.count :])
+        start = 0
+        for mass, compliance in zip(self.masses, (alpha, alpha, alpha, beta), strict=True):
+            rows = slice(start, start + len(mass))
+            if compliance:
+                missed[rows] -= compliance * (mass @ values[rows])
+            start = rows.stop
         return missed
-
-
-class SlidingFactored:
-    """Partial slip with coupling in one space, factored."""
-
-    def __init__(
-        self, disk: SlidingDisk, alpha: float, beta: float, kappa: float, friction: float
-    ) -> None:
-        self.disk = disk
-        self.parameters = alpha, beta, kappa, friction
-        matrix = disk.matrix(alpha, beta, kappa, friction)
-        self.scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
-        matrix *= self.scale
-        matrix *= self.scale[:, None]
-        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
-
-    def step(self, right: Array) -> Array:
-        """Return the solution as factored, of right-hand sides as columns."""
-        scale = self.scale[:, None]
-        step = lu_solve(self._factor, right * scale, check_finite=False)
-        return np.asarray(step * scale)
-
-    def start(self) -> Array:
-        """Return the solutions for unit approach and, with compliance, for a unit lift.
-
-        They are columns, and not corrected.
-        """
-        columns = 2 if self.parameters[1] else 1
-        return self.correction(np.zeros((self.disk.unknowns, columns)))
-
-    def correction(self, values: Array, disk: SlidingDisk | None = None) -> Array:
-        """Return by how much the solutions are off, from their misfits.
-
-        Parameters
-        ----------
-        values : ndarray
-            As `start` returns them.
-        disk : SlidingDisk, optional
-            Another disk, hardly larger or smaller, whose solutions they are.
-        """
-        disk = disk or self.disk
-        columns = np.eye(2)[:, : values.shape[1]]
-        return self.step(disk.residual(values, *self.parameters, columns[0], columns[1]))
-
-    def change(self, values: Array, disk: SlidingDisk | None = None) -> list[Array]:
-        """Return what the top two degrees of every panel, and the top one, contribute.
-
-        They are the differences to the solutions without them, as columns.
-        """
-        disk = disk or self.disk
-        both, top = disk.shed
-        right = np.zeros((disk.unknowns, len(both)))
-        right[both, np.arange(len(both))] = 1.0
-        response = self.step(right)
-        changes = []
-        for shed in (both, top):
-            columns = response[:, np.isin(both, shed)]
-            own = columns[shed] / self.scale[shed, None] / self.scale[shed]
-            forces = np.linalg.solve(own, values[shed] / self.scale[shed, None])
-            forces /= self.scale[shed, None]
-            change, nothing = columns @ forces, np.zeros(values.shape[1])
-            missed = disk.residual(change, *self.parameters, nothing, nothing)
-            missed[shed] += forces
-            changes.append(change + self.step(missed))
-        return changes
