@@ -41,6 +41,8 @@ def test_they_are_the_integrals_of_the_families(i, k, power):
     nodes, family = families(power)[i], families(power)[k]
     rule = node_rule(nodes.panels, (12,) * COUNT, nodes.sign)
     points = nodes.points(rule.d)
+    # next to the far end all is as near to it as the last digit of d says
+    allowed = (1e-13 + 2e-16 / np.sqrt(rule.nodes.rest))[:, None]
     for integrals, reference in (
         (half_integrals, family.half_integral),
         (inner_integrals, family.inner_integral),
@@ -50,8 +52,8 @@ def test_they_are_the_integrals_of_the_families(i, k, power):
             assert not reference(points).any()
             continue
         known = reference(points)
-        assert (np.abs(seen.whole - known) <= 1e-13 * scale(known)).all()
-        assert (np.abs(seen.at + seen.more - known) <= 1e-13 * scale(known)).all()
+        assert (np.abs(seen.whole - known) <= allowed * scale(known)).all()
+        assert (np.abs(seen.at + seen.more - known) <= allowed * scale(known)).all()
 
 
 @pytest.mark.parametrize(("i", "k"), [(0, 2), (1, 4), (2, 0), (3, 1), (1, 2), (2, 1), (2, 4)])
