@@ -186,6 +186,7 @@ class _CoupledZonesProblem:
         """Return what solves with given boundaries; factors serve as long as they do."""
         panels, degrees = [one.panels for one in spaces], [one.degrees for one in spaces]
         last: list[ZonesTrial] = []
+        least = [0.0]  # what the factors leave at their own boundaries
 
         def trial_at(logits: Array) -> ZonesTrial:
             if Radius.from_logit(float(logits[-1])).rest < _NARROWEST * self.parameters[0]:
@@ -195,19 +196,20 @@ class _CoupledZonesProblem:
             )
             if last:
                 like = ZonesTrial(zones, last[0].factored, last[0].solution, last[0].lifts, inf)
-                trial, settled = self._corrected(like, tolerance)
-                if settled:
+                trial = self._corrected(like, tolerance)
+                if trial.left < max(_ENOUGH_LEFT * tolerance, 10.0 * least[0]):
                     last[0] = trial
                     return trial
             factored = ZonesFactored(zones, *self.parameters)
             begin = np.zeros(zones.unknowns), np.zeros(len(logits))
-            last[:] = [self._corrected(ZonesTrial(zones, factored, *begin, inf), tolerance)[0]]
+            last[:] = [self._corrected(ZonesTrial(zones, factored, *begin, inf), tolerance)]
+            least[0] = last[0].left
             return last[0]
 
         return trial_at
 
-    def _corrected(self, trial: ZonesTrial, tolerance: float) -> tuple[ZonesTrial, bool]:
-        """Correct a solution; return whether other factors would not leave less."""
+    def _corrected(self, trial: ZonesTrial, tolerance: float) -> ZonesTrial:
+        """Correct a solution as far as it goes."""
         zones = trial.zones
         own, size = trial.factored.zones is zones, inf
         aim = max(_FURTHER * tolerance, ROUNDING)
@@ -219,7 +221,7 @@ class _CoupledZonesProblem:
             slow = size > _SLOW * before
             if trial.left < aim or (slow and size < _ROUNDED) or (size > before and not own):
                 break
-        return trial, own or trial.left < _ENOUGH_LEFT * tolerance
+        return trial
 
     def _shares(self, zones: SlidingZones, change: Array, size: Array) -> list[list[Array]]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
