@@ -22,10 +22,12 @@ from spectral_contact.solution import (
     Ending,
     PlannedStep,
     StepState,
+    Zone,
 )
 
 if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive
+    from spectral_contact.contact.layout import Layout
 
 __all__ = ["CoupledRun"]
 
@@ -111,7 +113,7 @@ class CoupledRun(Run):
         friction = self.scene.friction
         assert friction is not None
         if friction < stick.critical:
-            self._slipping(friction, stick.critical)
+            self._slipping(friction, stick)
             return
         self.all_stick()
         # only the errors may say that there is slip
@@ -121,28 +123,30 @@ class CoupledRun(Run):
         reason = f"friction is not below the critical {stick.critical:.6g}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
 
-    def _slipping(self, friction: float, critical: float) -> None:
+    def _slipping(self, friction: float, stick: CoupledStick) -> None:
         """Take over partial slip."""
-        from spectral_contact.contact.coupled_slip import NoCoupledDiskError, solve_coupled_slip
-        from spectral_contact.contact.stick_radius import NoStickDiskError
+        from spectral_contact.contact.coupled_search import CoupledSearch
+        from spectral_contact.contact.coupled_slip import NoCoupledDiskError
 
         scene = self.scene
+        search = CoupledSearch(
+            scene.normal_compliance,
+            scene.tangential_compliance,
+            scene.kappa,
+            friction,
+            stick,
+            self._plain_zones(),
+            self.rtol,
+            self.max_unknowns,
+            self.record,
+        )
         try:
-            solved = solve_coupled_slip(
-                scene.normal_compliance,
-                scene.tangential_compliance,
-                scene.kappa,
-                friction,
-                self._guess(),
-                self.rtol,
-                self.max_unknowns,
-                record=self.record,
-            )
-        except (NoCoupledDiskError, NoStickDiskError) as missing:
+            solved = search.outcome()
+        except NoCoupledDiskError as missing:
             raise NotComputedError(
                 "coupled partial slip",
-                f"{missing}; with coupling one stick disk is solved for, and slip from it to the "
-                "edge; pass friction=math.inf, or coupling=False",
+                f"no zones were found that obey the friction law ({missing}); "
+                "pass friction=math.inf, or coupling=False",
             ) from missing
         self.pressure, self.traction, self.slip = solved.pressure, solved.traction, solved.slip
         if "opening" in self.values:
@@ -163,22 +167,37 @@ class CoupledRun(Run):
             slip=solved.slip_error,
             violation=solved.violation,
         )
-        below = f"friction is below the critical {critical:.6g}"
+        below = f"friction is below the critical {stick.critical:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
         one = PlannedStep(COUPLING, StepState.RUN, "pressure and traction are one system")
         self.outcome[COUPLING] = one
-        self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
+        if len(solved.zones) > 2:
+            found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
+            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, found)
+        else:
+            self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
         checked = PlannedStep(SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked")
         self.outcome[SLIP_FIELD] = checked
         if not solved.consistent:
             self.endings.append(Ending.ZONES)
 
-    def _guess(self) -> float:
-        """Return the stick radius without coupling, as a logit."""
+    def _plain_zones(self) -> Layout:
+        """Return the zones without coupling."""
+        from spectral_contact.contact.layout import Layout
+
         plain = replace(self.scene, coupling=False)
-        todo = plan(plain, ("zones",))
-        rim = Run(plain, todo, 1e-3, self.max_unknowns, self.shared).solution().zones[0]
-        if rim.kind == "slip":
+        todo = plan(plain, ("zones", "traction"))
+        solved = Run(plain, todo, 1e-3, self.max_unknowns, self.shared).solution()
+        if solved.zones[0].kind == "slip":
             raise NotComputedError("coupled partial slip", "its stick disk is smaller than 1e-65")
-        # where the paper's model sticks all over, slip is narrow
-        return 3.0 if rim.outer_from_edge == 0.0 else Radius(rim.outer, rim.outer_from_edge).logit
+        states = [
+            0 if zone.kind == "stick" else int(math.copysign(1, solved.traction(_middle(zone))))
+            for zone in solved.zones
+        ]
+        ends = (Radius(zone.outer, zone.outer_from_edge) for zone in solved.zones[:-1])
+        return Layout(tuple(one.logit for one in ends), tuple(states))
+
+
+def _middle(zone: Zone) -> float:
+    """Return the radius in the middle of a zone."""
+    return (zone.inner + zone.outer) / 2.0

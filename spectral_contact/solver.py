@@ -55,7 +55,7 @@ def solve(
     ConvergenceError
         If the tolerance cannot be met; it carries the best solution and says what to do.
     NotComputedError
-        If a scene with elastic coupling slips in other zones than one annulus at the edge.
+        If no zones are found that obey the friction law, in a scene with elastic coupling.
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")

@@ -31,7 +31,8 @@ CACHE = TemporaryDirectory()  # of byte code
 KAPPA = 0.8 / 3.6  # at nu = 0.1
 REPEATS, ROUNDS = 9, 7
 
-#: name, compliances, f/kappa (None: frictionless, inf: full stick), rtol, quantities, goals in U
+#: name, compliances (one for both, or a pair), f/kappa (None: frictionless, inf: full stick), rtol,
+#: quantities, goals in U
 CASES: list[
     tuple[str, float, float | None, float, tuple[str, ...] | None, float | None, float | None]
 ] = [
@@ -57,6 +58,8 @@ COUPLED = [
     ("partial slip, coupled", 0.5, 0.3, 1e-6, None, None, None),
     ("partial slip, coupled", 1e-6, 2.0, 1e-12, None, None, 5.0),
     ("partial slip, coupled", 0.0, 2.0, 1e-12, None, None, None),
+    ("slip inside, coupled", (0.05, 1.0), 0.23, 1e-12, None, None, None),
+    ("slip inside, coupled", (0.05, 1.0), 0.23, 1e-6, None, None, None),
 ]
 
 _COLD = """
@@ -95,14 +98,21 @@ def _median(function: Callable[[int], object]) -> float:
 def _scene(case: tuple, i: int):
     from spectral_contact import Scene
 
-    _, c, ratio, *_ = case
+    _, _, ratio, *_ = case
+    c, b = compliances(case)
     shift = 1.0 + 0.01 * i
     nu = 0.1
     if ratio is None:
         return Scene(nu, c * shift)
     friction = ratio if ratio == float("inf") else ratio * KAPPA * shift
     # a smooth surface has nothing else to vary
-    return Scene(nu * (shift if c == 0.0 else 1.0), c * shift, c * shift, friction, **_more(case))
+    return Scene(nu * (shift if c == 0.0 else 1.0), c * shift, b * shift, friction, **_more(case))
+
+
+def compliances(case: tuple) -> tuple[float, float]:
+    """Return the normal and the tangential compliance of a case."""
+    first, second = case[1] if isinstance(case[1], tuple) else (case[1], case[1])
+    return first, second
 
 
 def _more(case: tuple) -> dict[str, bool]:
@@ -131,12 +141,13 @@ def warm(case: tuple) -> tuple[float, float, int]:
 
 def cold(case: tuple) -> float:
     """Return the median over fresh processes of the first solve, in U of the same process."""
-    _, c, ratio, rtol, quantities, *_ = case
+    _, _, ratio, rtol, quantities, *_ = case
+    c, b = compliances(case)
     friction = (
         "None" if ratio is None else f'float("{ratio}") * {1.0 if ratio == float("inf") else KAPPA}'
     )
     code = _COLD.format(
-        c=c, b=0.0 if ratio is None else c, f=friction, rtol=rtol, q=quantities, more=_more(case)
+        c=c, b=0.0 if ratio is None else b, f=friction, rtol=rtol, q=quantities, more=_more(case)
     )
     return median(float(_fresh(code)) for _ in range(5))
 
@@ -225,8 +236,10 @@ def table(record: dict) -> str:
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for r in record["rows"]:
+        one = r["compliance"]
+        both = ", ".join(f"{c:g}" for c in one) if isinstance(one, (list, tuple)) else f"{one:g}"
         lines.append(
-            f"| {r['case']} | {r['compliance']:g} | {r['rtol']:g} | {r['unknowns']} | "
+            f"| {r['case']} | {both} | {r['rtol']:g} | {r['unknowns']} | "
             f"{r['warm_ms']:.2f} | {r['warm_U']:.3f} | {goal(r['warm_goal_U'])} | "
             f"{r['cold_U']:.2f} | {goal(r['cold_goal_U'])} |"
         )

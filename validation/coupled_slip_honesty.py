@@ -1,9 +1,11 @@
 """Whether the estimates of coupled partial slip bound the true errors, over random scenes.
 
 Run as ``python validation/coupled_slip_honesty.py [count]``; writes
-validation/results/coupled_slip_honesty.json and .md. Every scene is solved at a random tolerance
-and again at 1e-12; the second estimate is allowed for. Fields are compared at equal distances from
-the rim, which has an estimate of its own, down to 1e-12 of a zone.
+validation/results/coupled_slip_honesty.json and .md. With ``--annuli`` the scenes are such that
+slip tends to lie in an interior annulus, and the results are in coupled_annuli_honesty.json and
+.md. Every scene is solved at a random tolerance and again at 1e-12; the second estimate is allowed
+for. Fields are compared at equal distances from the ends of the zones, which have an estimate of
+their own, down to 1e-12 of a zone.
 """
 
 from __future__ import annotations
@@ -52,21 +54,53 @@ def draw(number: int) -> tuple[Scene, float]:
     return Scene(scene.poisson_ratio, alpha, beta, friction, coupling=True), rtol
 
 
+def draw_annuli(number: int) -> tuple[Scene, float]:
+    """Return a scene that slips where the edge may stick, and a tolerance."""
+    rng = np.random.default_rng([SEED, number, 1])
+    beta = 10.0 ** rng.uniform(-5.0, 1.0)
+    alpha = 0.0 if number % 3 == 0 else beta * 10.0 ** rng.uniform(-4.0, -0.1)
+    nu = rng.uniform(-0.5, 0.49)
+    asked = "critical_friction", "edge_ratio"
+    # coupling raises both: between those of full stick without it there is slip
+    plain = solve(Scene(nu, alpha, beta, math.inf), 1e-6, asked)
+    most, least = plain.critical_friction, plain.edge_ratio
+    share = rng.uniform(0.02, 0.98)
+    friction = most * 10.0 ** (-2.0 * share) if alpha == 0.0 else least + (most - least) * share
+    rtol = 10.0 ** rng.uniform(-10.0, -2.0)
+    return Scene(nu, alpha, beta, friction, coupling=True), rtol
+
+
 def values(solution: Solution, name: str) -> np.ndarray:
-    """Return a field at places graded to the rim, from both sides, and to the edge."""
-    rim, edge = solution.zones[0].outer, solution.zones[0].outer_from_edge
-    near = np.geomspace(1e-12, 0.9, 40)
-    field = getattr(solution, name)
-    # a radius is known to its rounding, from the centre or from the edge
-    inside = field(rim * (1.0 - near)) if rim < 0.5 else field(from_edge=edge + rim * near)
-    narrow = min(rim, edge)
-    outside = field(rim + narrow * near) if rim < 0.5 else field(from_edge=edge - narrow * near)
-    return np.concatenate([inside, outside, field(from_edge=edge * near)])
+    """Return a field at places graded to both ends of every zone, but for the centre."""
+    near, field = np.geomspace(1e-12, 0.45, 40), getattr(solution, name)
+    found = []
+    for zone in solution.zones:
+        # a radius is known to its rounding, from the centre or from the edge
+        if zone.outer < 0.5:
+            width = zone.outer - zone.inner
+            found.append(field(zone.outer - width * near))
+        else:
+            width = zone.inner_from_edge - zone.outer_from_edge
+            found.append(field(from_edge=zone.outer_from_edge + width * near))
+        if 0.0 < zone.inner < 0.5:
+            found.append(field(zone.inner + width * near))
+        elif zone.inner > 0.0:
+            found.append(field(from_edge=zone.inner_from_edge - width * near))
+    return np.concatenate(found)
 
 
-def compare(number: int) -> Record:
+def zones_error(solution: Solution, truth: Solution) -> float:
+    """Return the largest relative error of a boundary, from the centre and from the edge."""
+    pairs = list(zip(solution.zones, truth.zones, strict=True))[:-1]
+    return max(
+        max(abs(a.outer / b.outer - 1.0), abs(a.outer_from_edge / b.outer_from_edge - 1.0))
+        for a, b in pairs
+    )
+
+
+def compare(number: int, annuli: bool) -> Record:
     """Return a scene with its estimates over the true errors."""
-    scene, rtol = draw(number)
+    scene, rtol = (draw_annuli if annuli else draw)(number)
     row: Record = {
         "number": number,
         "scene": [scene.poisson_ratio, *scene_numbers(scene)],
@@ -78,6 +112,8 @@ def compare(number: int) -> Record:
         return row | {"refused": str(refused)}
     if len(truth.zones) == 1:
         return row | {"refused": "no slip"}
+    if len(truth.zones) != len(solution.zones):
+        return row | {"refused": "zones differ"}
     ratios: dict[str, float] = {}
     for name in INTEGRALS:
         error = abs(getattr(solution, name) / getattr(truth, name) - 1.0)
@@ -90,7 +126,8 @@ def compare(number: int) -> Record:
     first, second = (values(one, "slip") for one in (solution, truth))
     error = float(np.abs(first - second).max() / np.abs(second).max())
     ratios["slip"] = error / (solution.error.slip + truth.error.slip)
-    return row | {"ratios": ratios, "radius": truth.stick_radius}
+    ratios["zones"] = zones_error(solution, truth) / (solution.error.zones + truth.error.zones)
+    return row | {"ratios": ratios, "radius": truth.stick_radius, "zones": len(truth.zones)}
 
 
 def scene_numbers(scene: Scene) -> list[float]:
@@ -103,37 +140,40 @@ def table(record: Record) -> str:
     """Return the results as Markdown."""
     rows = [row for row in record["rows"] if "ratios" in row]
     refused = len(record["rows"]) - len(rows)
+    inside = sum(row["zones"] > 2 for row in rows)
     lines = [
-        f"{record['scenes']} scenes, and {refused} that are refused or reach rounding. "
-        "True error over estimate:",
+        f"{record['scenes']} scenes, {inside} of them with slip in an interior annulus, and "
+        f"{refused} that are refused or reach rounding. True error over estimate:",
         "",
         "| quantity | median | largest |",
         "|---|---|---|",
     ]
-    for name in (*INTEGRALS, *FIELDS, "slip"):
+    for name in (*INTEGRALS, "zones", *FIELDS, "slip"):
         ratios = [row["ratios"][name] for row in rows]
         lines.append(f"| {name.replace('_', ' ')} | {np.median(ratios):.1g} | {max(ratios):.2f} |")
     return "\n".join(lines) + "\n"
 
 
-def main(count: int) -> None:
+def main(count: int, annuli: bool) -> None:
     """Measure, print and store."""
+    name = "coupled_annuli_honesty" if annuli else "coupled_slip_honesty"
     rows = []
     for number in range(count):
-        rows.append(compare(number))
+        rows.append(compare(number, annuli))
         print(json.dumps(rows[-1]), flush=True)
     record = {
-        "schema": "spectral_contact.validation.coupled_slip_honesty",
+        "schema": f"spectral_contact.validation.{name}",
         "version": 1,
         "library": spectral_contact.__version__,
         "seed": SEED,
         "scenes": sum("ratios" in row for row in rows),
         "rows": rows,
     }
-    (RESULTS / "coupled_slip_honesty.json").write_text(json.dumps(record, indent=1) + "\n")
-    (RESULTS / "coupled_slip_honesty.md").write_text(table(record))
+    (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
+    (RESULTS / f"{name}.md").write_text(table(record))
     print(table(record))
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT)
+    arguments = [one for one in sys.argv[1:] if one != "--annuli"]
+    main(int(arguments[0]) if arguments else COUNT, "--annuli" in sys.argv)

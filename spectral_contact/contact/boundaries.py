@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise, starmap
 from math import inf
 from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Boundaries", "NoBoundariesError", "differences", "find_boundaries"]
+from spectral_contact.fields import Radius
+from spectral_contact.spectral.annulus import gap
+
+__all__ = ["Boundaries", "NoBoundariesError", "differences", "find_boundaries", "zones_error"]
 
 Array = NDArray[np.float64]
 
@@ -128,6 +132,26 @@ def find_boundaries(
     span = len(steps) == count and bool(spread[-1] > _LEAST_ANGLE * spread[0])
     slopes = _through_secants(slopes, steps, changes)
     return Boundaries(x, left, trial, slopes, span, span or shrinking <= _GOOD)
+
+
+def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:
+    """Return the largest of the boundaries' errors; infinite if a zone may not be there.
+
+    Parameters
+    ----------
+    radii : tuple of Radius
+        Boundaries, outward.
+    errors : tuple of (float, float)
+        Their relative errors from the centre and from the edge.
+    """
+    unsure = [
+        min(2.0 * at.square * own, at.rest * edge)
+        for at, (own, edge) in zip(radii, errors, strict=True)
+    ]
+    widths = starmap(gap, pairwise(radii))
+    if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
+        return inf
+    return max(map(max, errors))
 
 
 def _through_secants(slopes: Array, steps: list[Array], changes: list[Array]) -> Array:

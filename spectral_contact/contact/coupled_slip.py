@@ -30,19 +30,29 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.sliding import SlidingDisk
 
-__all__ = ["CoupledSlip", "NoCoupledDiskError", "solve_coupled_slip"]
+__all__ = [
+    "BROKEN",
+    "CHECKED",
+    "FINER",
+    "FINEST",
+    "CoupledSlip",
+    "InY",
+    "NoCoupledDiskError",
+    "as_power",
+    "solve_coupled_slip",
+]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
 
 #: A violation of the friction law that other zones are to blame for, not rounding.
-_BROKEN = 1e-6
+BROKEN = 1e-6
 #: Stick at the edge of a smooth surface with tangential compliance that is wider than this counts.
-_FINEST = 1e-80
+FINEST = 1e-80
 #: Depth in ``-ln d`` down to which the traction is compared with friction.
-_CHECKED = 36.0
+CHECKED = 36.0
 #: Degrees that the panels of the displacement have beyond those of the pressure.
-_FINER = 8
+FINER = 8
 
 
 class NoCoupledDiskError(ArithmeticError):
@@ -91,7 +101,7 @@ class CoupledSlip:
 
 
 @dataclass(frozen=True, slots=True)
-class _InY:
+class InY:
     """A field as a function of ``y = 1 - s**2``."""
 
     field: ZonalField
@@ -137,7 +147,7 @@ def solve_coupled_slip(
     NoCoupledDiskError
         If the friction law is broken at the one that does: there are other zones.
     """
-    if alpha == 0.0 < beta and (friction * beta) ** 2 > _FINEST:
+    if alpha == 0.0 < beta and (friction * beta) ** 2 > FINEST:
         raise NoCoupledDiskError("the edge sticks, as the pressure is infinite there and q is not")
     begin = perf_counter()
     refinement = solve_coupled_disk(alpha, beta, kappa, friction, tolerance, max_unknowns, guess)
@@ -150,13 +160,13 @@ def solve_coupled_slip(
 def _outcome(solved: CoupledDisk, beta: float, kappa: float, friction: float) -> CoupledSlip:
     """Add fields, displacement and checks to the solution on the disk."""
     rim, (own, above, below, shear) = solved.radius, solved.series
-    around = AnnulusSeries(rim, EDGE, above, _as_power(below, kappa * friction), power=0)
+    around = AnnulusSeries(rim, EDGE, above, as_power(below, kappa * friction), power=0)
     inside = DiskSeries(rim, own, power=0)
     pressure = ZonalField((ZonePiece(rim, inside), ZonePiece(EDGE, around)))
     stuck = DiskSeries(rim, shear.times(rim.value))
     traction = ZonalField((ZonePiece(rim, stuck), ZonePiece(EDGE, around, friction)))
     annulus, misfit, lost = _misfit(solved, kappa, friction)
-    at = _InY(pressure)
+    at = InY(pressure)
     fields, samples, largest, unresolved = slip_displacement(
         [solved.stuck], [Slipping(annulus, 1, misfit)], at, beta, friction
     )
@@ -166,13 +176,13 @@ def _outcome(solved: CoupledDisk, beta: float, kappa: float, friction: float) ->
     lowest = min(float(f(np.exp(-np.linspace(0.0, 60.0, 500))).min()) for f in (own, above, below))
     if not lowest > 0.0:
         raise NoCoupledDiskError("the pressure is not positive")
-    if excess > _BROKEN:
+    if excess > BROKEN:
         raise NoCoupledDiskError("the traction in stick exceeds friction")
     # beta f p is part of the displacement, as large as the rest of it or less
     direct = beta * friction * float(np.abs(above(np.array([0.0]))[0])) * solved.pressure_error
     stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
     slip_error = stray / max(largest, 1e-300)
-    if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
+    if wrong > max(BROKEN, slip_error):  # where no digit of the slip is known its sense is not
         raise NoCoupledDiskError("the surface slips with the traction")
     return CoupledSlip(
         (Zone.between("stick", CENTRE, rim), Zone.between("slip", rim, EDGE)),
@@ -196,7 +206,7 @@ def _outcome(solved: CoupledDisk, beta: float, kappa: float, friction: float) ->
 def _excess(solved: CoupledDisk, friction: float) -> float:
     """Return the largest ``|q|/(f p) - 1`` on the disk, or 0."""
     own, _, _, shear = solved.series
-    d = np.exp(-np.linspace(1e-3, _CHECKED, 400))
+    d = np.exp(-np.linspace(1e-3, CHECKED, 400))
     ratio = solved.radius.value * np.sqrt(1.0 - d) * np.abs(shear(d)) / (friction * own(d))
     return max(float(ratio.max()) - 1.0, 0.0)
 
@@ -213,7 +223,7 @@ def _misfit(
         np.column_stack(pair) for pair in zip(solved.parts, solved.change, strict=True)
     )
     # the far end of the annulus is a singularity ln 2 before the first panels
-    plain = [replace(p, power=0.0, degree=p.degree + _FINER) for p in disk.panels[1:]]
+    plain = [replace(p, power=0.0, degree=p.degree + FINER) for p in disk.panels[1:]]
     annulus = Annulus(solved.radius, EDGE, plain[0], plain[1])
     values, lost = [], 0.0
     integrals = _integrals(disk, annulus, around)
@@ -251,7 +261,7 @@ def _integrals(
     return list(zip(*pairs, strict=True))
 
 
-def _as_power(series: LogSeries, coupling: float) -> LogSeries:
+def as_power(series: LogSeries, coupling: float) -> LogSeries:
     """Return a pressure under a smooth punch as the power of y that it is next to the edge.
 
     ``p ~ y**(theta - 1/2)`` with ``tan(pi theta) = 2 kappa f``: far below the edge's panels the

@@ -9,14 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from itertools import pairwise, starmap
-from math import ceil, inf, pi
+from math import ceil, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.boundaries import Boundaries, differences, find_boundaries
+from spectral_contact.contact.boundaries import (
+    Boundaries,
+    differences,
+    find_boundaries,
+    zones_error,
+)
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, ZonesSpace
 from spectral_contact.contact.resolution import (
@@ -91,14 +95,7 @@ class ZonesSolution:
     @property
     def zones_error(self) -> float:
         """The largest of the boundaries' errors; infinite if a zone may not be there."""
-        unsure = [
-            min(2.0 * at.square * own, at.rest * edge)
-            for at, (own, edge) in zip(self.radii, self.boundary_errors, strict=True)
-        ]
-        widths = starmap(gap, pairwise(self.radii))
-        if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
-            return inf
-        return max(map(max, self.boundary_errors))
+        return zones_error(self.radii, self.boundary_errors)
 
 
 #: What the estimates of one disk are multiplied by, and what functionals have of the square of the

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact import NotComputedError, Scene, Solution, StepState, solve
+from spectral_contact import Scene, Solution, StepState, solve
 from spectral_contact.equations import (
     normal_displacement,
     shear_lift,
@@ -208,16 +208,3 @@ def test_it_is_stored_as_it_is(scene, tmp_path):
     assert Solution.from_json(solution.to_json()) == solution
     solution.save(tmp_path / "slip.npz")
     assert Solution.load(tmp_path / "slip.npz") == solution
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        Scene(0.3, 0.05, 1.0, 0.23 / 7, coupling=True),
-        Scene(0.3, 0.0, 1e-3, 0.1, coupling=True),
-        Scene(0.3, friction=1e-3, coupling=True),
-    ],
-)
-def test_other_zones_are_refused(scene):
-    with pytest.raises(NotComputedError, match="coupled partial slip"):
-        solve(scene, 1e-4)

@@ -1,0 +1,178 @@
+"""Which zones partial slip with elastic coupling has: guesses are solved for until one fits.
+
+No search is known to be sure, as uniqueness is not proved. The zones without coupling come first;
+those that break the friction law show in places what others to try.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Refinement
+from spectral_contact.contact.boundaries import NoBoundariesError
+from spectral_contact.contact.coupled_annuli import solve_coupled_annuli
+from spectral_contact.contact.coupled_slip import (
+    FINEST,
+    CoupledSlip,
+    NoCoupledDiskError,
+    solve_coupled_slip,
+)
+from spectral_contact.contact.coupled_stick import CoupledStick
+from spectral_contact.contact.coupled_zones import find_coupled_zones
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.stick_radius import NoStickDiskError
+
+__all__ = ["CoupledSearch"]
+
+Array = NDArray[np.float64]
+Record = Callable[[str, Any, float], Any]
+
+#: Tolerance at which guesses are tried before they are solved for to a tighter one.
+_PROBE = 1e-3
+#: Where nothing is known of the stick radius: its logit where slip is narrow.
+_NARROW = 3.0
+#: Places in ``-ln y`` at which full stick is compared with friction.
+_PLACES, _DEPTH = 2000, 40.0
+#: The first and the least step of the coupling by which zones are followed.
+_STEP, _LEAST_STEP = 0.25, 0.05
+#: What a guess of the zones ends in, if they do not fit.
+_MISFITS = (NoCoupledDiskError, NoStickDiskError, NoBoundariesError, np.linalg.LinAlgError)
+
+
+@dataclass(slots=True)
+class CoupledSearch:
+    """The zones of coupled partial slip below the critical friction.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        ``alpha*`` and ``beta*``, 0 or positive.
+    kappa, friction : float
+        The coupling, positive, and Coulomb's coefficient.
+    stick : CoupledStick
+        Full stick, with its fields.
+    plain : Layout
+        The zones without coupling.
+    tolerance : float
+        Bound on the relative errors of both fields.
+    max_unknowns : int
+        Most unknowns of a space.
+    record : callable
+        Takes the name of a step, its outcome and its beginning, returns the value.
+    """
+
+    alpha: float
+    beta: float
+    kappa: float
+    friction: float
+    stick: CoupledStick
+    plain: Layout
+    tolerance: float
+    max_unknowns: int
+    record: Record
+
+    def outcome(self) -> CoupledSlip:
+        """Return the first solution that obeys the friction law.
+
+        Raises
+        ------
+        NoCoupledDiskError
+            If none does.
+        """
+        reasons = []
+        for layout, far in self._layouts():
+            try:
+                return self._solved(layout, far)
+            except _MISFITS as missing:
+                reasons.append(f"{len(layout.states)} zones: {missing}")
+        raise NoCoupledDiskError("; ".join(reasons))
+
+    def _layouts(self) -> Iterator[tuple[Layout, bool]]:
+        """Guess zones; the last ones are far from those without coupling."""
+        guesses = [self.plain, self._violated()]
+        rim = next((one.logits[0] for one in guesses if one.logits), _NARROW)
+        # where full stick breaks the law at the edge, the edge is likely to slip
+        disk = 0 if guesses[1].states[-1] else 2
+        guesses.insert(disk, Layout((rim,), (0, 1)))
+        possible: dict[tuple[int, ...], Layout] = {}
+        for layout in filter(self._possible, guesses):
+            possible.setdefault(layout.states, layout)
+        yield from ((layout, False) for layout in possible.values())
+        if len(self.plain.states) > 2 and self._possible(self.plain):
+            yield self.plain, True
+
+    def _possible(self, layout: Layout) -> bool:
+        """Return whether there is slip, and the edge may be as it is.
+
+        That of a smooth surface sticks with tangential compliance, unless less than any distance.
+        """
+        if len(layout.states) == 2:
+            return self.alpha > 0.0 or (self.friction * self.beta) ** 2 <= FINEST
+        return len(layout.states) > 2 and self.beta > 0.0
+
+    def _solved(self, layout: Layout, far: bool) -> CoupledSlip:
+        """Solve on zones like these, and keep the record if they fit."""
+        notes: list[tuple[str, Any, float]] = []
+        parameters = self.alpha, self.beta, self.kappa, self.friction
+
+        def note(name: str, result: Any, begin: float) -> Any:
+            notes.append((name, result, perf_counter() - begin))
+            return result.best.value if isinstance(result, Refinement) else result
+
+        limits = self.tolerance, self.max_unknowns
+        if len(layout.states) == 2:
+            # the search for a radius that is not there ends at the edge, past rounding
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                solved = solve_coupled_slip(*parameters, layout.logits[0], *limits, record=note)
+        else:
+            layout = self._found(layout, far)
+            if self.tolerance < _PROBE:
+                solve_coupled_annuli(*parameters, layout, _PROBE, self.max_unknowns, record=note)
+                notes.clear()
+            solved = solve_coupled_annuli(*parameters, layout, *limits, record=note)
+        for name, result, seconds in notes:
+            self.record(name, result, perf_counter() - seconds)
+        return solved
+
+    def _found(self, layout: Layout, far: bool) -> Layout:
+        """Find the boundaries, with coupling that grows from none if they are far."""
+        compliances, share, step = (self.alpha, self.beta), 0.0, _STEP if far else 1.0
+        while share < 1.0:
+            part = min(share + step, 1.0)
+            try:
+                layout = find_coupled_zones(
+                    *compliances,
+                    part * self.kappa,
+                    part * self.friction,
+                    replace(layout, slopes=None),
+                )
+            except NoBoundariesError:
+                step /= 4.0
+                if not far or step < _LEAST_STEP:
+                    raise
+            else:
+                share = part
+        return layout
+
+    def _violated(self) -> Layout:
+        """Return slip where full stick exceeds friction."""
+        pressure, traction = self.stick.pressure, self.stick.traction
+        if pressure is None or traction is None:
+            return Layout((), (0,))
+        x = np.linspace(1e-3, _DEPTH, _PLACES)
+        y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
+        p, q = pressure.at(y), traction(s, y / (1.0 + s))
+        beyond = (np.abs(q) > self.friction * p) | (p <= 0.0)
+        edges = np.flatnonzero(beyond[1:] != beyond[:-1])
+        middles = (x[edges] + x[edges + 1]) / 2.0
+        logits = tuple(float(np.log(-np.expm1(-one)) + one) for one in middles)
+        signs = (
+            np.sign(q[np.concatenate([[0], edges + 1])]) * beyond[np.concatenate([[0], edges + 1])]
+        )
+        return Layout(logits, tuple(int(one) for one in signs))

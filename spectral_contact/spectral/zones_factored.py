@@ -1,0 +1,88 @@
+"""Coupled contact with any zones in one space, factored."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from spectral_contact.spectral.sliding_zones import SlidingZones
+
+__all__ = ["ZonesFactored"]
+
+Array = NDArray[np.float64]
+
+
+class ZonesFactored:
+    """Coupled zones in one space, factored.
+
+    Parameters
+    ----------
+    zones : SlidingZones
+    alpha, beta : float
+        Compliances; beta is positive.
+    kappa, friction : float
+    """
+
+    def __init__(
+        self, zones: SlidingZones, alpha: float, beta: float, kappa: float, friction: float
+    ) -> None:
+        self.zones = zones
+        self.parameters = alpha, beta, kappa, friction
+        matrix = zones.matrix(alpha, beta, kappa, friction)
+        self.scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
+        matrix *= self.scale
+        matrix *= self.scale[:, None]
+        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
+
+    def step(self, right: Array) -> Array:
+        """Return the solution as factored, of right-hand sides as columns."""
+        scale = self.scale[:, None]
+        return np.asarray(lu_solve(self._factor, right * scale, check_finite=False) * scale)
+
+    @cached_property
+    def responses(self) -> Array:
+        """The solutions for a unit lift at every boundary, without approach, as columns."""
+        lifts = np.eye(len(self.zones.radii))
+        values = np.zeros((self.zones.unknowns, len(lifts)))
+        for _ in range(2):
+            values += self.correction(values, np.zeros(len(lifts)), lifts, self.zones)
+        return values
+
+    def correction(
+        self, values: Array, approach: Array, lifts: Array, zones: SlidingZones
+    ) -> Array:
+        """Return by how much solutions are off.
+
+        Parameters
+        ----------
+        values : ndarray, shape (unknowns, k)
+        approach : ndarray, shape (k,)
+        lifts : ndarray, shape (boundaries, k)
+        zones : SlidingZones
+            Those of the factors or like ones, whose solutions they are.
+        """
+        return self.step(zones.residual(values, *self.parameters, approach, lifts))
+
+    def change(self, values: Array, zones: SlidingZones) -> list[Array]:
+        """Return what the top two degrees of every panel, and the top one, contribute.
+
+        They are the differences to the solution without them, at the same approach and lifts.
+        """
+        both, top = zones.shed
+        right = np.zeros((zones.unknowns, len(both)))
+        right[both, np.arange(len(both))] = 1.0
+        response = self.step(right)
+        nothing = np.zeros(1), np.zeros((len(zones.radii), 1))
+        changes = []
+        for shed in (both, top):
+            columns = response[:, np.isin(both, shed)]
+            own = columns[shed] / self.scale[shed, None] / self.scale[shed]
+            forces = np.linalg.solve(own, values[shed] / self.scale[shed]) / self.scale[shed]
+            change = columns @ forces
+            missed = zones.residual(change[:, None], *self.parameters, *nothing)
+            missed[shed, 0] += forces
+            changes.append(change + self.step(missed)[:, 0])
+        return changes

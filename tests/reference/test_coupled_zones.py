@@ -1,0 +1,213 @@
+"""Coupled slip in an interior annulus: equations, limits, and one stick disk by the same system."""
+
+import functools
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from spectral_contact import NotComputedError, Scene, Solution, StepState, solve
+from spectral_contact.contact.coupled_disk import solve_coupled_disk
+from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
+from spectral_contact.contact.layout import Layout
+from spectral_contact.equations import (
+    normal_displacement,
+    shear_lift,
+    tangential_displacement,
+)
+from spectral_contact.fields import Radius
+from spectral_contact.testing import check_solution
+
+#: Slip inside, the edge sticks: without coupling the first is that of docs/theory.
+INSIDE = Scene(0.3, 0.05, 1.0, 0.23 / 7, coupling=True)
+#: Under a smooth punch p is infinite at the edge and q is not.
+SMOOTH = Scene(0.0, 0.0, 0.5, 0.05, coupling=True)
+STRONG = Scene(-0.4, 1e-5, 1e-2, 0.3, coupling=True)
+SCENES = [INSIDE, SMOOTH, STRONG]
+FIELDS = ("pressure", "traction")
+INTEGRALS = ("approach", "total_shear", "stick_radius")
+
+
+@functools.cache
+def slipping(scene, rtol=1e-12):
+    return solve(scene, rtol)
+
+
+def boundaries(solution):
+    """Return the distances of the boundaries from the edge."""
+    return [zone.outer_from_edge for zone in solution.zones[:-1]]
+
+
+def places(solution):
+    """Return distances from the edge, graded to the ends of all zones from both sides."""
+    near = np.geomspace(1e-10, 0.45, 30)
+    ends = [1.0, *boundaries(solution), 0.0]
+    found = [inner + (outer - inner) * near for inner, outer in pairwise(ends)]
+    found += [outer + (inner - outer) * near for inner, outer in pairwise(ends)]
+    return np.concatenate(found)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_fields_satisfy_the_equations_of_the_elliptic_kernels(scene):
+    solution = slipping(scene)
+    assert solution.converged
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert check_solution(solution, scene, 1e-12).passed
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("rtol", [1e-2, 1e-5, 1e-9])
+def test_estimates_bound_the_errors(scene, rtol):
+    solution, truth = slipping(scene, rtol), slipping(scene)
+    for name in INTEGRALS:
+        error = abs(getattr(solution, name) / getattr(truth, name) - 1.0)
+        assert error <= getattr(solution.error, name) + getattr(truth.error, name)
+    for own, true in zip(boundaries(solution), boundaries(truth), strict=True):
+        assert abs(own / true - 1.0) <= solution.error.zones + truth.error.zones
+    # at equal distances from the boundaries, which have an estimate of their own
+    for name in FIELDS:
+        rough, fine = (getattr(one, name)(from_edge=places(one)) for one in (solution, truth))
+        assert np.abs(rough / fine - 1.0).max() <= getattr(solution.error, name)
+    slips = [one.slip(from_edge=places(one)) for one in (solution, truth)]
+    assert np.abs(slips[0] - slips[1]).max() <= solution.error.slip * np.abs(slips[1]).max()
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_fields_are_continuous_and_the_friction_law_holds(scene):
+    solution = slipping(scene)
+    for boundary in boundaries(solution):
+        near = boundary * (1.0 + np.array([1e-12, -1e-12]))
+        for name in FIELDS:
+            inside, outside = getattr(solution, name)(from_edge=near)
+            assert inside == pytest.approx(outside, rel=1e-5)
+        assert np.abs(solution.slip(from_edge=near)).max() < 1e-9
+    d = places(solution)
+    share = solution.traction(from_edge=d) / (scene.friction * solution.pressure(from_edge=d))
+    assert share.max() <= 1.0 + 1e-9
+    assert share.min() > 0.0
+    outer, inner = boundaries(solution)
+    slip = solution.slip(from_edge=np.linspace(inner, outer, 40)[1:-1])
+    assert slip.max() < 0.0
+    assert solution.slip(from_edge=inner / 2.0) == 0.0
+
+
+def test_the_edge_of_a_smooth_surface():
+    solution = slipping(SMOOTH)
+    d = 10.0 ** -np.array([16.0, 30.0, 100.0, 299.0])
+    p = solution.pressure(from_edge=d) * np.sqrt(d * (2.0 - d))
+    assert p == pytest.approx(p[-1], rel=1e-7)
+    assert p[1:] == pytest.approx(p[-1], rel=1e-13)
+    assert solution.pressure(1.0) == math.inf
+    assert solution.traction(from_edge=d) == pytest.approx(solution.traction(1.0), rel=1e-6)
+
+
+def test_one_stick_disk_by_the_system_of_any_zones():
+    parameters = 0.3, 0.2, 0.25, 0.15
+    layout = find_coupled_zones(*parameters, Layout((0.5,), (0, 1)))
+    zones = solve_coupled_zones(*parameters, layout, 1e-12, 20000).best.value
+    disk = solve_coupled_disk(*parameters, 1e-12, 20000, 0.5).best.value
+    assert Radius.from_logit(zones.layout.logits[0]).value == pytest.approx(
+        disk.radius.value, rel=1e-12
+    )
+    assert zones.approach == pytest.approx(disk.approach, rel=1e-13)
+    assert zones.total_shear == pytest.approx(disk.total_shear, rel=1e-12)
+    d = np.concatenate([[0.0], np.geomspace(1e-12, 1.0, 60)])
+    for k, own in ((0, 0), (1, 1), (2, 2)):
+        assert zones.pressure[k](d) == pytest.approx(disk.series[own](d), rel=1e-11)
+    assert zones.shear[0](d) == pytest.approx(disk.series[3](d), rel=1e-11)
+
+
+@pytest.mark.parametrize(("alpha", "beta", "ratio"), [(0.05, 1.0, 0.23), (0.0, 0.5, 0.3)])
+def test_the_effect_of_coupling_falls_like_the_square_of_kappa(alpha, beta, ratio):
+    changes = []
+    for kappa in (8e-3, 4e-3):
+        nu = (1.0 - 4.0 * kappa) / (2.0 - 4.0 * kappa)
+        pair = [
+            solve(Scene(nu, alpha, beta, ratio * kappa, coupling=coupling), 1e-10)
+            for coupling in (False, True)
+        ]
+        values = [
+            np.array([one.approach, one.total_shear, *boundaries(one)], dtype=float) for one in pair
+        ]
+        changes.append(values[1] / values[0] - 1.0)
+    assert changes[0] / changes[1] == pytest.approx(4.0, rel=0.02)
+
+
+def test_external_work_is_stored_or_dissipated():
+    """All fields grow with the load, so that every work is half of a force times its path."""
+    scene, solution = INSIDE, slipping(INSIDE)
+    cuts = boundaries(solution)
+    pressure, traction = (
+        lambda d, name=name: getattr(solution, name)(from_edge=d) for name in FIELDS
+    )
+    g, w = np.polynomial.legendre.leggauss(24)
+    v, w = (1.0 + g) / 2.0, w / 2.0
+    # squares of v take the points to both ends of every zone
+    ends = [1.0, *cuts, 0.0]
+    halves = [(b, (a + b) / 2.0) for a, b in pairwise(ends)]
+    halves += [(a, (a + b) / 2.0) for a, b in pairwise(ends)]
+    d = np.concatenate([a + (b - a) * v**2 for a, b in halves])
+    weights = np.concatenate([2.0 * v * w * abs(b - a) for a, b in halves]) * np.pi * (1.0 - d)
+    p, q, slip = pressure(d), traction(d), solution.slip(from_edge=d)
+    stored = 0.0
+    for place, weight, *tractions in zip(d.tolist(), weights, p, q, strict=True):
+        lift = shear_lift(traction, scene.kappa, place, cuts)
+        outward, inward = tangential_displacement(traction, pressure, scene.kappa, place, cuts)
+        under = normal_displacement(pressure, place, cuts) - lift
+        stored += weight * (tractions[0] * under + tractions[1] * (outward - inward))
+    layers = scene.normal_compliance * p**2 + scene.tangential_compliance * q**2
+    dissipated = -weights @ (q * slip)
+    assert dissipated > 1e-6 * stored
+    assert stored + weights @ layers + dissipated == pytest.approx(solution.approach / 2, rel=1e-7)
+
+
+def test_slip_begins_inside_at_the_critical_friction():
+    critical = solve(Scene(0.3, 0.05, 1.0, math.inf, coupling=True), 1e-10)
+    below = [1e-3, 4e-3]
+    widths = []
+    for share in below:
+        friction = (1.0 - share) * critical.critical_friction
+        outer, inner = boundaries(slipping(Scene(0.3, 0.05, 1.0, friction, coupling=True), 1e-8))
+        widths.append(outer - inner)
+    # the width grows like the root
+    assert widths[1] / widths[0] == pytest.approx(2.0, rel=0.05)
+
+
+def test_where_coupling_takes_pressure_from_the_edge_the_edge_slips():
+    scene = Scene(-0.07, 2.8e-3, 2.9e-2, 0.377, coupling=True)
+    plain = solve(Scene(-0.07, 2.8e-3, 2.9e-2, 0.377), 1e-4, ("zones",))
+    assert [zone.kind for zone in plain.zones] == ["stick", "slip", "stick"]
+    solution = slipping(scene, 1e-8)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
+    assert solution.error.violation < 1e-8
+
+
+def test_zones_far_from_those_without_coupling():
+    scene = Scene(-0.05, 0.0, 3.56e-5, 1.47, coupling=True)
+    solution = slipping(scene, 1e-4)
+    assert len(solution.zones) == 3
+    assert check_solution(solution, scene, 1e-4).passed
+
+
+def test_what_is_there():
+    solution = slipping(INSIDE)
+    states = {step.name: step for step in solution.plan.steps}
+    assert states["zone search"].state is StepState.RUN
+    assert "3 zones" in states["zone search"].reason
+    assert set(solution.plan.quantities) >= {"pressure", "traction", "slip"}
+    assert solution.work["partial slip"].unknowns > 1000
+    assert solution.stick_radius == solution.zones[0].outer
+
+
+@pytest.mark.parametrize("scene", [INSIDE, SMOOTH])
+def test_it_is_stored_as_it_is(scene, tmp_path):
+    solution = slipping(scene, 1e-5)
+    assert Solution.from_json(solution.to_json()) == solution
+    solution.save(tmp_path / "slip.npz")
+    assert Solution.load(tmp_path / "slip.npz") == solution
+
+
+def test_where_nothing_fits_it_says_so():
+    with pytest.raises(NotComputedError, match="smaller than 1e-65"):
+        solve(Scene(0.3, friction=1e-3, coupling=True), 1e-4)
