@@ -169,8 +169,13 @@ class CoupledRun(Run):
         )
         below = f"friction is below the critical {stick.critical:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
-        one = PlannedStep(COUPLING, StepState.RUN, "pressure and traction are one system")
-        self.outcome[COUPLING] = one
+        one = "pressure and traction are one system"
+        rim = solved.zones[0]
+        others = search.others(Radius(rim.outer, rim.outer_from_edge))
+        if others:
+            radii = ", ".join(f"{radius:.3g}" for radius in others)
+            one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
+        self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
         if len(solved.zones) > 2:
             found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
             self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, found)

@@ -24,12 +24,10 @@ import numpy as np
 import spectral_contact
 from spectral_contact import Scene, solve
 from spectral_contact.contact.coupled_disk import CoupledDiskProblem
-from spectral_contact.contact.coupled_radii import StickRadius, stick_radii
+from spectral_contact.contact.coupled_radii import StickRadius, scanned, stick_radii
 
 RESULTS = Path(__file__).parent / "results"
 SEED, COUNT = 30, 600
-#: Radii are looked for from this logit on, past all layers but not deeper than the last one.
-FIRST, PAST, LAST = -24.0, 8.0, 36.0
 
 Record = dict[str, Any]
 
@@ -59,10 +57,7 @@ def radii(scene: Scene) -> list[StickRadius]:
     compliances = scene.normal_compliance, scene.tangential_compliance
     assert scene.friction is not None
     problem = CoupledDiskProblem(*compliances, scene.kappa, scene.friction, 1e-3)
-    last = LAST
-    if min(compliances) > 0.0:
-        last = min(last, PAST - math.log(min(1.0, *compliances)))
-    return stick_radii(problem, [*np.arange(FIRST, last, 1.0), last])
+    return list(stick_radii(problem, scanned(problem)))
 
 
 def table(record: Record) -> str:

@@ -5,23 +5,28 @@ The condition of the radius is looked at in small spaces, over many radii.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
-from math import inf
+from itertools import pairwise, takewhile
+from math import inf, log
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_disk import CoupledDiskProblem
 from spectral_contact.contact.coupled_trial import CoupledTrial
 from spectral_contact.contact.resolution import series_of
 
-__all__ = ["StickRadius", "stick_radii"]
+__all__ = ["FIRST", "StickRadius", "scanned", "stick_radii"]
 
+Array = NDArray[np.float64]
+
+#: The first logit that is looked at, how far past the layers, and the last one.
+FIRST, _PAST, _LAST = -24.0, 8.0, 36.0
 #: Half the width, as a logit, of what a radius is told apart by.
 _NEAR = 0.02
-#: Depths ``-ln d`` at which fields are looked at, on each side of a boundary.
-_DEPTHS = np.linspace(1e-3, 36.0, 300)
+#: Distances at which fields are looked at, on each side of a boundary.
+_DISTANCES = np.exp(-np.linspace(1e-3, 36.0, 300))
 #: A small space does not tell a smaller violation of the friction law.
 _UNSEEN = 1e-2
 
@@ -50,43 +55,57 @@ class StickRadius:
         return self.positive and self.excess <= _UNSEEN
 
 
-def stick_radii(problem: CoupledDiskProblem, logits: Sequence[float]) -> list[StickRadius]:
-    """Return the radii at which the traction is continuous, between the first and the last of some.
+def stick_radii(
+    problem: CoupledDiskProblem, logits: Iterable[float], *, contacts: bool = False
+) -> Iterator[StickRadius]:
+    """Yield the radii at which the traction is continuous, between the first and the last of some.
 
     Parameters
     ----------
     problem : CoupledDiskProblem
-    logits : sequence of float
+    logits : iterable of float
         Increasing, so close to each other that the condition changes its sign once between two.
+    contacts : bool
+        Whether to stop where the pressure is no longer positive.
     """
-    trials = [(one, problem.rough(one).mismatch) for one in logits]
-    found = []
-    for (low, at_low), (high, at_high) in pairwise(trials):
-        if (at_low > 0.0) == (at_high > 0.0):
-            continue
-        while high - low > 2.0 * _NEAR:
+    solved = ((one, problem.rough(one)) for one in logits)
+    trials = takewhile(lambda pair: not contacts or _positive(pair[1]), solved)
+    for (low, first), (high, second) in pairwise(trials):
+        falls = first.mismatch > 0.0
+        if (second.mismatch > 0.0) != falls:
+            while high - low > 2.0 * _NEAR:
+                middle = (low + high) / 2.0
+                same = (problem.rough(middle).mismatch > 0.0) == falls
+                low, high = (middle, high) if same else (low, middle)
             middle = (low + high) / 2.0
-            at_middle = problem.rough(middle).mismatch
-            if (at_middle > 0.0) == (at_low > 0.0):
-                low = middle
-            else:
-                high = middle
-        middle = (low + high) / 2.0
-        found.append(_described(float(middle), problem.rough(middle)))
-    return found
+            yield _described(middle, problem.rough(middle))
+
+
+def scanned(problem: CoupledDiskProblem, first: float = FIRST) -> Iterator[float]:
+    """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
+    layers = min(problem.alpha, problem.beta)
+    last = min(_LAST, _PAST - log(layers)) if layers > 0.0 else _LAST
+    yield from np.arange(first, max(last, first + 1.0), 1.0).tolist()
+
+
+def _parts(trial: CoupledTrial) -> list[Array]:
+    """Return p on the disk, above its rim and below the edge, and then q/s on the disk."""
+    panels = trial.disk.panels
+    coefficients = trial.disk.split(trial.solution)
+    pairs = zip((*panels, panels[0]), coefficients, strict=True)
+    return [series_of(one, values)(_DISTANCES) for one, values in pairs]
+
+
+def _positive(trial: CoupledTrial) -> bool:
+    """Return whether the pressure is."""
+    return min(float(one.min()) for one in _parts(trial)[:3]) > 0.0
 
 
 def _described(logit: float, trial: CoupledTrial) -> StickRadius:
     """Return what the fields at a radius are like."""
-    disk = trial.disk
-    own, above, below, shear = disk.split(trial.solution)
-    inside, _, _ = panels = disk.panels
-    d = np.exp(-_DEPTHS)
-    pressures = [
-        series_of(p, values)(d) for p, values in zip(panels, (own, above, below), strict=True)
-    ]
-    if not min(float(one.min()) for one in pressures) > 0.0:
+    if not _positive(trial):
         return StickRadius(logit, False, inf)
-    q = disk.radius.value * np.sqrt(1.0 - d) * np.abs(series_of(inside, shear)(d))
-    ratio = float((q / (trial.friction * pressures[0])).max())
+    pressure, _, _, shear = _parts(trial)
+    q = trial.disk.radius.value * np.sqrt(1.0 - _DISTANCES) * np.abs(shear)
+    ratio = float((q / (trial.friction * pressure)).max())
     return StickRadius(logit, True, max(ratio - 1.0, 0.0))

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.boundaries import NoBoundariesError
 from spectral_contact.contact.coupled_annuli import solve_coupled_annuli
+from spectral_contact.contact.coupled_disk import CoupledDiskProblem
+from spectral_contact.contact.coupled_radii import scanned, stick_radii
 from spectral_contact.contact.coupled_slip import (
     FINEST,
     CoupledSlip,
@@ -27,6 +29,7 @@ from spectral_contact.contact.coupled_stick import CoupledStick
 from spectral_contact.contact.coupled_zones import find_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.stick_radius import NoStickDiskError
+from spectral_contact.fields import Radius
 
 __all__ = ["CoupledSearch"]
 
@@ -35,8 +38,8 @@ Record = Callable[[str, Any, float], Any]
 
 #: Tolerance at which guesses are tried before they are solved for to a tighter one.
 _PROBE = 1e-3
-#: Where nothing is known of the stick radius: its logit where slip is narrow.
-_NARROW = 3.0
+#: One stick disk; where nothing is known of its radius slip is narrow.
+_DISK = Layout((3.0,), (0, 1))
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
 #: The first and the least step of the coupling by which zones are followed.
@@ -93,13 +96,28 @@ class CoupledSearch:
                 reasons.append(f"{len(layout.states)} zones: {missing}")
         raise NoCoupledDiskError("; ".join(reasons))
 
+    def others(self, radius: Radius) -> list[float]:
+        """Return what other stick radii than that of a solution there may be, roughly.
+
+        Where full stick slips at the edge there is an even number of them; none, as far as seen.
+        So they are looked for where the edge sticks in full stick, or opens. Only larger ones are:
+        from small disks on, which is where friction, or the load, begins, the first is reached.
+        """
+        ratio = self.stick.edge_ratio
+        if not self._possible(_DISK) or (ratio is not None and ratio >= self.friction):
+            return []
+        problem = CoupledDiskProblem(self.alpha, self.beta, self.kappa, self.friction, _PROBE)
+        further = scanned(problem, radius.logit + 0.5)
+        found = stick_radii(problem, further, contacts=True)
+        return [Radius.from_logit(one.logit).value for one in found if one.possible]
+
     def _layouts(self) -> Iterator[tuple[Layout, bool]]:
         """Guess zones; the last ones are far from those without coupling."""
         guesses = [self.plain, self._violated()]
-        rim = next((one.logits[0] for one in guesses if one.logits), _NARROW)
+        rim = next((one.logits[0] for one in guesses if one.logits), _DISK.logits[0])
         # where full stick breaks the law at the edge, the edge is likely to slip
         disk = 0 if guesses[1].states[-1] else 2
-        guesses.insert(disk, Layout((rim,), (0, 1)))
+        guesses.insert(disk, replace(_DISK, logits=(rim,)))
         possible: dict[tuple[int, ...], Layout] = {}
         for layout in filter(self._possible, guesses):
             possible.setdefault(layout.states, layout)

@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, solve
+from spectral_contact.contact import coupled_search
 from spectral_contact.contact.coupled_disk import CoupledDiskProblem
-from spectral_contact.contact.coupled_radii import stick_radii
+from spectral_contact.contact.coupled_radii import StickRadius, stick_radii
 
 
 def radii(scene, logits):
     compliances = scene.normal_compliance, scene.tangential_compliance
-    return stick_radii(CoupledDiskProblem(*compliances, scene.kappa, scene.friction, 1e-3), logits)
+    problem = CoupledDiskProblem(*compliances, scene.kappa, scene.friction, 1e-3)
+    return list(stick_radii(problem, logits))
 
 
 def test_a_thick_layer_has_one_which_is_that_of_the_solution():
@@ -37,3 +39,46 @@ def test_on_a_smooth_surface_the_pressure_of_others_is_negative():
     assert first.possible
     assert others
     assert not any(one.positive for one in others)
+
+
+@pytest.mark.parametrize(
+    ("scene", "looked"),
+    [
+        (Scene(0.1, 0.5, 0.5, friction=0.1, coupling=True), False),
+        (Scene(0.026, 0.0, 0.0, friction=0.2143, coupling=True), True),
+    ],
+    ids=["edge that slips", "smooth"],
+)
+def test_others_are_looked_for_where_there_may_be_some_and_named(monkeypatch, scene, looked):
+    plain = solve(scene, 1e-3).plan
+    seen = []
+
+    def all_possible(problem, logits, *, contacts):
+        logits = list(logits)
+        seen.append(logits[0])
+        assert contacts
+        yield StickRadius(5.0, True, 0.0)
+        yield StickRadius(6.0, True, 0.5)
+
+    monkeypatch.setattr(coupled_search, "stick_radii", all_possible)
+    solution = solve(scene, 1e-3)
+    text = "; a larger stick radius may satisfy the friction law, too: 0.997"
+    assert (text in str(solution.plan)) == looked == bool(seen)
+    assert text not in str(plain)
+    if looked:
+        c = solution.stick_radius
+        assert seen[0] > np.log(c**2 / (1.0 - c**2))
+
+
+def test_no_more_is_looked_at_where_the_pressure_is_negative():
+    scene = Scene(0.026, 0.0, 0.0, friction=0.2143, coupling=True)
+    problem = CoupledDiskProblem(0.0, 0.0, scene.kappa, scene.friction, 1e-3)
+    taken = []
+
+    def logits():
+        for one in np.linspace(0.0, 30.0, 31):
+            taken.append(one)
+            yield one
+
+    assert list(stick_radii(problem, logits(), contacts=True)) == []
+    assert 3 < len(taken) < 20

@@ -34,6 +34,7 @@ def record(study):
         ("costs", "count", 198),
         ("coupled_annuli_honesty", "scenes", 60),
         ("coupled_slip_honesty", "scenes", 120),
+        ("coupled_uniqueness", "scenes", 600),
         ("coupling", "count", 450),
         ("hard_cases", "count", 19),
         ("honesty", "scenes", 10_000),
@@ -57,6 +58,11 @@ def test_results_are_fresh_and_of_full_size(study, counted, least):
 def test_no_estimate_of_coupled_slip_was_too_small(study):
     rows = record(study)["rows"]
     assert max(ratio for row in rows for ratio in row.get("ratios", {}).values()) <= 1.0
+
+
+def test_no_coupled_scene_had_two_stick_radii_that_may_be_contacts():
+    for row in record("coupled_uniqueness")["rows"]:
+        assert sum(radius["possible"] for radius in row["radii"]) <= 1
 
 
 def test_some_truths_of_the_honesty_study_have_twenty_digits():
