@@ -6,6 +6,7 @@ rough: they are of single precision as long as that serves, at half the cost.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.spectral.sliding import SlidingDisk
 
-__all__ = ["SlidingFactored", "assembled"]
+__all__ = ["SlidingFactored", "assembled", "shed_changes"]
 
 Array = NDArray[np.float64]
 
@@ -93,20 +94,48 @@ class SlidingFactored:
         They are the differences to the solutions without them, as columns.
         """
         disk = disk or self.disk
-        both, top = disk.shed
-        right = np.zeros((disk.unknowns, len(both)))
-        right[both, np.arange(len(both))] = 1.0 / self.scale[both]
-        response = self.step(right)
-        forced = np.zeros((disk.unknowns, 2 * values.shape[1]))
-        changes = np.empty_like(forced)
-        for k, shed in enumerate((both, top)):
-            columns, scale = response[:, np.isin(both, shed)], self.scale[shed, None]
-            one = slice(k * values.shape[1], (k + 1) * values.shape[1])
-            forces = np.linalg.solve(columns[shed] / scale, values[shed] / scale)
-            forced[shed, one], changes[:, one] = forces / scale, columns @ forces
-        nothing = np.zeros(forced.shape[1])
-        missed = disk.residual(changes, *self.parameters, nothing, nothing)
-        return np.hsplit(changes + self.step(missed + forced), 2)
+        nothing = np.zeros(2 * values.shape[1])
+
+        def residual(changes: Array) -> Array:
+            return disk.residual(changes, *self.parameters, nothing, nothing)
+
+        return shed_changes(self.step, self.scale, disk.shed, values, residual)
+
+
+def shed_changes(
+    step: Callable[[Array], Array],
+    scale: Array,
+    sheds: Sequence[NDArray[np.int_]],
+    values: Array,
+    residual: Callable[[Array], Array],
+) -> list[Array]:
+    """Return the differences of solutions to those without some of the unknowns.
+
+    Parameters
+    ----------
+    step : callable
+        Solves with the factors, for columns.
+    scale : ndarray, shape (unknowns,)
+        Of the unknowns, in the matrix that was factored.
+    sheds : sequence of ndarray of int
+        The unknowns that are left out, the first time those of all other times, too.
+    values : ndarray, shape (unknowns, k)
+        The solutions.
+    residual : callable
+        What changes, as columns, leave of both equations.
+    """
+    first, k = sheds[0], values.shape[1]
+    right = np.zeros((len(values), len(first)))
+    right[first, np.arange(len(first))] = 1.0 / scale[first]
+    response = step(right)
+    forced = np.zeros((len(values), len(sheds) * k))
+    changes = np.empty_like(forced)
+    for i, shed in enumerate(sheds):
+        columns, own = response[:, np.isin(first, shed)], scale[shed, None]
+        forces = np.linalg.solve(columns[shed] / own, values[shed] / own)
+        forced[shed, i * k : (i + 1) * k] = forces / own
+        changes[:, i * k : (i + 1) * k] = columns @ forces
+    return np.hsplit(changes + step(residual(changes) + forced), len(sheds))
 
 
 def assembled(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
+from spectral_contact.spectral.sliding_factor import shed_changes
 from spectral_contact.spectral.sliding_zones import SlidingZones
 
 __all__ = ["ZonesFactored"]
@@ -71,18 +72,10 @@ class ZonesFactored:
 
         They are the differences to the solution without them, at the same approach and lifts.
         """
-        both, top = zones.shed
-        right = np.zeros((zones.unknowns, len(both)))
-        right[both, np.arange(len(both))] = 1.0
-        response = self.step(right)
-        nothing = np.zeros(1), np.zeros((len(zones.radii), 1))
-        changes = []
-        for shed in (both, top):
-            columns = response[:, np.isin(both, shed)]
-            own = columns[shed] / self.scale[shed, None] / self.scale[shed]
-            forces = np.linalg.solve(own, values[shed] / self.scale[shed]) / self.scale[shed]
-            change = columns @ forces
-            missed = zones.residual(change[:, None], *self.parameters, *nothing)
-            missed[shed, 0] += forces
-            changes.append(change + self.step(missed)[:, 0])
-        return changes
+        nothing = np.zeros(2), np.zeros((len(zones.radii), 2))
+
+        def residual(changes: Array) -> Array:
+            return zones.residual(changes, *self.parameters, *nothing)
+
+        changes = shed_changes(self.step, self.scale, zones.shed, values[:, None], residual)
+        return [one[:, 0] for one in changes]
