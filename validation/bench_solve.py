@@ -36,15 +36,15 @@ REPEATS, ROUNDS = 9, 7
 CASES: list[
     tuple[str, float, float | None, float, tuple[str, ...] | None, float | None, float | None]
 ] = [
-    ("normal", 0.5, None, 1e-12, None, 0.75, 0.1),
-    ("normal", 1e-6, None, 1e-12, None, 0.75, 0.1),
-    ("normal", 0.5, None, 1e-4, None, None, 0.02),
+    ("normal", 0.5, None, 1e-12, None, 0.75, 0.02),
+    ("normal", 1e-6, None, 1e-12, None, 0.75, 0.02),
+    ("normal", 0.5, None, 1e-4, None, None, 0.005),
     ("approach alone", 0.5, None, 1e-10, ("approach",), None, 0.01),
     ("approach alone", 1e-6, None, 1e-10, ("approach",), None, 0.01),
     ("full stick", 0.5, float("inf"), 1e-12, None, 1.5, None),
     ("full stick", 1e-6, float("inf"), 1e-12, None, 1.5, None),
-    ("partial slip", 0.5, 0.3, 1e-12, None, 4.0, 1.0),
-    ("partial slip", 1e-6, 2.0, 1e-12, None, 4.0, 1.0),
+    ("partial slip", 0.5, 0.3, 1e-12, None, 4.0, 0.25),
+    ("partial slip", 1e-6, 2.0, 1e-12, None, 4.0, 0.25),
 ]
 
 _DENSE = np.random.default_rng(0).standard_normal((1000, 1000))
