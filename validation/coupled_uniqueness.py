@@ -28,6 +28,8 @@ from spectral_contact.contact.coupled_radii import StickRadius, scanned, stick_r
 
 RESULTS = Path(__file__).parent / "results"
 SEED, COUNT = 30, 600
+#: The first radius that is looked at, and how far the others are apart, as logits.
+FIRST, STEP = -24.0, 1.0
 
 Record = dict[str, Any]
 
@@ -57,7 +59,7 @@ def radii(scene: Scene) -> list[StickRadius]:
     compliances = scene.normal_compliance, scene.tangential_compliance
     assert scene.friction is not None
     problem = CoupledDiskProblem(*compliances, scene.kappa, scene.friction, 1e-3)
-    return list(stick_radii(problem, scanned(problem)))
+    return list(stick_radii(problem, scanned(problem, FIRST, STEP)))
 
 
 def table(record: Record) -> str:

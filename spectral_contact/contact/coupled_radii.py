@@ -17,12 +17,12 @@ from spectral_contact.contact.coupled_disk import CoupledDiskProblem
 from spectral_contact.contact.coupled_trial import CoupledTrial
 from spectral_contact.contact.resolution import series_of
 
-__all__ = ["FIRST", "StickRadius", "scanned", "stick_radii"]
+__all__ = ["StickRadius", "scanned", "stick_radii"]
 
 Array = NDArray[np.float64]
 
-#: The first logit that is looked at, how far past the layers, and the last one.
-FIRST, _PAST, _LAST = -24.0, 8.0, 36.0
+#: How far past the layers radii are looked at, as logits, and the last one.
+_PAST, _LAST = 8.0, 36.0
 #: Half the width, as a logit, of what a radius is told apart by.
 _NEAR = 0.02
 #: Distances at which fields are looked at, on each side of a boundary.
@@ -81,11 +81,11 @@ def stick_radii(
             yield _described(middle, problem.rough(middle))
 
 
-def scanned(problem: CoupledDiskProblem, first: float = FIRST) -> Iterator[float]:
+def scanned(problem: CoupledDiskProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
     layers = min(problem.alpha, problem.beta)
     last = min(_LAST, _PAST - log(layers)) if layers > 0.0 else _LAST
-    yield from np.arange(first, max(last, first + 1.0), 1.0).tolist()
+    yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
 def _parts(trial: CoupledTrial) -> list[Array]:

@@ -40,6 +40,9 @@ Record = Callable[[str, Any, float], Any]
 _PROBE = 1e-3
 #: One stick disk; where nothing is known of its radius slip is narrow.
 _DISK = Layout((3.0,), (0, 1))
+#: From where on another stick radius is looked for, and in which steps, as logits; on smooth
+#: surfaces they are 10 apart and more, measured.
+_CLEAR, _APART = 1.0, 3.0
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
 #: The first and the least step of the coupling by which zones are followed.
@@ -107,7 +110,7 @@ class CoupledSearch:
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.friction):
             return []
         problem = CoupledDiskProblem(self.alpha, self.beta, self.kappa, self.friction, _PROBE)
-        further = scanned(problem, radius.logit + 0.5)
+        further = scanned(problem, radius.logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
 
