@@ -57,7 +57,7 @@ def test_fields_satisfy_the_equations_of_the_elliptic_kernels(scene):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("rtol", [1e-2, 1e-5, 1e-9])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-6])
 def test_estimates_bound_the_errors(scene, rtol):
     solution, truth = slipping(scene, rtol), slipping(scene)
     for name in INTEGRALS:
@@ -124,7 +124,7 @@ def test_the_effect_of_coupling_falls_like_the_square_of_kappa(alpha, beta, rati
     for kappa in (8e-3, 4e-3):
         nu = (1.0 - 4.0 * kappa) / (2.0 - 4.0 * kappa)
         pair = [
-            solve(Scene(nu, alpha, beta, ratio * kappa, coupling=coupling), 1e-10)
+            solve(Scene(nu, alpha, beta, ratio * kappa, coupling=coupling), 1e-8)
             for coupling in (False, True)
         ]
         values = [
