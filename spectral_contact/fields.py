@@ -115,7 +115,7 @@ class LogSeries:
         if d.size == 0:
             return np.empty(shape)
         if d.size == 1:
-            return np.full(shape, self._one(float(d[0])))
+            return np.full(shape, self.value(float(d[0])))
         return np.asarray(self.several([self], d)[0].reshape(shape))
 
     def on_panels_of(self, other: LogSeries | None) -> bool:
@@ -135,9 +135,12 @@ class LogSeries:
         first, count = series[0], len(series)
         panels = len(first.coefficients)
         end = math.exp(-panels * first.width)
-        x = -np.log(np.maximum(d, end * 1e-2)) / first.width
-        own = np.minimum(np.maximum(x.astype(int), 0), panels - 1)
-        local = np.minimum(np.maximum(2.0 * (x - own) - 1.0, -1.0), 1.0)
+        local = np.log(np.maximum(d, end * 1e-2))
+        local /= -first.width
+        own = np.minimum(local.astype(int), panels - 1)
+        local -= own + 0.5
+        local *= 2.0
+        np.minimum(np.maximum(local, -1.0, out=local), 1.0, out=local)
         table = first.coefficients
         if count > 1:
             table = np.concatenate([one.coefficients for one in series])
@@ -163,8 +166,8 @@ class LogSeries:
         wave = self.tail[0] * np.cos(phase) + self.tail[1] * np.sin(phase)
         return np.where(inside, wave, np.nan)
 
-    def _one(self, d: float) -> float:
-        """Evaluate at one distance."""
+    def value(self, d: float) -> float:
+        """Evaluate at one distance, without arrays."""
         panels = len(self.coefficients)
         end = math.exp(-panels * self.width)
         if d < end and self.oscillation != 0.0:
@@ -228,8 +231,10 @@ class EdgeWeight:
 
     def __call__(self, y: Array) -> Array:
         """Evaluate at `y` in [0, 1]; ``inf`` at y = 0 when the shift is zero."""
+        if self.shift > 0.0:  # nothing to divide by zero; the logarithmic one has no shift
+            return np.asarray(self.amplitude / np.sqrt(y + self.shift))
         with np.errstate(divide="ignore"):
-            value = self.amplitude / np.sqrt(y + self.shift)
+            value = self.amplitude / np.sqrt(y)
         if self.logarithmic:
             z = 1.0 - y
             safe = np.where(z > 0.0, z, 1.0)
@@ -267,6 +272,11 @@ class PressureField:
         if self.series is not None:
             value = value + self.series(y)
         return value
+
+    def value(self, y: float) -> float:
+        """Evaluate at one ``y``."""
+        weight = 0.0 if self.weight is None else float(self.weight(np.array(y)))
+        return weight if self.series is None else weight + self.series.value(y)
 
     @staticmethod
     def several(fields: Sequence[PressureField], y: Array) -> Array:

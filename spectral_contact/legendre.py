@@ -1,11 +1,17 @@
-"""Legendre polynomials and series, evaluated fast: the innermost loop of every evaluation."""
+"""Legendre (and Chebyshev) series, evaluated fast: the innermost loop of every evaluation."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["legendre_rows", "legendre_rows_between", "legendre_sum", "legendre_sums"]
+__all__ = [
+    "chebyshev_sums",
+    "legendre_rows",
+    "legendre_rows_between",
+    "legendre_sum",
+    "legendre_sums",
+]
 
 Array = NDArray[np.float64]
 
@@ -66,16 +72,31 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     known = terms <= len(_CHEBYSHEV)
     matrix = _CHEBYSHEV[:terms, :terms] if known else _chebyshev_from_legendre(terms)
     table = matrix @ coefficients.T
-    rows = list(table if own is None else np.take(table, own, axis=1))
-    doubled, product, later, last = 2.0 * x, np.empty(x.shape), np.zeros(x.shape), rows.pop()
-    if own is None:
-        last = np.full(x.shape, last)
-    while len(rows) > 1:
-        current = np.subtract(np.multiply(doubled, last, out=product), later, out=later)
-        current += rows.pop()
-        later, last = last, current
-    if not rows:
-        return np.asarray(last)
+    return chebyshev_sums(x, table if own is None else np.take(table, own, axis=1))
+
+
+def chebyshev_sums(x: Array, table: Array) -> Array:
+    """Return values of Chebyshev series by Clenshaw's recurrence.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    table : ndarray, shape (terms, n) or (terms, 1)
+        Coefficients of the series that each point has, or of one for all.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    rows = list(table)
+    doubled, product, later, last = 2.0 * x, np.empty(x.shape), np.zeros(x.shape), np.empty(x.shape)
+    last[...] = rows[-1]
+    for row in rows[-2:0:-1]:
+        np.subtract(np.multiply(doubled, last, out=product), later, out=later)
+        later += row
+        later, last = last, later
+    if len(rows) == 1:
+        return last
     return np.asarray(np.multiply(x, last, out=product) - later + rows[0])
 
 

@@ -13,11 +13,11 @@ from functools import cached_property
 from math import sqrt
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.legendre import chebyshev_sums
 from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
@@ -89,6 +89,11 @@ class Drive:
         value = np.zeros(np.shape(y)) if self._outer is None else self._outer(y)
         return value + self._of_weight(y)
 
+    def value(self, y: float) -> float:
+        """Return R at one place."""
+        own = 0.0 if self._outer is None else self._outer.value(y)
+        return own + float(self._of_weight(np.array(y)))
+
     def _of_weight(self, y: Array) -> Array | float:
         """Return the part of R that the endpoint weight of the pressure demands."""
         weight = self.pressure.weight
@@ -152,8 +157,8 @@ class Drive:
         fit = _FIT @ (values[:, 1 : 1 + len(_NODES)] - rim[:, None]).T
         fit[np.abs(fit) < 4e-16 * np.abs(rim)] = 0.0
         x = 2.0 * d[split:] / reach - 1.0
-        near = (x + 1.0) * chebyshev.chebval(x, _QUOTIENT @ fit)
-        return rim, values[:, 1 + len(_NODES) :], near
+        near = np.array([chebyshev_sums(x, one[:, None]) for one in (_QUOTIENT @ fit).T])
+        return rim, values[:, 1 + len(_NODES) :], (x + 1.0) * near
 
     def mean_inside(self, y: Array) -> Array:
         """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""

@@ -61,7 +61,7 @@ def displacement_error(
     direct = 0.0
     if beta > 0.0:  # p is largest at the outermost slip end, bounded by its layer at the edge
         y = max(outermost.rest, drive.contact.compliance)
-        largest_p = float(drive.pressure.at(np.array(min(y, 1.0))))
+        largest_p = drive.pressure.value(min(y, 1.0))
         direct = beta * friction * largest_p * drive.contact.pressure_error
     error = (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
     return error if error <= 1.0 else inf  # no digit is known

@@ -173,7 +173,7 @@ class _StickProblem:
             lost = normal.change.coefficients
             share = share_of_change(normal.panels, lost, pressure.at_ends())
             parts = [*parts, (normal.panels, SAFETY * normal.rate**2 * share)]
-            at_edge += abs(series_of(normal.panels, lost).limit / float(pressure.at(np.array(0.0))))
+            at_edge += abs(series_of(normal.panels, lost).limit / pressure.value(0.0))
 
         def error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""

@@ -183,7 +183,7 @@ class _OneDiskProblem:
             raise NoStickDiskError(at_centre=True)
         # what a disk of great compliance needs falls like 1/c
         radius = Radius.from_logit(start)
-        at_rim = float(self.drive.pressure.at(np.array(radius.rest)))
+        at_rim = self.drive.pressure.value(radius.rest)
         slope = 2.0 * self.friction * at_rim * self.beta / radius.value * radius.rest
         try:
             return root_near(self._pressure_mismatch, start, self.slope + slope, _ROUGH, 1.0)
@@ -198,12 +198,12 @@ class _OneDiskProblem:
         """
         radius = Radius.from_logit(logit)
         source = SlipSource([self.drive.pressure], radius, EDGE, self.alpha, 1e-3, radius.rest)
-        mismatch = float(self.drive.target(np.array(radius.rest)))
+        mismatch = self.drive.value(radius.rest)
         mismatch -= self.friction * float(source.at_rim[0])
         if self.beta > 0.0:
             soft = self.beta / radius.value
             more = 0.55 * log(1.0 + radius.rest / soft) / sqrt(radius.rest)
-            at_rim = float(self.drive.pressure.at(np.array(radius.rest)))
+            at_rim = self.drive.pressure.value(radius.rest)
             mismatch -= self.friction * at_rim * soft * (4.0 + more)
         return mismatch
 
@@ -249,13 +249,11 @@ class _OneDiskProblem:
         balance, sampled = rim_target(drives, radius, sources, samples, keep=self.beta > 0.0)
         values, unresolved = samples.interpolate(sampled), samples.unresolved(sampled)
         rim, unit, slipping, response = -balance, 0.0, self.friction * source.at_rim, None
-        if self.beta == 0.0:
-            solved = factored.solve(values, correct=correct)
-        else:
-            both = factored.solve(np.hstack([values, np.ones((len(values), 1))]), correct=correct)
-            solved, response = both[:, :-1], np.ascontiguousarray(both[:, -1])
+        solved = factored.solve(values, correct=correct)
+        if self.beta > 0.0:
+            response = factored.solve(1.0, correct=correct)
             unit = series_of(panels, response).limit
-            at_end = [float(pressure.at(np.array(radius.rest))) for pressure in pressures]
+            at_end = [pressure.value(radius.rest) for pressure in pressures]
             limits = [series_of(panels, column).limit for column in solved.T]
             rim = (self.friction * np.array(at_end) - limits) / unit
             solved = solved + response[:, None] * rim
@@ -306,7 +304,7 @@ class _OneDiskProblem:
         indicators = expected_error(share_of_change(panels, continuous, series.at_ends()), rates)
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
         # with little friction the target is a small difference
-        at_rim = float(self.drive.target(np.array(radius.rest)))
+        at_rim = self.drive.value(radius.rest)
         cancelled = at_rim / float(np.abs(trial.target).max())
         error = float(indicators.max()) + TRACTION_ROUNDING + 2.0 * ROUNDING * cancelled
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))

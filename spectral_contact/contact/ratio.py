@@ -53,11 +53,12 @@ def largest_ratio(
         above, below = PressureField.several([PressureField(None, traction.series), pressure], y)
         return np.asarray(np.abs(s * above / below))
 
-    if pressure.at(np.array(0.0)) == inf:
+    at_edge = pressure.value(0.0)
+    if at_edge == inf:
         edge = 0.0
     else:
         assert traction.series is not None
-        edge = traction.series.limit / float(pressure.at(np.array(0.0)))
+        edge = traction.series.limit / at_edge
         if edge == inf:
             return inf, inf, 0.0
     x = np.linspace(1e-3, depth, _GRID)

@@ -53,7 +53,9 @@ _POINTWISE = 1.6
 SAFETY = 4.5
 #: Largest error of ``logit(c**2)`` that is taken for small.
 _LINEAR = 1.0 / 3.0
-_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
+_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(
+    "first spaces", 128, arrays=False
+)
 _LOAD_NODES: BoundedCache[LogPanels, tuple[Array, Array, int]] = BoundedCache("load nodes", 24)
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
@@ -63,8 +65,8 @@ PANEL_WIDTH = 2.0
 _ROOT_DEPTH = 7.0
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
-_LAST_PLACES: BoundedCache[tuple[bytes, int], tuple[NDArray[np.int_], Array]] = BoundedCache(
-    "last coefficients", 128
+_LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
+    BoundedCache("last coefficients", 128)
 )
 _TINY = float(np.finfo(float).tiny)
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
@@ -178,34 +180,33 @@ def series_of(panels: LogPanels, coefficients: Array) -> LogSeries:
 
 def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
     """Return by what factor a coefficient falls with one degree, panel by panel."""
-    table = panel_table(resolution.panels, coefficients)
-    return table_rates(np.array(resolution.degrees), table)
+    return table_rates(resolution.degrees, panel_table(resolution.panels, coefficients))
 
 
-def table_rates(degrees: NDArray[np.int_], table: Array) -> Array:
+def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
     """Return by what factor the rows of `table` fall with one degree, in [0.05, 0.6].
 
     Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
     """
-    key = degrees.tobytes(), table.shape[1]
-    places, least = _LAST_PLACES.get(key, lambda: _last_places(degrees, table.shape[1]))
+    terms = table.shape[1]
+    places, least = _LAST_PLACES.get((degrees, terms), lambda: _last_places(degrees, terms))
     one, two, three, four = np.abs(table.ravel()[places])
     last, before = np.maximum(one, two), np.maximum(three, four)
     ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
-    rate = np.sqrt(ratio)
     # in a pattern of longer period the larger ones may be three degrees apart
     outer = (one >= two) & (four >= three)
-    rate[outer] = np.cbrt(ratio[outer])
+    rate = np.where(outer, np.cbrt(ratio), np.sqrt(ratio))
     rate[rate < least] = 0.3
     return np.asarray(np.minimum(np.maximum(rate, 0.05), 0.6))
 
 
-def _last_places(degrees: NDArray[np.int_], terms: int) -> tuple[NDArray[np.int_], Array]:
+def _last_places(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
     """Return where the last four coefficients are in a table, (4, rows), and the least rates."""
-    top = terms * np.arange(len(degrees)) + degrees
+    highest = np.array(degrees)
+    top = terms * np.arange(len(degrees)) + highest
     # exp(-x), the smoothest there is, falls by 1/(2 n - 1): twice as fast is an accident
-    least = 0.5 / np.maximum(2.0 * degrees - 1.0, 1.0)
-    return np.maximum(top - np.arange(4)[:, None], 0), np.where(degrees < 4, np.inf, least)
+    least = 0.5 / np.maximum(2.0 * highest - 1.0, 1.0)
+    return np.maximum(top - np.arange(4)[:, None], 0), np.where(highest < 4, np.inf, least)
 
 
 def boundary_error(shift: float, radius: Radius) -> tuple[float, float]:

@@ -15,12 +15,12 @@ from math import pi
 from typing import Protocol
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
 from spectral_contact.fields import EDGE, AnnulusSeries, DiskSeries, PressureField, Radius
+from spectral_contact.legendre import chebyshev_sums
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import (
     FAR_FIT,
@@ -32,11 +32,7 @@ from spectral_contact.spectral.annulus import (
     sampled_series,
 )
 from spectral_contact.spectral.galerkin import DiskOperators
-from spectral_contact.spectral.jacobi import (
-    gauss_rule,
-    legendre_interpolation_matrix,
-)
-from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 
 __all__ = [
@@ -208,19 +204,13 @@ def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
     The integral is interpolated where it is smooth. The outer half is farther from the zone than it
     is wide: there a polynomial in ``s**2`` through few points is right to rounding.
     """
-    panels = family.panels
     if family.sign < 0:
         offset = family.sampling().offset
         reach = -family.reach
         fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
-        return np.asarray(chebyshev.chebval(2.0 * offset / reach - 1.0, fit))
-    x, points = panels.sampling(SAMPLES), panels.samples
-    d = np.concatenate([np.exp(-x).ravel(), panels.tail_sampling()])
-    values = _from_stuck(zone, family.points(d))
-    g, _ = gauss_rule(points)
-    matrix = legendre_interpolation_matrix(g, SAMPLES)
-    on_panels = values[: x.size].reshape(x.shape) @ matrix.T
-    return np.concatenate([on_panels.ravel(), values[x.size :]])
+        return chebyshev_sums(2.0 * offset / reach - 1.0, fit[:, None])
+    own = transforms(family.panels)
+    return own.interpolate(_from_stuck(zone, family.points(own.coarse)))
 
 
 def _from_stuck(zone: Stuck, points: Points) -> Array:

@@ -186,9 +186,7 @@ class ZoneSystem:
         system[:size, :size] = matrix - coupling[:, 2:] @ shares
         system[:size, size] = -coupling[:, 1]
         system[size, :size], system[size, size] = limits[2:] @ shares, limits[1]
-        slipping = (
-            self.states[1] * self.friction * float(self.drive.pressure.at(np.array(rim.rest)))
-        )
+        slipping = self.states[1] * self.friction * self.drive.pressure.value(rim.rest)
         vector = np.concatenate([right + coupling[:, 0], [slipping - limits[0]]])
         unknown = scaled_solve(system, vector)
         outer, m = unknown[:size], unknown[size]
@@ -205,7 +203,7 @@ class ZoneSystem:
             system,
             outer,
             grid,
-            unresolved / float(self.drive.target(np.array(rim.rest))),
+            unresolved / self.drive.value(rim.rest),
         )
 
     def _sticks(
@@ -294,13 +292,13 @@ class ZoneSystem:
         self, radii: tuple[Radius, ...], sticks: StickAnnuli, full: Array, balance: float
     ) -> Array:
         """Return the rim balance, then q/(f p) less the sign at the ends of the stick annuli."""
-        values = [balance / float(self.drive.target(np.array(radii[0].rest)))]
+        values = [balance / self.drive.value(radii[0].rest)]
         states = (*self.states, 0)
         beside = [states[j] for k in self.stick_annuli() for j in (k - 1, k + 1)]
         for (family, part), state in zip(sticks.parts(), beside, strict=True):
             b = family.boundary
             if b.from_edge > 0.0:
-                slipping = self.friction * float(self.drive.pressure.at(np.array(b.rest)))
+                slipping = self.friction * self.drive.pressure.value(b.rest)
                 values.append(b.value * family.series(full[part]).limit / slipping - state)
         return np.array(values)
 

@@ -269,7 +269,7 @@ class _ZonesProblem:
             shares.append(moved / np.abs(table[:, 0]))
             # the tail has no degree to shed: of d ln d it leaves 1.5 times its last coefficient
             beyond = max(beyond, 3.0 * abs(float(full[part][-1] / table[-1, 0])))
-            rates.append(table_rates(np.array(degree), table))
+            rates.append(table_rates(degree, table))
             halves.append(family.series(full[part]))
         fields = [
             AnnulusSeries(a.inner, a.outer, halves[2 * i], halves[2 * i + 1])

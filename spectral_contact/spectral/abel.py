@@ -29,7 +29,9 @@ from spectral_contact.spectral.jacobi import (
 )
 
 __all__ = [
+    "EXTRA",
     "ROOT_TERMS",
+    "TAIL_EXTRA",
     "TAIL_TERMS",
     "beyond",
     "deeper",
@@ -51,7 +53,9 @@ TAIL_TERMS = 3
 #: Tail polynomials in the square root of the distance, where half-integer powers follow.
 ROOT_TERMS = 9
 #: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
-_EXTRA = 12
+EXTRA = 12
+#: Those beyond the terms of a tail.
+TAIL_EXTRA = 9
 #: Entries of a kernel that are evaluated at a time: they stay in the cache.
 _STRIP = 32768
 
@@ -115,7 +119,7 @@ def deeper_blocks(
     ndarray, shape (n, panels, degree + 1)
         To be multiplied by ``d**(1/2 + power)`` of the point.
     """
-    g, w = gauss_rule(degree + _EXTRA)
+    g, w = gauss_rule(degree + EXTRA)
     blocks = np.empty((len(to_end), panels, degree + 1))
     lower = np.zeros(len(to_end))
     upper = to_end
@@ -164,7 +168,7 @@ def outer_blocks(
         To be multiplied by ``exp(-(1/2 + power) x_j)`` of the shallow end ``x_j`` of the source
         panel.
     """
-    g, w = gauss_rule(degree + _EXTRA)
+    g, w = gauss_rule(degree + EXTRA)
     blocks = np.empty((len(from_start), panels, degree + 1))
     lower = np.maximum(from_start - width, 0.0)  # a point in the tail lies past its panel
     upper = from_start
@@ -197,7 +201,7 @@ def deeper_tail(
     d: Array, end: float, terms: int = TAIL_TERMS, power: float = 0.0, root: bool = False
 ) -> Array:
     """Return the `deeper` integral of ``d**power`` times the tail polynomials, (n, terms)."""
-    g, w = gauss_rule(terms + 9)
+    g, w = gauss_rule(terms + TAIL_EXTRA)
     phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
     sine = np.sin(phi * (1.0 + g) / 2.0)  # d' = d sin(phi)**2 removes both square roots
     source = np.minimum(d[:, None] * sine**2, end)
@@ -274,7 +278,7 @@ def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) 
 
 def _sources(panels: int, width: float, degree: int) -> Array:
     """Return the distances of the quadrature points on every panel, shape (panels, points)."""
-    g, _ = gauss_rule(degree + _EXTRA)
+    g, _ = gauss_rule(degree + EXTRA)
     return np.asarray(np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0)))
 
 
@@ -284,7 +288,7 @@ def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0)
     values = (0.25 * width) * source / np.sqrt(np.abs(source + e[:, None, None]))
     if power != 0.0:
         values *= source**power
-    return np.asarray(values @ legendre_projection_matrix(degree + _EXTRA, degree))
+    return np.asarray(values @ legendre_projection_matrix(degree + EXTRA, degree))
 
 
 def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
@@ -342,11 +346,11 @@ class _Charges:
     """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
 
     def __init__(self, panels: int, width: float, degrees: tuple[int, ...]) -> None:
-        rules = [gauss_rule(n + _EXTRA)[0] for n in degrees]
+        rules = [gauss_rule(n + EXTRA)[0] for n in degrees]
         parts = [np.exp(-width * (j + (1.0 + g) / 2.0)) for j, g in enumerate(rules)]
         #: distances of the points
         self.d: Array = np.concatenate(parts)
-        self._blocks = [(0.25 * width) * legendre_projection_matrix(n + _EXTRA, n) for n in degrees]
+        self._blocks = [(0.25 * width) * legendre_projection_matrix(n + EXTRA, n) for n in degrees]
 
     def onto(self, values: Array) -> Array:
         """Return integrals over ``1/2 dx`` of kernels at the points, as rows, with functions."""
@@ -415,7 +419,7 @@ def far_fall(
 
     charges = _charges(panels, width, degree)
     blocks = charges.onto(charges.d ** (1.0 + power) * kernel(charges.d))
-    g, w = gauss_rule(TAIL_TERMS + 9)
+    g, w = gauss_rule(TAIL_TERMS + TAIL_EXTRA)
     v = (1.0 + g) / 2.0
     source = end * v**2
     values = w / 2.0 * v * end * source**power * kernel(source)
@@ -439,6 +443,6 @@ def rise(d: Array, panels: int, width: float, degree: int) -> Array:
         e = d[rows, None, None]
         roots = np.sqrt(near - e), np.sqrt(near)
         values = (0.25 * width) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
-        blocks = values @ legendre_projection_matrix(degree + _EXTRA, degree)
+        blocks = values @ legendre_projection_matrix(degree + EXTRA, degree)
         matrix[rows, : blocks.shape[1] * (degree + 1)] = blocks.reshape(len(rows), -1)
     return np.asarray(matrix)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from itertools import count
@@ -42,28 +41,33 @@ class BoundedCache(Generic[K, V]):
         Shown by `cache_sizes`.
     capacity : int
         Most entries it keeps.
+    arrays : bool
+        Whether its values hold arrays, whose bytes count.
     """
 
-    def __init__(self, name: str, capacity: int) -> None:
+    def __init__(self, name: str, capacity: int, *, arrays: bool = True) -> None:
         self.name = name
         self.capacity = capacity
-        self._entries: OrderedDict[K, _Entry[V]] = OrderedDict()
+        self._arrays = arrays
+        self._entries: dict[K, _Entry[V]] = {}
         self._lock = threading.RLock()
         _ALL.add(self)
 
     def get(self, key: K, make: Callable[[], V]) -> V:
         """Return the entry of `key`, made by `make()` the first time; threads wait for it."""
+        entry = self._entries.get(key)
+        if entry is not None:  # most of the time, and then no lock is needed
+            entry.used = next(_CLOCK)
+            return entry.value
         with self._lock:
             entry = self._entries.get(key)
-            if entry is not None:
-                self._entries.move_to_end(key)
-                entry.used = next(_CLOCK)
+            if entry is not None:  # another thread was faster
                 return entry.value
             value = make()
             self._entries[key] = _Entry(value, next(_CLOCK))
             if len(self._entries) > self.capacity:
-                self._entries.popitem(last=False)
-        if _bytes(value, set()) >= _LARGE:
+                del self._entries[min(self._entries, key=lambda one: self._entries[one].used)]
+        if self._arrays and _bytes(value, set()) >= _LARGE:
             _shrink()
         return value
 

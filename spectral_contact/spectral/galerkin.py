@@ -46,8 +46,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Strips into which the half-integral is cut, so that its zeros cost nothing.
-_STRIPS = 8
+#: Most strips into which the half-integral is cut, so that its zeros cost nothing, and of how many
+#: functions one has to be to be worth its calls.
+_STRIPS, _WORTH = 6, 45
 #: So many targets are solved for one by one: products with few vectors take BLAS more time.
 _FEW = 3
 #: Above this compliance the normal equations lose no more than 30 eps, and need no correction.
@@ -98,9 +99,10 @@ class DiskOperators:
         self.nodes, (start, first), (begin, other) = panels.nodes()
         self._offsets = start, begin
         # blocks of the half-integral, which depend on panel differences alone
-        p, form = panels.panels, (panels.width, panels.degree, panels.power)
-        self._first = deeper_blocks(first, p, *form, start).reshape(len(first), -1)
-        self._other = deeper_blocks(other, max(p - 1, 1), *form, begin).reshape(len(other), -1)
+        form = panels.panels, panels.width, panels.degree, panels.power
+        to_end, from_start = np.concatenate([first, other]), np.concatenate([start, begin])
+        blocks = deeper_blocks(to_end, *form, from_start)
+        self._first, self._other = np.split(blocks.reshape(len(blocks), -1), [len(first)])
         self._tail = deeper_tail(
             self.nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail
         )
@@ -157,7 +159,8 @@ class DiskOperators:
         starts = np.searchsorted(columns, np.arange(panels.panels + 1) * terms).tolist()
         last = starts[-1]
         root = self.nodes.d[:, None] ** (0.5 + panels.power)
-        cuts = sorted({round(panels.panels * k / _STRIPS) for k in range(_STRIPS + 1)})
+        count = min(max(len(columns) // _WORTH, 1), _STRIPS)
+        cuts = sorted({round(panels.panels * k / count) for k in range(count + 1)})
         result, stop = [], 0
         for low, high in pairwise(cuts):
             start, seen = stop, starts[low]
@@ -261,21 +264,18 @@ class Space:
         self.operator = operator
         self.degrees = degrees
         terms = operator.panels.degree + 1
-        keep, shed, top = [], [], []
-        for j, n in enumerate(degrees):
-            kept = max(n - 1, 1) if n else 1
-            keep.append(np.arange(j * terms, j * terms + kept))
-            shed.append(np.arange(j * terms + kept, j * terms + n))
-            top.append(np.arange(j * terms + max(kept, n), j * terms + n + 1))
-        tail = len(degrees) * terms
-        size = operator.panels.size
-        keep.append(np.arange(tail, size - 1))
-        top.append(np.arange(size - 1, size))
-        self.kept = sum(map(len, keep))
+        # two degrees of every panel are shed, but not the constant
+        own, highest = np.arange(terms), np.array(degrees)[:, None]
+        upper = own >= np.maximum(highest - 1, 1)
+        keep = np.flatnonzero(~upper)
+        shed = np.flatnonzero(upper & (own < highest))
+        top = np.flatnonzero(upper & (own == highest))
+        tail = np.arange(len(degrees) * terms, operator.panels.size)
+        self.kept = len(keep) + len(tail) - 1
         #: as many with one degree less on every panel
-        self.kept_but_one = self.kept + sum(map(len, shed))
+        self.kept_but_one = self.kept + len(shed)
         #: basis functions of the space, those of the coarser spaces first
-        self.index = np.concatenate(keep + shed + top)
+        self.index = np.concatenate([keep, tail[:-1], shed, top, tail[-1:]])
         #: their panels; that of the tail is one more
         self.panel = np.minimum(self.index // terms, len(degrees))
         # panel by panel, as the half-integral is triangular, and from there to the order above

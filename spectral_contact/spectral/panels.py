@@ -8,7 +8,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import ROOT_TERMS, TAIL_TERMS, tail_values
+from spectral_contact.spectral.abel import (
+    EXTRA,
+    ROOT_TERMS,
+    TAIL_EXTRA,
+    TAIL_TERMS,
+    tail_values,
+)
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
 __all__ = ["SAMPLES", "LogPanels", "Nodes"]
@@ -120,7 +126,7 @@ class LogPanels:
 
     def half_line_nodes(self) -> tuple[Array, Array]:
         """Return ``x`` and ``dx`` weights for sources, shape (panels, n) each; tail excluded."""
-        g, w = gauss_rule(self.degree + 12)
+        g, w = gauss_rule(self.degree + EXTRA)
         x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
         return x, np.broadcast_to(w * self.width / 2.0, x.shape)
 
@@ -165,7 +171,7 @@ class LogPanels:
 
     def panel_gram(self, decay: float) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""
-        g, w = gauss_rule(self.degree + 12)
+        g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)
@@ -221,7 +227,7 @@ class LogPanels:
             grid = np.ix_(*[columns[low:high] - j * terms] * 2)
             d = np.exp(-j * self.width)
             matrix[low:high, low:high] = d * (a * one[grid] + b * d * two[grid])
-        g, w = gauss_rule(self.tail_terms + 3)
+        g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)  # those of its half-integrals
         v = (1.0 + g) / 2.0
         d = self.end * v**2
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)

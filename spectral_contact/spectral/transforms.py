@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.legendre import legendre_rows
 from spectral_contact.spectral.abel import (
+    EXTRA,
     deeper,
     deeper_blocks,
     deeper_tail,
@@ -23,9 +24,10 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,
+    legendre_interpolation_matrix,
     legendre_values,
 )
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
 __all__ = ["Transforms", "transforms"]
 
@@ -58,31 +60,52 @@ class Transforms:
         #: distances of the sampling points
         self.distances: Array = np.concatenate([np.exp(-self._x).ravel(), panels.tail_sampling()])
 
+    @cached_property
+    def coarse(self) -> Array:
+        """Distances of points that represent a smooth function: `SAMPLES` a panel, the tail's."""
+        x = self.panels.sampling(SAMPLES)
+        return np.concatenate([np.exp(-x).ravel(), self.panels.tail_sampling()])
+
+    @cached_property
+    def _from_coarse(self) -> Array:
+        """Matrix of `interpolate` on a panel."""
+        g, _ = gauss_rule(self.panels.samples)
+        return legendre_interpolation_matrix(g, SAMPLES).T.copy()
+
+    def interpolate(self, values: Array) -> Array:
+        """Return a function at the sampling points from its values at the `coarse` ones."""
+        count = self.panels.panels * SAMPLES
+        on_panels = values[:count].reshape(-1, SAMPLES) @ self._from_coarse
+        return np.concatenate([on_panels.ravel(), values[count:]])
+
     def deeper(self, coefficients: Array) -> Array:
         """Return the `deeper` integral of a function, shape (sampling points,)."""
         panels, terms = self.panels, self.panels.degree + 1
         blocks, tail = self._deeper
-        count = panels.panels
-        values = np.zeros_like(self._x)
-        series = coefficients[: count * terms].reshape(count, terms)
-        for k in range(count):
-            values[: count - k] += series[k:] @ blocks[k]
-        values *= np.exp(-0.5 * self._x)
-        inside = np.zeros(len(self.distances) - values.size)
-        own = np.concatenate([values.ravel(), inside])
-        return np.asarray(own + tail @ coefficients[count * terms :])
+        count, size = panels.panels, self._x.size
+        values = tail @ coefficients[count * terms :]
+        from_panels = coefficients[: count * terms].reshape(count, terms) @ blocks
+        sums = from_panels[-1].copy()
+        for j in range(1, count):
+            stop = size - j * panels.samples
+            sums[:stop] += from_panels[-1 - j, size - stop :]
+        values[:size] += np.exp(-0.5 * self._x).ravel() * sums
+        return np.asarray(values)
 
     def outer(self, coefficients: Array) -> Array:
         """Return the `outer` integral, (..., sampling points), of functions (..., size)."""
         panels, terms = self.panels, self.panels.degree + 1
         blocks, tail = self._outer
         count, shape = panels.panels, coefficients.shape[:-1]
-        values = np.zeros((*shape, *self._x.shape))
         series = coefficients[..., : count * terms].reshape(*shape, count, terms)
         scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
-        for k in range(count):
-            values[..., k:, :] += scaled[..., : count - k, :] @ blocks[k]
-        return np.concatenate([values.reshape(*shape, -1), coefficients @ tail.T], axis=-1)
+        from_panels = scaled @ blocks
+        values = from_panels[..., 0, :].copy()
+        size = values.shape[-1]
+        for j in range(1, count):
+            start = j * panels.samples
+            values[..., start:] += from_panels[..., j, : size - start]
+        return np.concatenate([values, coefficients @ tail.T], axis=-1)
 
     def across(self, coefficients: Array, other: LogPanels) -> Array:
         """Return ``1/2 int f dd' / sqrt(2 - d - d')`` at the sampling points ``d`` of `other`.
@@ -121,7 +144,7 @@ class Transforms:
     def _mean(self) -> tuple[Array, Array, Array, Array]:
         """Matrices of `mean`: on a panel, of a whole one, in the tail, of all of the tail."""
         panels, h = self.panels, self.panels.width
-        g, w = gauss_rule(panels.degree + 12)  # a rule that the panels use, too
+        g, w = gauss_rule(panels.degree + EXTRA)
         half, degree = (1.0 + g) / 2.0, panels.tail_terms - 1
         # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
         reach = h - self._x[0]
@@ -139,14 +162,14 @@ class Transforms:
         panels = self.panels
         to_end = panels.width - self._x[0]
         blocks = deeper_blocks(to_end, panels.panels, panels.width, panels.degree)
-        return blocks.transpose(1, 2, 0).copy(), deeper_tail(self.distances, panels.end)
+        return _in_a_row(blocks[:, ::-1]), deeper_tail(self.distances, panels.end)
 
     @cached_property
     def _outer(self) -> tuple[Array, Array]:
         panels = self.panels
         mesh = panels.panels, panels.width, panels.degree
-        blocks = outer_blocks(self._x[0], *mesh).transpose(1, 2, 0).copy()
-        return blocks, outer(panels.tail_sampling(), *mesh)
+        blocks = outer_blocks(self._x[0], *mesh)
+        return _in_a_row(blocks), outer(panels.tail_sampling(), *mesh)
 
     def _across_matrix(self, near: Array, reach: float) -> Array:
         """Return the matrix of `across` at points of the first panel and Gauss points below."""
@@ -161,3 +184,8 @@ class Transforms:
     @cached_property
     def _across(self) -> BoundedCache[tuple[int, float], Array]:
         return BoundedCache("Abel transforms across an annulus", 4)
+
+
+def _in_a_row(blocks: Array) -> Array:
+    """Return blocks (points, panels, terms) side by side, (terms, panels * points)."""
+    return blocks.transpose(2, 1, 0).reshape(blocks.shape[2], -1)

@@ -10,7 +10,7 @@ def rate(*coefficients):
     """The rate of one panel, whose last coefficient is that of its degree."""
     table = np.zeros((1, 20))
     table[0, : len(coefficients)] = coefficients
-    return table_rates(np.array([len(coefficients) - 1]), table)[0]
+    return table_rates((len(coefficients) - 1,), table)[0]
 
 
 def test_a_geometric_series_shows_its_factor():
