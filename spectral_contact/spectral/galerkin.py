@@ -48,7 +48,7 @@ Array = NDArray[np.float64]
 
 #: Most strips into which the half-integral is cut, so that its zeros cost nothing, and of how many
 #: functions one has to be to be worth its calls.
-_STRIPS, _WORTH = 6, 45
+_STRIPS, _WORTH = 8, 40
 #: So many targets are solved for one by one: products with few vectors take BLAS more time.
 _FEW = 3
 #: Above this compliance the normal equations lose no more than 30 eps, and need no correction.
