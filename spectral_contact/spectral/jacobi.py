@@ -250,8 +250,9 @@ def _frozen_projection(points: int, degree: int) -> NDArray[np.float64]:
     nodes, weights = gauss_rule(points)
     values = legendre_values(nodes, degree)
     matrix = values * weights[:, None]
-    products = matrix.T @ values
-    defect = products - np.diag(1.0 / (np.arange(degree + 1) + 0.5))
-    matrix -= matrix @ np.linalg.solve(products, defect)
+    scale = np.arange(degree + 1) + 0.5
+    defect = matrix.T @ values - np.diag(1.0 / scale)
+    # a few roundings, whose square is nothing
+    matrix -= matrix @ (scale[:, None] * defect)
     matrix.setflags(write=False)
     return matrix
