@@ -385,7 +385,7 @@ def draw_prices(record: Record, path: Path) -> None:
         axes.set_yticks(range(len(prices)), [price["item"] for price in prices])
         axes.invert_yaxis()
         axes.set(xscale="log", xlabel="time: dark and number warm, light cold")
-        axes.set_xlim(0.05, 5.0 * axes.get_xlim()[1])
+        axes.set_xlim(0.02, 5.0 * axes.get_xlim()[1])
         ticks = 10.0 ** np.arange(-1.0, 6.0)
         axes.set_xticks(ticks, [_seconds(tick / 1e3) for tick in ticks])
         axes.minorticks_off()
