@@ -127,13 +127,14 @@ class CoupledRun(Run):
         """Take over partial slip."""
         from spectral_contact.contact.coupled_search import CoupledSearch
         from spectral_contact.contact.coupled_slip import NoCoupledDiskError
+        from spectral_contact.spectral.parameters import Parameters
 
         scene = self.scene
+        parameters = Parameters(
+            scene.normal_compliance, scene.tangential_compliance, scene.kappa, friction
+        )
         search = CoupledSearch(
-            scene.normal_compliance,
-            scene.tangential_compliance,
-            scene.kappa,
-            friction,
+            parameters,
             stick,
             self._plain_zones(),
             self.rtol,

@@ -25,6 +25,7 @@ import spectral_contact
 from spectral_contact import Scene, solve
 from spectral_contact.contact.coupled_disk import CoupledDiskProblem
 from spectral_contact.contact.coupled_radii import StickRadius, scanned, stick_radii
+from spectral_contact.spectral.parameters import Parameters
 
 RESULTS = Path(__file__).parent / "results"
 SEED, COUNT = 30, 600
@@ -58,7 +59,8 @@ def radii(scene: Scene) -> list[StickRadius]:
     """Return all stick radii of a scene."""
     compliances = scene.normal_compliance, scene.tangential_compliance
     assert scene.friction is not None
-    problem = CoupledDiskProblem(*compliances, scene.kappa, scene.friction, 1e-3)
+    parameters = Parameters(*compliances, scene.kappa, scene.friction)
+    problem = CoupledDiskProblem(parameters, 1e-3)
     return list(stick_radii(problem, scanned(problem, FIRST, STEP)))
 
 

@@ -39,6 +39,7 @@ from spectral_contact.fields import (
 )
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, Zone
 from spectral_contact.spectral.annulus import Annulus, Family, Points
+from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["solve_coupled_annuli"]
 
@@ -47,10 +48,7 @@ Record = Callable[[str, Any, float], Any]
 
 
 def solve_coupled_annuli(
-    alpha: float,
-    beta: float,
-    kappa: float,
-    friction: float,
+    parameters: Parameters,
     layout: Layout,
     tolerance: float,
     max_unknowns: int,
@@ -61,10 +59,8 @@ def solve_coupled_annuli(
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*``, 0 or positive, and ``beta*`` > 0.
-    kappa, friction : float
-        The coupling, positive, and Coulomb's coefficient.
+    parameters : Parameters
+        With ``beta*`` > 0.
     layout : Layout
         The states of the zones, and a guess of their boundaries.
     tolerance : float
@@ -80,12 +76,10 @@ def solve_coupled_annuli(
         If the friction law is broken.
     """
     begin = perf_counter()
-    refinement = solve_coupled_zones(alpha, beta, kappa, friction, layout, tolerance, max_unknowns)
+    refinement = solve_coupled_zones(parameters, layout, tolerance, max_unknowns)
     solved: CoupledZones = record(PARTIAL_SLIP, refinement, begin)
     begin = perf_counter()
-    outcome: CoupledSlip = record(
-        SLIP_FIELD, _Outcome(solved, alpha, beta, kappa, friction).checked(), begin
-    )
+    outcome: CoupledSlip = record(SLIP_FIELD, _Outcome(solved, parameters).checked(), begin)
     return outcome
 
 
@@ -94,10 +88,7 @@ class _Outcome:
     """Fields, displacement and checks of a solution on any zones."""
 
     solved: CoupledZones
-    alpha: float
-    beta: float
-    kappa: float
-    friction: float
+    parameters: Parameters
 
     @property
     def _bounds(self) -> tuple[Radius, ...]:
@@ -109,8 +100,8 @@ class _Outcome:
         if one.power == 0.0:
             return one
         if part.state != 0:
-            return as_power(one, part.state * self.kappa * self.friction)
-        depth = leading_depth(self.alpha, self.beta, part.family.reach)
+            return as_power(one, part.state * self.parameters.kappa * self.parameters.friction)
+        depth = leading_depth(self.parameters.alpha, self.parameters.beta, part.family.reach)
         count = min(ceil(depth / one.width), len(one.coefficients))
         tail = np.array([one.coefficients[count - 1].sum()])
         return replace(one, coefficients=one.coefficients[:count], tail=tail)
@@ -129,18 +120,18 @@ class _Outcome:
             pressure.append(ZonePiece(outer, own))
             above, below = shear[a], shear[b]
             if above is None or below is None:
-                traction.append(ZonePiece(outer, own, state * self.friction))
+                traction.append(ZonePiece(outer, own, state * self.parameters.friction))
             else:
                 traction.append(ZonePiece(outer, AnnulusSeries(inner, outer, above, below)))
         return ZonalField(tuple(pressure)), ZonalField(tuple(traction))
 
     def checked(self) -> CoupledSlip:
         """Return the solution if it obeys the friction law."""
-        solved, friction = self.solved, self.friction
+        solved, (_, beta, _, friction) = self.solved, self.parameters
         pressure, traction = self._pieces()
         slipping, lost = self._slipping()
         fields, samples, largest, unresolved = slip_displacement(
-            solved.stuck, slipping, InY(pressure), self.beta, friction
+            solved.stuck, slipping, InY(pressure), beta, friction
         )
         bounds, slips = self._bounds, iter(fields)
         states = solved.layout.states
@@ -163,7 +154,7 @@ class _Outcome:
             for k, part in enumerate(solved.zones.parts)
             if part.state
         )
-        direct = self.beta * friction * highest * solved.pressure_error
+        direct = beta * friction * highest * solved.pressure_error
         stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
         slip_error = stray / max(largest, 1e-300)
         if wrong > max(BROKEN, slip_error):
@@ -198,7 +189,9 @@ class _Outcome:
         ):
             if u is not None:
                 s = np.sqrt(np.maximum(part.family.points(d).z, 0.0))
-                most = max(most, float((s * np.abs(u(d)) / (self.friction * p(d))).max()))
+                most = max(
+                    most, float((s * np.abs(u(d)) / (self.parameters.friction * p(d))).max())
+                )
         return max(most - 1.0, 0.0)
 
     def _slipping(self) -> tuple[list[Slipping], float]:
@@ -226,7 +219,7 @@ class _Outcome:
         pairs = zip(self.solved.zones.parts, self.solved.driven, self.solved.sheared, strict=True)
         for part, p, u in pairs:
             # a part lies inside or outside of the points, unless it is their own
-            inner = 2.0 * self.kappa / np.sqrt(points.z)[:, None]
+            inner = 2.0 * self.parameters.kappa / np.sqrt(points.z)[:, None]
             total += inner * (part.family.inner_integral(points) @ p)
             total -= part.shear.half_integral(points) @ u
         return total

@@ -39,6 +39,7 @@ from spectral_contact.contact.stick_radius import (
 )
 from spectral_contact.fields import EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding import SlidingDisk
 from spectral_contact.spectral.sliding_factor import SlidingFactored
 
@@ -119,24 +120,13 @@ class CoupledDiskProblem:
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*`` and ``beta*``, 0 or positive.
-    kappa, friction : float
-        The coupling, positive, and Coulomb's coefficient.
+    parameters : Parameters
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     """
 
-    def __init__(
-        self,
-        alpha: float,
-        beta: float,
-        kappa: float,
-        friction: float,
-        tolerance: float,
-    ) -> None:
-        self.alpha, self.beta, self.kappa, self.friction = alpha, beta, kappa, friction
-        self.tolerance = tolerance
+    def __init__(self, parameters: Parameters, tolerance: float) -> None:
+        self.parameters, self.tolerance = parameters, tolerance
         #: what rounding left of a correction, and how far the radius may be off
         self._floor, self._reach = 0.0, _SETTLED
 
@@ -150,15 +140,18 @@ class CoupledDiskProblem:
 
     def rough(self, logit: float) -> CoupledTrial:
         """Return the contact with a given radius in a small space."""
-        spaces = first_spaces(self.alpha, self.beta, Radius.from_logit(logit), _ROUGH)
+        spaces = self._spaces(logit, _ROUGH)
         return self._trial(spaces, logit, 1e-2 * _ROUGH)
 
     # spaces
 
+    def _spaces(self, logit: float, tolerance: float) -> tuple[Resolution, Resolution, Resolution]:
+        alpha, beta, _, _ = self.parameters
+        return first_spaces(alpha, beta, Radius.from_logit(logit), tolerance)
+
     def start(self) -> Resolution:
         """Return the first space: the panels of the disk, then those of the annulus."""
-        radius = Radius.from_logit(self.logit)
-        spaces = first_spaces(self.alpha, self.beta, radius, self.tolerance)
+        spaces = self._spaces(self.logit, self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
         degrees = tuple(n for one in spaces for n in one.degrees)
         capacity = max(one.panels.degree for one in spaces)
@@ -168,7 +161,7 @@ class CoupledDiskProblem:
         """Separate the panels of the disk and of both halves of the annulus."""
         spaces = []
         bounds = accumulate(self._counts, initial=0)
-        powers = 0.0, 0.0, -0.5 if self.alpha == 0.0 else 0.0
+        powers = 0.0, 0.0, -0.5 if self.parameters.alpha == 0.0 else 0.0
         for (a, b), power in zip(pairwise(bounds), powers, strict=True):
             panels = replace(resolution.panels, panels=b - a, power=power)
             spaces.append(Resolution(panels, resolution.degrees[a:b]))
@@ -188,17 +181,17 @@ class CoupledDiskProblem:
             Radius.from_logit(logit),
             (spaces[0].panels, spaces[1].panels, spaces[2].panels),
             (spaces[0].degrees, spaces[1].degrees, spaces[2].degrees),
-            (self.alpha == 0.0, self.beta == 0.0),
+            (self.parameters.alpha == 0.0, self.parameters.beta == 0.0),
         )
         if like is not None:
             aim = max(aim, 2.0 * self._floor)
             trial, settled = self._corrected(disk, like.factored, like.values, aim)
             if settled:
                 return trial
-        parameters = self.alpha, self.beta, self.kappa, self.friction
-        thick = self.alpha >= _SINGLE and (self.beta == 0.0 or self.beta >= _SINGLE)
+        alpha, beta, _, _ = self.parameters
+        thick = alpha >= _SINGLE and (beta == 0.0 or beta >= _SINGLE)
         for exact in (False, True) if thick else (True,):
-            factored = SlidingFactored(disk, *parameters, exact=exact)
+            factored = SlidingFactored(disk, self.parameters, exact=exact)
             trial, settled = self._corrected(disk, factored, factored.start(), aim, size=1.0)
             if settled:
                 break
@@ -336,10 +329,7 @@ class CoupledDiskProblem:
 
 
 def solve_coupled_disk(
-    alpha: float,
-    beta: float,
-    kappa: float,
-    friction: float,
+    parameters: Parameters,
     tolerance: float,
     max_unknowns: int,
     guess: float,
@@ -348,10 +338,7 @@ def solve_coupled_disk(
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*`` and ``beta*``, 0 or positive.
-    kappa, friction : float
-        The coupling, positive, and Coulomb's coefficient.
+    parameters : Parameters
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     max_unknowns : int
@@ -369,6 +356,6 @@ def solve_coupled_disk(
     NoStickDiskError
         If no radius makes the traction continuous.
     """
-    problem = CoupledDiskProblem(alpha, beta, kappa, friction, tolerance)
+    problem = CoupledDiskProblem(parameters, tolerance)
     problem.look_near(guess)
     return refine(problem, tolerance, max_unknowns // 2)

@@ -83,7 +83,7 @@ def stick_radii(
 
 def scanned(problem: CoupledDiskProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
-    layers = min(problem.alpha, problem.beta)
+    layers = min(problem.parameters.alpha, problem.parameters.beta)
     last = min(_LAST, _PAST - log(layers)) if layers > 0.0 else _LAST
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
@@ -107,5 +107,5 @@ def _described(logit: float, trial: CoupledTrial) -> StickRadius:
         return StickRadius(logit, False, inf)
     pressure, _, _, shear = _parts(trial)
     q = trial.disk.radius.value * np.sqrt(1.0 - _DISTANCES) * np.abs(shear)
-    ratio = float((q / (trial.friction * pressure)).max())
+    ratio = float((q / (trial.parameters.friction * pressure)).max())
     return StickRadius(logit, True, max(ratio - 1.0, 0.0))

@@ -30,6 +30,7 @@ from spectral_contact.contact.coupled_zones import find_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields import Radius
+from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["CoupledSearch"]
 
@@ -57,10 +58,7 @@ class CoupledSearch:
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*`` and ``beta*``, 0 or positive.
-    kappa, friction : float
-        The coupling, positive, and Coulomb's coefficient.
+    parameters : Parameters
     stick : CoupledStick
         Full stick, with its fields.
     plain : Layout
@@ -73,10 +71,7 @@ class CoupledSearch:
         Takes the name of a step, its outcome and its beginning, returns the value.
     """
 
-    alpha: float
-    beta: float
-    kappa: float
-    friction: float
+    parameters: Parameters
     stick: CoupledStick
     plain: Layout
     tolerance: float
@@ -107,9 +102,9 @@ class CoupledSearch:
         from small disks on, which is where friction, or the load, begins, the first is reached.
         """
         ratio = self.stick.edge_ratio
-        if not self._possible(_DISK) or (ratio is not None and ratio >= self.friction):
+        if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
             return []
-        problem = CoupledDiskProblem(self.alpha, self.beta, self.kappa, self.friction, _PROBE)
+        problem = CoupledDiskProblem(self.parameters, _PROBE)
         further = scanned(problem, radius.logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
@@ -133,14 +128,14 @@ class CoupledSearch:
 
         That of a smooth surface sticks with tangential compliance, unless less than any distance.
         """
+        alpha, beta, _, friction = self.parameters
         if len(layout.states) == 2:
-            return self.alpha > 0.0 or (self.friction * self.beta) ** 2 <= FINEST
-        return len(layout.states) > 2 and self.beta > 0.0
+            return alpha > 0.0 or (friction * beta) ** 2 <= FINEST
+        return len(layout.states) > 2 and beta > 0.0
 
     def _solved(self, layout: Layout, far: bool) -> CoupledSlip:
         """Solve on zones like these, and keep the record if they fit."""
         notes: list[tuple[str, Any, float]] = []
-        parameters = self.alpha, self.beta, self.kappa, self.friction
 
         def note(name: str, result: Any, begin: float) -> Any:
             notes.append((name, result, perf_counter() - begin))
@@ -150,27 +145,28 @@ class CoupledSearch:
         if len(layout.states) == 2:
             # the search for a radius that is not there ends at the edge, past rounding
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                solved = solve_coupled_slip(*parameters, layout.logits[0], *limits, record=note)
+                solved = solve_coupled_slip(self.parameters, layout.logits[0], *limits, record=note)
         else:
             layout = self._found(layout, far)
             if self.tolerance < _PROBE:
-                solve_coupled_annuli(*parameters, layout, _PROBE, self.max_unknowns, record=note)
+                solve_coupled_annuli(
+                    self.parameters, layout, _PROBE, self.max_unknowns, record=note
+                )
                 notes.clear()
-            solved = solve_coupled_annuli(*parameters, layout, *limits, record=note)
+            solved = solve_coupled_annuli(self.parameters, layout, *limits, record=note)
         for name, result, seconds in notes:
             self.record(name, result, perf_counter() - seconds)
         return solved
 
     def _found(self, layout: Layout, far: bool) -> Layout:
         """Find the boundaries, with coupling that grows from none if they are far."""
-        compliances, share, step = (self.alpha, self.beta), 0.0, _STEP if far else 1.0
+        alpha, beta, kappa, friction = self.parameters
+        share, step = 0.0, _STEP if far else 1.0
         while share < 1.0:
             part = min(share + step, 1.0)
             try:
                 layout = find_coupled_zones(
-                    *compliances,
-                    part * self.kappa,
-                    part * self.friction,
+                    Parameters(alpha, beta, part * kappa, part * friction),
                     replace(layout, slopes=None),
                 )
             except NoBoundariesError:
@@ -189,7 +185,7 @@ class CoupledSearch:
         x = np.linspace(1e-3, _DEPTH, _PLACES)
         y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
         p, q = pressure.at(y), traction(s, y / (1.0 + s))
-        beyond = (np.abs(q) > self.friction * p) | (p <= 0.0)
+        beyond = (np.abs(q) > self.parameters.friction * p) | (p <= 0.0)
         edges = np.flatnonzero(beyond[1:] != beyond[:-1])
         middles = (x[edges] + x[edges + 1]) / 2.0
         logits = tuple(float(np.log(-np.expm1(-one)) + one) for one in middles)

@@ -28,6 +28,7 @@ from spectral_contact.fields import (
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, Zone
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding import SlidingDisk
 
 __all__ = [
@@ -113,10 +114,7 @@ class InY:
 
 
 def solve_coupled_slip(
-    alpha: float,
-    beta: float,
-    kappa: float,
-    friction: float,
+    parameters: Parameters,
     guess: float,
     tolerance: float,
     max_unknowns: int,
@@ -127,10 +125,7 @@ def solve_coupled_slip(
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*`` and ``beta*``, 0 or positive.
-    kappa, friction : float
-        The coupling, positive, and Coulomb's coefficient.
+    parameters : Parameters
     guess : float
         Stick radius to begin with, as ``ln(c**2/(1 - c**2))``.
     tolerance : float
@@ -147,18 +142,19 @@ def solve_coupled_slip(
     NoCoupledDiskError
         If the friction law is broken at the one that does: there are other zones.
     """
-    if alpha == 0.0 < beta and (friction * beta) ** 2 > FINEST:
+    if parameters.alpha == 0.0 and (parameters.friction * parameters.beta) ** 2 > FINEST:
         raise NoCoupledDiskError("the edge sticks, as the pressure is infinite there and q is not")
     begin = perf_counter()
-    refinement = solve_coupled_disk(alpha, beta, kappa, friction, tolerance, max_unknowns, guess)
+    refinement = solve_coupled_disk(parameters, tolerance, max_unknowns, guess)
     solved: CoupledDisk = record(PARTIAL_SLIP, refinement, begin)
     begin = perf_counter()
-    outcome: CoupledSlip = record(SLIP_FIELD, _outcome(solved, beta, kappa, friction), begin)
+    outcome: CoupledSlip = record(SLIP_FIELD, _outcome(solved, parameters), begin)
     return outcome
 
 
-def _outcome(solved: CoupledDisk, beta: float, kappa: float, friction: float) -> CoupledSlip:
+def _outcome(solved: CoupledDisk, parameters: Parameters) -> CoupledSlip:
     """Add fields, displacement and checks to the solution on the disk."""
+    _, beta, kappa, friction = parameters
     rim, (own, above, below, shear) = solved.radius, solved.series
     around = AnnulusSeries(rim, EDGE, above, as_power(below, kappa * friction), power=0)
     inside = DiskSeries(rim, own, power=0)

@@ -35,7 +35,7 @@ class CoupledTrial:
         self, disk: SlidingDisk, factored: SlidingFactored, values: Array, left: float
     ) -> None:
         self.disk, self.factored, self.values, self.left = disk, factored, values, left
-        _, _, self.kappa, self.friction = factored.parameters
+        self.parameters = factored.parameters
 
     @cached_property
     def _jumps(self) -> Array:
@@ -51,7 +51,7 @@ class CoupledTrial:
             np.array([series_of(own, column).limit for column in np.ascontiguousarray(one.T)])
             for one in (parts[0], parts[3])
         )
-        return np.asarray(disk.radius.value * u - self.friction * p)
+        return np.asarray(disk.radius.value * u - self.parameters.friction * p)
 
     @cached_property
     def lift(self) -> float:
@@ -75,7 +75,7 @@ class CoupledTrial:
     @cached_property
     def balance(self) -> Array:
         """The functional ``kappa R(c) - f P(c)``."""
-        return self.disk.balance(self.kappa, self.friction)
+        return self.disk.balance(self.parameters)
 
     @cached_property
     def at_rim(self) -> float:
@@ -91,7 +91,7 @@ class CoupledTrial:
     def shear(self, values: Array) -> float:
         """Return ``2 pi int q s ds`` of a vector."""
         disk, n = self.disk, self.disk.inside
-        slip = 2.0 * pi * self.friction * float(disk.load[n:] @ values[n : disk.count])
+        slip = 2.0 * pi * self.parameters.friction * float(disk.load[n:] @ values[n : disk.count])
         return float(disk.shear_moments @ values[disk.count :]) + slip
 
     def moved(self, change: Array) -> tuple[Array, float, float]:
@@ -118,5 +118,5 @@ class CoupledTrial:
         """Return E at the disk's nodes, of a vector that has an approach and its lift."""
         scale = np.array([approach])
         vector = values[:, None]
-        misfit = self.disk.misfit(vector, self.kappa, self.friction, scale, self.lift * scale)
+        misfit = self.disk.misfit(vector, self.parameters, scale, self.lift * scale)
         return misfit[3][:, 0]

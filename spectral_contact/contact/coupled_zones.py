@@ -40,6 +40,7 @@ from spectral_contact.contact.zones_spaces import CLOSEST, first_spaces, leading
 from spectral_contact.contact.zones_trial import ZonesTrial
 from spectral_contact.fields import EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Points
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding_zones import SlidingZones
 from spectral_contact.spectral.zones_factored import ZonesFactored
 
@@ -121,17 +122,9 @@ class CoupledZones:
 class _CoupledZonesProblem:
     """Spaces for given states of the zones; the boundaries are found anew in each of them."""
 
-    def __init__(
-        self,
-        alpha: float,
-        beta: float,
-        kappa: float,
-        friction: float,
-        layout: Layout,
-        tolerance: float,
-    ) -> None:
-        self.parameters = alpha, beta, kappa, friction
-        self.states, self.tolerance = layout.states, tolerance
+    def __init__(self, parameters: Parameters, layout: Layout, tolerance: float) -> None:
+        self.parameters, self.tolerance = parameters, tolerance
+        self.states = layout.states
         self.logits = np.array(layout.logits)
         if layout.slopes is not None:
             self.slopes = layout.slopes
@@ -158,7 +151,8 @@ class _CoupledZonesProblem:
         return tuple(Radius.from_logit(float(x)) for x in logits)
 
     def _spaces(self, tolerance: float) -> list[Resolution]:
-        return first_spaces(*self.parameters[:2], self._radii(self.logits), tolerance)
+        alpha, beta, _, _ = self.parameters
+        return first_spaces(alpha, beta, self._radii(self.logits), tolerance)
 
     def start(self) -> Resolution:
         """Return the first space, of all parts one after the other."""
@@ -175,7 +169,7 @@ class _CoupledZonesProblem:
         """Separate the panels of the parts."""
         spaces = []
         for a, b in pairwise(accumulate(self._counts, initial=0)):
-            power = -0.5 if self.parameters[0] == 0.0 and b == sum(self._counts) else 0.0
+            power = -0.5 if self.parameters.alpha == 0.0 and b == sum(self._counts) else 0.0
             panels = replace(resolution.panels, panels=b - a, power=power)
             spaces.append(Resolution(panels, resolution.degrees[a:b]))
         return spaces
@@ -189,10 +183,10 @@ class _CoupledZonesProblem:
         least = [0.0]  # what the factors leave at their own boundaries
 
         def trial_at(logits: Array) -> ZonesTrial:
-            if Radius.from_logit(float(logits[-1])).rest < _NARROWEST * self.parameters[0]:
+            if Radius.from_logit(float(logits[-1])).rest < _NARROWEST * self.parameters.alpha:
                 raise NoBoundariesError("the last zone vanishes")
             zones = SlidingZones(
-                self._radii(logits), self.states, panels, degrees, self.parameters[0] == 0.0
+                self._radii(logits), self.states, panels, degrees, self.parameters.alpha == 0.0
             )
             if last:
                 like = ZonesTrial(zones, last[0].factored, last[0].solution, last[0].lifts, inf)
@@ -200,7 +194,7 @@ class _CoupledZonesProblem:
                 if trial.left < max(_ENOUGH_LEFT * tolerance, 10.0 * least[0]):
                     last[0] = trial
                     return trial
-            factored = ZonesFactored(zones, *self.parameters)
+            factored = ZonesFactored(zones, self.parameters)
             begin = np.zeros(zones.unknowns), np.zeros(len(logits))
             last[:] = [self._corrected(ZonesTrial(zones, factored, *begin, inf), tolerance)]
             least[0] = last[0].left
@@ -225,6 +219,7 @@ class _CoupledZonesProblem:
 
     def _shares(self, zones: SlidingZones, change: Array, size: Array) -> list[list[Array]]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
+        alpha, beta, _, _ = self.parameters
         shares: list[list[Array]] = []
         moved, values = zones.split(change), zones.split(size)
         for k, part in enumerate(zones.parts):
@@ -238,7 +233,7 @@ class _CoupledZonesProblem:
                 x = own.width * np.arange(own.panels)
                 if part.boundary < 0:
                     if panels.power != 0.0:  # by what is felt of it
-                        leading = leading_depth(*self.parameters[:2], part.family.reach)
+                        leading = leading_depth(alpha, beta, part.family.reach)
                         share *= np.exp(-np.maximum(x - leading, 0.0))
                 else:  # not closer to a boundary than it is known
                     end = part.family.boundary
@@ -352,7 +347,7 @@ class _CoupledZonesProblem:
     def _edge_error(self, zones: SlidingZones, change: Array, whole: Array) -> float:
         """Return the error of q/s at an edge where it has a root: no degree of a panel helps."""
         part = zones.parts[-1]
-        if self.parameters[0] > 0.0 or part.state != 0:
+        if self.parameters.alpha > 0.0 or part.state != 0:
             return 0.0
         moved, values = (zones.split(one)[1][len(zones.parts) - 1] for one in (change, whole))
         panels = part.shear.panels
@@ -364,7 +359,8 @@ class _CoupledZonesProblem:
     ) -> tuple[list[Array], list[Array]]:
         """Return the coefficients of p and of q/s on every part, with their changes."""
         pairs = np.column_stack([whole, moved])
-        return trial.zones.split(pairs)[0], trial.zones.whole_traction(pairs, self.parameters[3])
+        traction = trial.zones.whole_traction(pairs, self.parameters.friction)
+        return trial.zones.split(pairs)[0], traction
 
     @staticmethod
     def _stuck(zones: SlidingZones, misfit: list[Array]) -> list[Stuck]:
@@ -393,21 +389,16 @@ class _CoupledZonesProblem:
         )
 
 
-def find_coupled_zones(
-    alpha: float, beta: float, kappa: float, friction: float, layout: Layout
-) -> Layout:
+def find_coupled_zones(parameters: Parameters, layout: Layout) -> Layout:
     """Return the boundaries of zones like these, to some digits, with what starts their solution.
 
     Parameters and errors are those of `solve_coupled_zones`.
     """
-    return _CoupledZonesProblem(alpha, beta, kappa, friction, layout, _ROUGH).layout
+    return _CoupledZonesProblem(parameters, layout, _ROUGH).layout
 
 
 def solve_coupled_zones(
-    alpha: float,
-    beta: float,
-    kappa: float,
-    friction: float,
+    parameters: Parameters,
     layout: Layout,
     tolerance: float,
     max_unknowns: int,
@@ -416,10 +407,8 @@ def solve_coupled_zones(
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*``, 0 or positive, and ``beta*`` > 0.
-    kappa, friction : float
-        The coupling, positive, and Coulomb's coefficient.
+    parameters : Parameters
+        With ``beta*`` > 0.
     layout : Layout
         The states of the zones; the boundaries as `find_coupled_zones` returns them, or a guess.
     tolerance : float
@@ -437,5 +426,5 @@ def solve_coupled_zones(
     NoBoundariesError
         If there are no such boundaries.
     """
-    problem = _CoupledZonesProblem(alpha, beta, kappa, friction, layout, tolerance)
+    problem = _CoupledZonesProblem(parameters, layout, tolerance)
     return refine(problem, tolerance, max_unknowns // 2)

@@ -62,13 +62,13 @@ class ZonesTrial:
     ) -> None:
         self.zones, self.factored, self.left = zones, factored, left
         self.solution, self.lifts = solution, lifts
-        _, _, self.kappa, self.friction = factored.parameters
+        self.parameters = factored.parameters
 
     def jump(self, values: Array) -> Array:
         """Return what ``q`` exceeds friction by in stick at the boundaries."""
         traction, pressure = self.zones.jumps
         jump = traction @ values
-        slipping = self.friction * (pressure @ values)
+        slipping = self.parameters.friction * (pressure @ values)
         return np.asarray((jump.T - self.zones.senses * slipping.T).T)
 
     def _continuous(self, values: Array) -> tuple[Array, Array]:
@@ -97,7 +97,7 @@ class ZonesTrial:
 
     @cached_property
     def _balances(self) -> tuple[Array, Array]:
-        drive, balance = self.zones.balances(self.kappa, self.friction)
+        drive, balance = self.zones.balances(self.parameters)
         return drive @ self.solution, balance
 
     @cached_property
@@ -108,7 +108,7 @@ class ZonesTrial:
 
     def shear(self, values: Array) -> float:
         """Return ``2 pi int q s ds`` of a vector."""
-        return self.zones.shear(values, self.friction)
+        return self.zones.shear(values, self.parameters.friction)
 
     def effects(self) -> list[Effect]:
         """Return what the top two degrees of every panel contribute, and what the top one does."""
@@ -129,5 +129,5 @@ class ZonesTrial:
     def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array]:
         """Return E at the nodes of every part, of a vector that has an approach and lifts."""
         approaches, columns = np.array([approach]), lifts[:, None]
-        misfit = self.zones.misfit(values[:, None], self.kappa, self.friction, approaches, columns)
+        misfit = self.zones.misfit(values[:, None], self.parameters, approaches, columns)
         return [one[:, 0] for one in misfit[1]]

@@ -35,6 +35,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["SlidingDisk"]
 
@@ -201,12 +202,12 @@ class SlidingDisk:
         c, half = self.radius.value, 0.5 * self.half
         return 0.5 * c**2 * normal, half * above, half * below, c**4 * tangential
 
-    def balance(self, kappa: float, friction: float) -> Array:
+    def balance(self, parameters: Parameters) -> Array:
         """Return ``kappa R(c) - f int_c^1 p ds / sqrt(s^2 - c^2)`` as a functional of vectors."""
         row = np.zeros(self.unknowns)
-        row[: self.inside] = 2.0 * kappa * self._inside.start
+        row[: self.inside] = 2.0 * parameters.kappa * self._inside.start
         row[self.inside : self.count] = (
-            -friction * self.over.after(self._at_rim[None, self._around.over])[0]
+            -parameters.friction * self.over.after(self._at_rim[None, self._around.over])[0]
         )
         return row
 
@@ -248,18 +249,19 @@ class SlidingDisk:
         return inner, halves[:, self._around.over] @ over
 
     def misfit(
-        self, values: Array, kappa: float, friction: float, approach: Array, lift: Array
+        self, values: Array, parameters: Parameters, approach: Array, lift: Array
     ) -> tuple[Array, Array, Array, Array]:
         """Return W on the disk, above its rim and below the edge, and E on the disk, at the nodes.
 
         Parameters
         ----------
         values : ndarray, shape (unknowns, k)
-        kappa, friction : float
+        parameters : Parameters
         approach, lift : ndarray, shape (k,)
             delta, and ``E(c)``.
         """
         n, c, disk, annulus = self.inside, self.radius.value, self._inside, self._around
+        _, _, kappa, friction = parameters
         p, slipping, u = values[:n], values[n : self.count], values[self.count :]
         scale, over = np.sqrt(self.half), self.over.of(slipping)
         start_u, start_p = disk.start @ u, disk.start @ p
@@ -290,20 +292,13 @@ class SlidingDisk:
         return within, above, below, lacking
 
     def residual(
-        self,
-        values: Array,
-        alpha: float,
-        beta: float,
-        kappa: float,
-        friction: float,
-        approach: Array,
-        lift: Array,
+        self, values: Array, parameters: Parameters, approach: Array, lift: Array
     ) -> Array:
         """Return what both equations miss, tested with all functions; see `misfit`."""
         n, scale = self.inside, np.sqrt(self.half)
         disk, annulus = self._inside, self._around
         m = n + annulus.split
-        within, above, below, lacking = self.misfit(values, kappa, friction, approach, lift)
+        within, above, below, lacking = self.misfit(values, parameters, approach, lift)
         missed = np.zeros_like(values)
         on_disk, on_above, on_below, shear = (one[:, None] for one in self.weights)
         within *= on_disk
@@ -315,6 +310,7 @@ class SlidingDisk:
         missed[m : self.count] += annulus.edge_half.T @ below
         missed[self.count :] = disk.half.T @ lacking
         start = 0
+        alpha, beta, _, _ = parameters
         for mass, compliance in zip(self.masses, (alpha, alpha, alpha, beta), strict=True):
             rows = slice(start, start + len(mass))
             if compliance:

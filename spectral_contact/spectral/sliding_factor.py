@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding import SlidingDisk
 
 __all__ = ["SlidingFactored", "assembled", "shed_changes"]
@@ -26,30 +27,15 @@ class SlidingFactored:
     Parameters
     ----------
     disk : SlidingDisk
-    alpha, beta : float
-        Compliances, at least 0.
-    kappa : float
-        The coupling.
-    friction : float
-        ``q/p`` on the annulus.
+    parameters : Parameters
     exact : bool
         Factor in double precision.
     """
 
-    def __init__(
-        self,
-        disk: SlidingDisk,
-        alpha: float,
-        beta: float,
-        kappa: float,
-        friction: float,
-        *,
-        exact: bool = False,
-    ) -> None:
-        self.disk, self.exact = disk, exact
-        self.parameters = alpha, beta, kappa, friction
+    def __init__(self, disk: SlidingDisk, parameters: Parameters, *, exact: bool = False) -> None:
+        self.disk, self.parameters, self.exact = disk, parameters, exact
         kind = np.float64 if exact else np.float32
-        matrix, self.scale = assembled(disk, *self.parameters, kind)
+        matrix, self.scale = assembled(disk, parameters, kind)
         # pivots are to be found among the equations of the pressure first, which are graded
         driven = matrix[disk.count :]
         small = 0.5 / max(float(np.abs(driven[:, : disk.count]).max()), 0.5)
@@ -71,7 +57,7 @@ class SlidingFactored:
 
         They are columns, and not corrected.
         """
-        columns = 2 if self.parameters[1] else 1
+        columns = 2 if self.parameters.beta else 1
         return self.correction(np.zeros((self.disk.unknowns, columns)))
 
     def correction(self, values: Array, disk: SlidingDisk | None = None) -> Array:
@@ -86,7 +72,7 @@ class SlidingFactored:
         """
         disk = disk or self.disk
         columns = np.eye(2)[:, : values.shape[1]]
-        return self.step(disk.residual(values, *self.parameters, columns[0], columns[1]))
+        return self.step(disk.residual(values, self.parameters, columns[0], columns[1]))
 
     def change(self, values: Array, disk: SlidingDisk | None = None) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.
@@ -97,7 +83,7 @@ class SlidingFactored:
         nothing = np.zeros(2 * values.shape[1])
 
         def residual(changes: Array) -> Array:
-            return disk.residual(changes, *self.parameters, nothing, nothing)
+            return disk.residual(changes, self.parameters, nothing, nothing)
 
         return shed_changes(self.step, self.scale, disk.shed, values, residual)
 
@@ -139,19 +125,14 @@ def shed_changes(
 
 
 def assembled(
-    disk: SlidingDisk,
-    alpha: float,
-    beta: float,
-    kappa: float,
-    friction: float,
-    kind: type[np.floating[Any]],
+    disk: SlidingDisk, parameters: Parameters, kind: type[np.floating[Any]]
 ) -> tuple[NDArray[Any], Array]:
     """Return the matrix of both equations; it is that of `SlidingDisk.residual` but for roundings.
 
     Parameters
     ----------
-    disk, alpha, beta, kappa, friction
-        Those of `SlidingFactored`.
+    disk : SlidingDisk
+    parameters : Parameters
     kind : type
         Precision of the matrix.
 
@@ -162,7 +143,7 @@ def assembled(
     scale : ndarray
         What they are multiplied by, so that the diagonal is nearly 1.
     """
-    return _Assembly(disk, alpha, beta, kappa, friction, kind).matrix()
+    return _Assembly(disk, parameters, kind).matrix()
 
 
 class _Assembly:
@@ -173,16 +154,10 @@ class _Assembly:
     """
 
     def __init__(
-        self,
-        disk: SlidingDisk,
-        alpha: float,
-        beta: float,
-        kappa: float,
-        friction: float,
-        kind: type[np.floating[Any]],
+        self, disk: SlidingDisk, parameters: Parameters, kind: type[np.floating[Any]]
     ) -> None:
         self._disk, self._kind = disk, kind
-        self._compliances, self._kappa, self._friction = (alpha, beta), kappa, friction
+        self._alpha, self._beta, self._kappa, self._friction = parameters
         own, around = disk.transforms
         n, scale = disk.inside, np.sqrt(disk.half)
         on_disk, above, below, shear = disk.weights
@@ -197,8 +172,8 @@ class _Assembly:
         squares[n + around.split : disk.count] += below @ self._below**2
         squares[disk.count :] = shear @ self._own**2
         masses = np.concatenate([one.diagonal() for one in disk.masses])
-        squares[: disk.count] += alpha * masses[: disk.count]
-        squares[disk.count :] += beta * masses[disk.count :]
+        squares[: disk.count] += self._alpha * masses[: disk.count]
+        squares[disk.count :] += self._beta * masses[disk.count :]
         self.scale: Array = 1.0 / np.sqrt(squares)
         self._weights = disk.weights
         #: scales of the pressure on the disk and around it, and of the traction
@@ -223,7 +198,6 @@ class _Assembly:
         """Return the matrix and its scale."""
         disk, matrix, n = self._disk, self._result, self._disk.inside
         own, around = disk.transforms
-        alpha, beta = self._compliances
         p, annulus, u = slice(n), slice(n, disk.count), slice(disk.count, None)
         edge = slice(n + around.split, disk.count)
         on_disk, above, below, shear = self._weights
@@ -241,6 +215,7 @@ class _Assembly:
             self._pressure_by_moments()
         self._traction_by_pressure()
         begin = 0
+        alpha, beta = self._alpha, self._beta
         for mass, compliance in zip(disk.masses, (alpha, alpha, alpha, beta), strict=True):
             rows = slice(begin, begin + len(mass))
             if compliance:

@@ -27,6 +27,7 @@ from spectral_contact.spectral.from_boundary import (
     node_rule,
 )
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.zone_parts import Part, zone_parts
 
 __all__ = ["SlidingZones"]
@@ -284,7 +285,7 @@ class SlidingZones:
         pairs = zip(self.states[:-1], self.states[1:], strict=True)
         return np.array([float(a + b) for a, b in pairs])
 
-    def balances(self, kappa: float, friction: float) -> tuple[Array, Array]:
+    def balances(self, parameters: Parameters) -> tuple[Array, Array]:
         """Return ``kappa R(b)`` and ``E(b)`` as functionals of vectors."""
         drive = np.zeros((len(self.radii), self.unknowns))
         balance = np.zeros_like(drive)
@@ -292,8 +293,9 @@ class SlidingZones:
             if part.boundary < 0 or part.family.sign > 0:
                 continue
             g, _, r, _ = self._tangential[i]
-            drive[part.boundary, : len(r)] = kappa * r
-            self._add_traction(balance[part.boundary : part.boundary + 1], -g[None], i, friction)
+            drive[part.boundary, : len(r)] = parameters.kappa * r
+            row = balance[part.boundary : part.boundary + 1]
+            self._add_traction(row, -g[None], i, parameters.friction)
         return drive, balance + drive
 
     # matrices
@@ -325,8 +327,9 @@ class SlidingZones:
         """Return the first unknown of u on the parts from i outward."""
         return next((s.start for k, s in self._shear.items() if k >= i), self.unknowns)
 
-    def matrix(self, alpha: float, beta: float, kappa: float, friction: float) -> Array:
+    def matrix(self, parameters: Parameters) -> Array:
         """Return the matrix of both equations; it is that of `residual` but for roundings."""
+        alpha, beta, kappa, friction = parameters
         matrix = np.zeros((self.unknowns, self.unknowns))
         last = len(self.parts)
         for i in range(last):
@@ -351,20 +354,21 @@ class SlidingZones:
         return matrix
 
     def misfit(
-        self, values: Array, kappa: float, friction: float, approach: Array, lifts: Array
+        self, values: Array, parameters: Parameters, approach: Array, lifts: Array
     ) -> tuple[list[Array], list[Array]]:
         """Return W and E at the nodes of every part.
 
         Parameters
         ----------
         values : ndarray, shape (unknowns, k)
-        kappa, friction : float
+        parameters : Parameters
         approach : ndarray, shape (k,)
             delta.
         lifts : ndarray, shape (boundaries, k)
             ``E(b)``.
         """
-        q = self.traction(values, friction)
+        kappa = parameters.kappa
+        q = self.traction(values, parameters.friction)
         pull = np.concatenate(self._pull) @ np.concatenate(q)
         normal, tangential = [], []
         known: dict[int, Array] = {}
@@ -383,18 +387,11 @@ class SlidingZones:
         return normal, tangential
 
     def residual(
-        self,
-        values: Array,
-        alpha: float,
-        beta: float,
-        kappa: float,
-        friction: float,
-        approach: Array,
-        lifts: Array,
+        self, values: Array, parameters: Parameters, approach: Array, lifts: Array
     ) -> Array:
         """Return what both equations miss, tested with all functions; see `misfit`."""
         missed = np.zeros_like(values)
-        misfits = self.misfit(values, kappa, friction, approach, lifts)
+        misfits = self.misfit(values, parameters, approach, lifts)
         for i, (normal, tangential) in enumerate(zip(*misfits, strict=True)):
             w, e = self._weights[i][:, None] * normal, self.shear_weights[i][:, None] * tangential
             for k in range(i, len(self.parts)):
@@ -402,7 +399,7 @@ class SlidingZones:
                 if k in self._shear:
                     missed[self._shear[k]] += self._shear_half[i][k].T @ e
         for own, mass, shear in self.masses:
-            missed[own] -= (beta if shear else alpha) * (mass @ values[own])
+            missed[own] -= (parameters.beta if shear else parameters.alpha) * (mass @ values[own])
         return missed
 
 

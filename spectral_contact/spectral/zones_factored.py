@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding_factor import shed_changes
 from spectral_contact.spectral.sliding_zones import SlidingZones
 
@@ -22,17 +23,13 @@ class ZonesFactored:
     Parameters
     ----------
     zones : SlidingZones
-    alpha, beta : float
-        Compliances; beta is positive.
-    kappa, friction : float
+    parameters : Parameters
+        Of which beta is positive.
     """
 
-    def __init__(
-        self, zones: SlidingZones, alpha: float, beta: float, kappa: float, friction: float
-    ) -> None:
-        self.zones = zones
-        self.parameters = alpha, beta, kappa, friction
-        matrix = zones.matrix(alpha, beta, kappa, friction)
+    def __init__(self, zones: SlidingZones, parameters: Parameters) -> None:
+        self.zones, self.parameters = zones, parameters
+        matrix = zones.matrix(parameters)
         self.scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
         matrix *= self.scale
         matrix *= self.scale[:, None]
@@ -65,7 +62,7 @@ class ZonesFactored:
         zones : SlidingZones
             Those of the factors or like ones, whose solutions they are.
         """
-        return self.step(zones.residual(values, *self.parameters, approach, lifts))
+        return self.step(zones.residual(values, self.parameters, approach, lifts))
 
     def change(self, values: Array, zones: SlidingZones) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.
@@ -75,7 +72,7 @@ class ZonesFactored:
         nothing = np.zeros(2), np.zeros((len(zones.radii), 2))
 
         def residual(changes: Array) -> Array:
-            return zones.residual(changes, *self.parameters, *nothing)
+            return zones.residual(changes, self.parameters, *nothing)
 
         changes = shed_changes(self.step, self.scale, zones.shed, values[:, None], residual)
         return [one[:, 0] for one in changes]

@@ -17,6 +17,7 @@ from spectral_contact.equations import (
     tangential_displacement,
 )
 from spectral_contact.fields import Radius
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.testing import check_solution
 
 #: Slip inside, the edge sticks: without coupling the first is that of docs/theory.
@@ -103,10 +104,10 @@ def test_the_edge_of_a_smooth_surface():
 
 
 def test_one_stick_disk_by_the_system_of_any_zones():
-    parameters = 0.3, 0.2, 0.25, 0.15
-    layout = find_coupled_zones(*parameters, Layout((0.5,), (0, 1)))
-    zones = solve_coupled_zones(*parameters, layout, 1e-12, 20000).best.value
-    disk = solve_coupled_disk(*parameters, 1e-12, 20000, 0.5).best.value
+    parameters = Parameters(0.3, 0.2, 0.25, 0.15)
+    layout = find_coupled_zones(parameters, Layout((0.5,), (0, 1)))
+    zones = solve_coupled_zones(parameters, layout, 1e-12, 20000).best.value
+    disk = solve_coupled_disk(parameters, 1e-12, 20000, 0.5).best.value
     assert Radius.from_logit(zones.layout.logits[0]).value == pytest.approx(
         disk.radius.value, rel=1e-12
     )

@@ -9,6 +9,7 @@ from spectral_contact.fields import Radius
 from spectral_contact.spectral.abel import beyond, fall, far_fall
 from spectral_contact.spectral.graded import GradedNodes
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding import SlidingDisk
 from spectral_contact.spectral.sliding_factor import SlidingFactored, assembled
 
@@ -57,12 +58,12 @@ def test_charges_may_have_a_degree_for_each_panel():
 @pytest.mark.parametrize(("alpha", "beta"), [(0.5, 0.5), (1e-3, 1e-5), (0.5, 0.0), (0.0, 0.0)])
 def test_the_matrix_is_that_of_the_residual(alpha, beta):
     disk = sliding(alpha, beta)
-    parameters = alpha, beta, KAPPA, FRICTION
-    matrix, scale = assembled(disk, *parameters, np.float64)
+    parameters = Parameters(alpha, beta, KAPPA, FRICTION)
+    matrix, scale = assembled(disk, parameters, np.float64)
     nothing = np.zeros(disk.unknowns)
-    residual = disk.residual(np.diag(scale), *parameters, nothing, nothing) * scale[:, None]
+    residual = disk.residual(np.diag(scale), parameters, nothing, nothing) * scale[:, None]
     assert np.abs(matrix + residual).max() < 1e-8
-    single, _ = assembled(disk, *parameters, np.float32)
+    single, _ = assembled(disk, parameters, np.float32)
     assert single.dtype == np.float32
     assert np.abs(single - matrix).max() < 1e-5 * np.abs(matrix).max()
 
@@ -70,7 +71,7 @@ def test_the_matrix_is_that_of_the_residual(alpha, beta):
 @pytest.mark.parametrize("exact", [False, True])
 def test_corrections_converge_and_the_top_degrees_are_what_changes(exact):
     disk = sliding(0.5, 0.2)
-    factored = SlidingFactored(disk, 0.5, 0.2, KAPPA, FRICTION, exact=exact)
+    factored = SlidingFactored(disk, Parameters(0.5, 0.2, KAPPA, FRICTION), exact=exact)
     values = factored.start()
     for _ in range(3):
         change = factored.correction(values)
@@ -82,6 +83,6 @@ def test_corrections_converge_and_the_top_degrees_are_what_changes(exact):
         less = values - changed
         assert np.abs(less[shed]).max() < 1e-10 * np.abs(values).max()
         kept = np.setdiff1d(np.arange(disk.unknowns), shed)
-        missed = disk.residual(less, *factored.parameters, columns[0], columns[1])
+        missed = disk.residual(less, factored.parameters, columns[0], columns[1])
         missed, weight = missed * factored.scale[:, None], values / factored.scale[:, None]
         assert np.abs(missed[kept]).max() < 1e-10 * np.abs(weight).max()

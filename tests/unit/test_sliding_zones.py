@@ -6,11 +6,11 @@ import pytest
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding_zones import SlidingZones
 from spectral_contact.spectral.zones_factored import ZonesFactored
 
-#: alpha, beta, kappa and friction.
-PARAMETERS = 0.1, 0.2, 0.3, 0.4
+PARAMETERS = Parameters(0.1, 0.2, 0.3, 0.4)
 STATES = [(0, 1), (0, 1, 0), (0, 1, 0, -1), (0, -1, 0, 1, 0)]
 
 
@@ -25,19 +25,19 @@ def zones(states, degree=6, power=0.0):
 
 def vector(system, parameters=PARAMETERS):
     """Return a random vector, as large as its functions are small."""
-    diagonal = np.abs(system.matrix(*parameters).diagonal())
+    diagonal = np.abs(system.matrix(parameters).diagonal())
     return np.random.default_rng(1).standard_normal(system.unknowns) / np.sqrt(diagonal)
 
 
 @pytest.mark.parametrize("states", STATES)
 @pytest.mark.parametrize("power", [0.0, -0.5])
 def test_the_matrix_is_that_of_the_residual(states, power):
-    parameters = (0.0 if power else 0.1, *PARAMETERS[1:])
+    parameters = PARAMETERS._replace(alpha=0.0 if power else 0.1)
     system = zones(states, power=power)
     values = vector(system, parameters)
     nothing = np.zeros(1), np.zeros((len(system.radii), 1))
-    missed = system.residual(values[:, None], *parameters, *nothing)[:, 0]
-    matrix = system.matrix(*parameters)
+    missed = system.residual(values[:, None], parameters, *nothing)[:, 0]
+    matrix = system.matrix(parameters)
     scale = np.abs(matrix) @ np.abs(values)
     assert (np.abs(missed + matrix @ values) <= 1e-11 * scale).all()
 
@@ -64,7 +64,7 @@ def test_balances_are_integrals_at_the_boundaries(states):
     system = zones(states)
     values = vector(system)
     _, _, kappa, friction = PARAMETERS
-    drive, balance = system.balances(kappa, friction)
+    drive, balance = system.balances(PARAMETERS)
     pressure, _ = system.split(values)
     traction = system.whole_traction(values, friction)
     for b, radius in enumerate(system.radii):
@@ -97,7 +97,7 @@ def test_parts_fill_the_contact():
 @pytest.mark.parametrize("states", STATES)
 def test_what_top_degrees_contribute_is_what_a_solve_without_them_lacks(states):
     system = zones(states)
-    factored = ZonesFactored(system, *PARAMETERS)
+    factored = ZonesFactored(system, PARAMETERS)
     approach, lifts = np.ones(1), np.full((len(system.radii), 1), 0.1)
     solution = np.zeros((system.unknowns, 1))
     for _ in range(3):
@@ -106,6 +106,6 @@ def test_what_top_degrees_contribute_is_what_a_solve_without_them_lacks(states):
     lesser = solution[:, 0] - change
     shed, _ = system.shed
     kept = np.setdiff1d(np.arange(system.unknowns), shed)
-    missed = system.residual(lesser[:, None], *PARAMETERS, approach, lifts)[:, 0] * factored.scale
+    missed = system.residual(lesser[:, None], PARAMETERS, approach, lifts)[:, 0] * factored.scale
     assert np.abs(lesser[shed] / factored.scale[shed]).max() < 1e-12
     assert np.abs(missed[kept]).max() < 1e-12
