@@ -125,8 +125,8 @@ class CoupledRun(Run):
 
     def _slipping(self, friction: float, stick: CoupledStick) -> None:
         """Take over partial slip."""
+        from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
         from spectral_contact.contact.coupled_search import CoupledSearch
-        from spectral_contact.contact.coupled_slip import NoCoupledDiskError
         from spectral_contact.spectral.parameters import Parameters
 
         scene = self.scene
@@ -142,21 +142,22 @@ class CoupledRun(Run):
             self.record,
         )
         try:
-            solved = search.outcome()
-        except NoCoupledDiskError as missing:
+            found = search.outcome()
+        except NoCoupledSlipError as missing:
             raise NotComputedError(
                 "coupled partial slip",
                 f"no zones were found that obey the friction law ({missing}); "
                 "pass friction=math.inf, or coupling=False",
             ) from missing
-        self.pressure, self.traction, self.slip = solved.pressure, solved.traction, solved.slip
+        solved = found.solved
+        self.pressure, self.traction, self.slip = found.pressure, found.traction, found.slip
         if "opening" in self.values:
             self.values["opening"] = None
         self.values.update(
             approach=solved.approach,
             total_shear=solved.total_shear,
-            stick_radius=solved.zones[0].outer,
-            zones=solved.zones,
+            stick_radius=found.zones[0].outer,
+            zones=found.zones,
         )
         self.errors.update(
             approach=solved.approach_error,
@@ -164,27 +165,26 @@ class CoupledRun(Run):
             traction=max(solved.traction_error, solved.pressure_error),
             total_shear=solved.shear_error,
             stick_radius=solved.radius_error,
-            zones=max(solved.radius_error, solved.edge_error),
-            slip=solved.slip_error,
-            violation=solved.violation,
+            zones=solved.zones_error,
+            slip=found.slip_error,
+            violation=found.violation,
         )
         below = f"friction is below the critical {stick.critical:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
         one = "pressure and traction are one system"
-        rim = solved.zones[0]
-        others = search.others(Radius(rim.outer, rim.outer_from_edge))
+        others = search.others(solved.radii[0])
         if others:
             radii = ", ".join(f"{radius:.3g}" for radius in others)
             one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
         self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
-        if len(solved.zones) > 2:
-            found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
-            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, found)
+        if len(found.zones) > 2:
+            several = f"one stick disk breaks the friction law; {len(found.zones)} zones found"
+            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, several)
         else:
             self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
         checked = PlannedStep(SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked")
         self.outcome[SLIP_FIELD] = checked
-        if not solved.consistent:
+        if not found.consistent:
             self.endings.append(Ending.ZONES)
 
     def _plain_zones(self) -> Layout:

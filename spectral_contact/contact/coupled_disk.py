@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.coupled_outcome import Solved
 from spectral_contact.contact.coupled_spaces import LEADING, first_spaces
 from spectral_contact.contact.coupled_trial import CoupledTrial
 from spectral_contact.contact.resolution import (
@@ -37,7 +38,7 @@ from spectral_contact.contact.stick_radius import (
     NoStickDiskError,
     root_near,
 )
-from spectral_contact.fields import EDGE, LogSeries, Radius
+from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding import SlidingDisk
@@ -71,48 +72,22 @@ _UNFELT = 1e-13
 
 
 @dataclass(frozen=True, slots=True)
-class CoupledDisk:
+class CoupledDisk(Solved):
     """Coupled partial slip with one stick disk, for unit load.
 
     Attributes
     ----------
-    radius : Radius
-        ``c*``.
-    approach, total_shear : float
-        ``delta*`` and ``Q*``.
     disk : SlidingDisk
         The operators.
     parts : tuple of ndarray
         Coefficients of p on the disk, above its rim and below the edge, and of q/s on the disk.
     change : tuple of ndarray
         What the top two degrees of every panel contribute to them.
-    series : tuple of LogSeries
-        The parts as functions.
-    stuck : Stuck
-        Quadrature of ``t^2 E dt`` over the disk, for the displacement outside it.
-    approach_error, shear_error, pressure_error, traction_error : float
-        Estimates of relative errors; those of the fields are pointwise.
-    radius_error, edge_error : float
-        Of ``c`` and of ``1 - c``.
-    stray : float
-        Estimate of the largest error of E.
     """
 
-    radius: Radius
-    approach: float
-    total_shear: float
     disk: SlidingDisk
     parts: tuple[Array, Array, Array, Array]
     change: tuple[Array, Array, Array, Array]
-    series: tuple[LogSeries, ...]
-    stuck: Stuck
-    approach_error: float
-    shear_error: float
-    pressure_error: float
-    traction_error: float
-    radius_error: float
-    edge_error: float
-    stray: float
 
 
 class CoupledDiskProblem:
@@ -307,21 +282,28 @@ class CoupledDiskProblem:
             Stuck(radius, ((points, weights * one),))
             for one in (whole_misfit, trial.lacking(moved[0], 0.0))
         )
+        radius_error, edge_error = boundary_error(shift, radius)
+        *pressure, traction = (
+            series_of(space.panels, part) for space, part in zip(spaces, parts, strict=True)
+        )
         value = CoupledDisk(
-            radius,
+            (radius,),
+            (0, 1),
             trial.approach,
             shear,
-            disk,
-            parts,
-            disk.split(moved[0]),
-            tuple(series_of(space.panels, part) for space, part in zip(spaces, parts, strict=True)),
-            stuck,
+            pressure,
+            [traction, None, None],
+            [stuck],
             max(abs(raised) for _, _, raised in effects) + squared + noise,
             sheared + squared + noise + 2.0 * shift**2 * radius.rest,
             pressure_error,
             traction_error,
-            *boundary_error(shift, radius),
+            radius_error,
+            max(radius_error, edge_error),
             SAFETY * largest_displacement([lost], radius, EDGE),
+            disk,
+            parts,
+            disk.split(moved[0]),
         )
         indicators = np.concatenate([np.maximum(expected[0], expected[3]), *expected[1:3]])
         rate = np.concatenate([np.maximum(rates[0], rates[3]), *rates[1:3]])

@@ -9,33 +9,31 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.boundaries import NoBoundariesError
-from spectral_contact.contact.coupled_annuli import solve_coupled_annuli
-from spectral_contact.contact.coupled_disk import CoupledDiskProblem
+from spectral_contact.contact.coupled_annuli import slip_in_annuli
+from spectral_contact.contact.coupled_disk import CoupledDiskProblem, solve_coupled_disk
+from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
 from spectral_contact.contact.coupled_radii import scanned, stick_radii
-from spectral_contact.contact.coupled_slip import (
-    FINEST,
-    CoupledSlip,
-    NoCoupledDiskError,
-    solve_coupled_slip,
-)
+from spectral_contact.contact.coupled_slip import slip_around_disk
 from spectral_contact.contact.coupled_stick import CoupledStick
-from spectral_contact.contact.coupled_zones import find_coupled_zones
+from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields import Radius
+from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["CoupledSearch"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
+T = TypeVar("T")
 
 #: Tolerance at which guesses are tried before they are solved for to a tighter one.
 _PROBE = 1e-3
@@ -44,12 +42,14 @@ _DISK = Layout((3.0,), (0, 1))
 #: From where on another stick radius is looked for, and in which steps, as logits; on smooth
 #: surfaces they are 10 apart and more, measured.
 _CLEAR, _APART = 1.0, 3.0
+#: Stick at the edge of a smooth surface with tangential compliance that is wider than this counts.
+_FINEST = 1e-80
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
 #: The first and the least step of the coupling by which zones are followed.
 _STEP, _LEAST_STEP = 0.25, 0.05
 #: What a guess of the zones ends in, if they do not fit.
-_MISFITS = (NoCoupledDiskError, NoStickDiskError, NoBoundariesError, np.linalg.LinAlgError)
+_MISFITS = (NoCoupledSlipError, NoStickDiskError, NoBoundariesError, np.linalg.LinAlgError)
 
 
 @dataclass(slots=True)
@@ -83,7 +83,7 @@ class CoupledSearch:
 
         Raises
         ------
-        NoCoupledDiskError
+        NoCoupledSlipError
             If none does.
         """
         reasons = []
@@ -92,7 +92,7 @@ class CoupledSearch:
                 return self._solved(layout, far)
             except _MISFITS as missing:
                 reasons.append(f"{len(layout.states)} zones: {missing}")
-        raise NoCoupledDiskError("; ".join(reasons))
+        raise NoCoupledSlipError("; ".join(reasons))
 
     def others(self, radius: Radius) -> list[float]:
         """Return what other stick radii than that of a solution there may be, roughly.
@@ -130,33 +130,38 @@ class CoupledSearch:
         """
         alpha, beta, _, friction = self.parameters
         if len(layout.states) == 2:
-            return alpha > 0.0 or (friction * beta) ** 2 <= FINEST
+            return alpha > 0.0 or (friction * beta) ** 2 <= _FINEST
         return len(layout.states) > 2 and beta > 0.0
 
     def _solved(self, layout: Layout, far: bool) -> CoupledSlip:
-        """Solve on zones like these, and keep the record if they fit."""
-        notes: list[tuple[str, Any, float]] = []
-
-        def note(name: str, result: Any, begin: float) -> Any:
-            notes.append((name, result, perf_counter() - begin))
-            return result.best.value if isinstance(result, Refinement) else result
-
-        limits = self.tolerance, self.max_unknowns
+        """Solve on zones like these."""
+        parameters, most = self.parameters, self.max_unknowns
         if len(layout.states) == 2:
             # the search for a radius that is not there ends at the edge, past rounding
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                solved = solve_coupled_slip(self.parameters, layout.logits[0], *limits, record=note)
-        else:
-            layout = self._found(layout, far)
-            if self.tolerance < _PROBE:
-                solve_coupled_annuli(
-                    self.parameters, layout, _PROBE, self.max_unknowns, record=note
-                )
-                notes.clear()
-            solved = solve_coupled_annuli(self.parameters, layout, *limits, record=note)
-        for name, result, seconds in notes:
-            self.record(name, result, perf_counter() - seconds)
-        return solved
+                begin = perf_counter()
+                disk = solve_coupled_disk(parameters, self.tolerance, most, layout.logits[0])
+                return self._checked(disk, slip_around_disk, begin)
+        layout = self._found(layout, far)
+        if self.tolerance < _PROBE:
+            rough = solve_coupled_zones(parameters, layout, _PROBE, most)
+            slip_in_annuli(rough.best.value, parameters)
+        begin = perf_counter()
+        zones = solve_coupled_zones(parameters, layout, self.tolerance, most)
+        return self._checked(zones, slip_in_annuli, begin)
+
+    def _checked(
+        self,
+        refinement: Refinement[T],
+        slip: Callable[[T, Parameters], CoupledSlip],
+        begin: float,
+    ) -> CoupledSlip:
+        """Add the displacement to a solution, and record both if the friction law holds."""
+        solved = perf_counter()
+        outcome = slip(refinement.best.value, self.parameters)
+        self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
+        self.record(SLIP_FIELD, outcome, solved)
+        return outcome
 
     def _found(self, layout: Layout, far: bool) -> Layout:
         """Find the boundaries, with coupling that grows from none if they are far."""

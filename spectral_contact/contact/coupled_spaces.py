@@ -16,7 +16,7 @@ from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["LEADING", "first_spaces"]
+__all__ = ["LEADING", "first_spaces", "leading_depth", "thinnest_layer"]
 
 #: Rounding of a radius next to the rim, closer to which nothing can be asked; panels go deeper by
 #: this in ``-ln d``, as where they end is felt for a while.
@@ -50,8 +50,8 @@ def first_spaces(
     apart = abs(log(half / radius.square))
     spaces = []
     for k, (extent, other) in enumerate(((radius.square, half), (half, radius.square))):
-        felt = [c for c in ((alpha, beta), (alpha,))[k] if c > 0.0]
-        layer = _layer(min(felt, default=1.0), extent)
+        # above the rim no layer of the traction is felt
+        layer = thinnest_layer(alpha, 0.0 if k else beta, extent)
         bends = [(layer - 1.0, _TURN)] if k == 0 and layer > 1.0 else []
         if extent > other:
             bends.append((apart, (_BEND, _TURN)[k]))
@@ -69,14 +69,19 @@ def first_spaces(
     if alpha == 0.0:
         edge = _space(LEADING, [], tolerance, 1.0, _FIRST[2], power=-0.5)
     else:
-        layer = _layer(alpha, half)
+        layer = thinnest_layer(alpha, 0.0, half)
         edge = _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _FIRST[2])
     return spaces[0], spaces[1], edge
 
 
-def _layer(compliance: float, extent: float) -> float:
-    """Return ``-ln`` of the width of a layer in units of an extent in ``s**2``."""
-    return max(log(extent / compliance), 0.0)
+def leading_depth(alpha: float, beta: float, extent: float) -> float:
+    """Return the depth toward the edge past which a singular pressure is its leading term."""
+    return LEADING + thinnest_layer(alpha, beta, extent)
+
+
+def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
+    """Return ``-ln`` of the width of the thinnest layer in units of an extent in ``s**2``, or 0."""
+    return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
 
 
 def _space(

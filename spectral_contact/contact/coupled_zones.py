@@ -23,6 +23,8 @@ from spectral_contact.contact.boundaries import (
     find_boundaries,
     zones_error,
 )
+from spectral_contact.contact.coupled_outcome import Solved
+from spectral_contact.contact.coupled_spaces import leading_depth
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -36,9 +38,9 @@ from spectral_contact.contact.resolution import (
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
-from spectral_contact.contact.zones_spaces import CLOSEST, first_spaces, leading_depth
+from spectral_contact.contact.zones_spaces import CLOSEST, first_spaces
 from spectral_contact.contact.zones_trial import ZonesTrial
-from spectral_contact.fields import EDGE, LogSeries, Radius
+from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding_zones import SlidingZones
@@ -73,50 +75,21 @@ _ROOT = 2.5
 
 
 @dataclass(frozen=True, slots=True)
-class CoupledZones:
+class CoupledZones(Solved):
     """Coupled partial slip on any zones, for unit load.
 
     Attributes
     ----------
-    layout : Layout
-        The boundaries, and what every zone does.
-    approach, total_shear : float
-        ``delta*`` and ``Q*``.
     zones : SlidingZones
         The operators.
-    pressure, shear : list of LogSeries
-        p on every part of the zones, and q/s on those that stick (None elsewhere).
     driven, sheared : list of ndarray
         Coefficients of p and of q/s on every part, and what the top two degrees contribute to
         them, as columns.
-    stuck : list of Stuck
-        Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
-    approach_error, shear_error, pressure_error, traction_error : float
-        Estimates of relative errors; those of the fields are pointwise.
-    boundary_errors : tuple of (float, float)
-        Relative errors of every boundary from the centre and from the edge.
-    zones_error : float
-        The largest of them; infinite if a zone may not be there.
-    stray : float
-        Estimate of the largest error of E.
     """
 
-    layout: Layout
-    approach: float
-    total_shear: float
     zones: SlidingZones
-    pressure: list[LogSeries]
-    shear: list[LogSeries | None]
     driven: list[Array]
     sheared: list[Array]
-    stuck: list[Stuck]
-    approach_error: float
-    shear_error: float
-    pressure_error: float
-    traction_error: float
-    boundary_errors: tuple[tuple[float, float], ...]
-    zones_error: float
-    stray: float
 
 
 class _CoupledZonesProblem:
@@ -319,24 +292,25 @@ class _CoupledZonesProblem:
         )
         bend = 2.0 * max(float(d) ** 2 * r.rest for d, r in zip(shifts, zones.radii, strict=True))
         value = CoupledZones(
-            self.layout,
+            zones.radii,
+            zones.states,
             trial.approach,
             total,
-            zones,
             [series_of(p.family.panels, c) for p, c in zip(zones.parts, pressure, strict=True)],
             [
                 series_of(p.shear.panels, shear[k]) if k in shear else None
                 for k, p in enumerate(zones.parts)
             ],
-            *self._columns(trial, whole, moved[0]),
             stuck,
             max(abs(one.approach) for one in effects) + known,
             sheared + known + bend,
             pressure_error,
             traction_error,
-            boundary_errors,
+            boundary_errors[0][0],
             zones_error(zones.radii, boundary_errors),
             SAFETY * self._largest_displacement(zones, lost),
+            zones,
+            *self._columns(trial, whole, moved[0]),
         )
         indicators = np.concatenate([np.max(one, axis=0) for one in expected])
         # no degree lowers what rounding leaves

@@ -7,12 +7,12 @@ from itertools import pairwise
 from math import ceil, inf, log
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.contact.coupled_spaces import LEADING
+from spectral_contact.contact.coupled_spaces import thinnest_layer
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 
-__all__ = ["CLOSEST", "first_spaces", "leading_depth"]
+__all__ = ["CLOSEST", "first_spaces"]
 
 #: Rounding of a radius next to it, closer to which nothing can be asked.
 CLOSEST = 2.2e-16
@@ -57,21 +57,11 @@ def first_spaces(
     return [replace(one, panels=replace(one.panels, degree=capacity)) for one in spaces]
 
 
-def leading_depth(alpha: float, beta: float, extent: float) -> float:
-    """Return the depth toward the edge past which a singular pressure is its leading term."""
-    return LEADING + _layer(alpha, beta, extent)
-
-
-def _layer(alpha: float, beta: float, extent: float) -> float:
-    """Return ``-ln`` of the thinnest layer, in units of an extent in ``s**2``."""
-    return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
-
-
 def _toward(
     end: Radius, extent: float, other: float, alpha: float, beta: float, tolerance: float
 ) -> Resolution:
     """Return the space of a part toward an end, past which a part of another extent lies."""
-    layer = _layer(alpha, beta, extent)
+    layer = thinnest_layer(alpha, beta, extent)
     if end.from_edge == 0.0 < alpha:
         return starting_resolution(layer, tolerance)
     if end.from_edge == 0.0:

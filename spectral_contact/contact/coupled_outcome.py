@@ -1,0 +1,246 @@
+"""What coupled partial slip ends in, whatever its zones: fields that obey the friction law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import atan, ceil, inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.coupled_spaces import LEADING, leading_depth
+from spectral_contact.contact.friction_law import obeys, unknown_slip
+from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.slip_displacement import Slipping, Stuck, slip_displacement
+from spectral_contact.fields import (
+    CENTRE,
+    EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    LogSeries,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
+from spectral_contact.solution import Zone
+from spectral_contact.spectral.annulus import gap
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.parameters import Parameters
+
+__all__ = ["DISTANCES", "FINER", "CoupledSlip", "NoCoupledSlipError", "Solved", "checked"]
+
+Array = NDArray[np.float64]
+
+#: Degrees that the panels of the displacement have beyond those of the pressure.
+FINER = 8
+#: Distances from a boundary at which the traction is compared with friction.
+DISTANCES = np.exp(-np.linspace(1e-3, 36.0, 400))
+#: A violation of the friction law that other zones are to blame for, not rounding.
+_BROKEN = 1e-6
+
+
+class NoCoupledSlipError(ArithmeticError):
+    """Zones do not obey the friction law; the text says what is amiss."""
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """The solution on given zones for unit load, before the friction law is checked.
+
+    Attributes
+    ----------
+    radii : tuple of Radius
+        Boundaries between zones, outward.
+    states : tuple of int
+        0 for stick, +1 or -1 for slip with this sign of the traction.
+    approach, total_shear : float
+        ``delta*`` and ``Q*``.
+    pressure, shear : list of LogSeries
+        p on the disk and toward both ends of every zone around it, and q/s where they stick (None
+        elsewhere).
+    stuck : list of Stuck
+        Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
+    approach_error, shear_error, pressure_error, traction_error : float
+        Estimates of relative errors; those of the fields, p and q/s, are pointwise.
+    radius_error, zones_error : float
+        Of ``c``, and the largest one of all boundaries, from the centre and from the edge;
+        infinite if a zone may not be there.
+    stray : float
+        Estimate of the largest error of E.
+    """
+
+    radii: tuple[Radius, ...]
+    states: tuple[int, ...]
+    approach: float
+    total_shear: float
+    pressure: list[LogSeries]
+    shear: list[LogSeries | None]
+    stuck: list[Stuck]
+    approach_error: float
+    shear_error: float
+    pressure_error: float
+    traction_error: float
+    radius_error: float
+    zones_error: float
+    stray: float
+
+    @property
+    def bounds(self) -> tuple[Radius, ...]:
+        """Ends of the zones, from the centre to the edge."""
+        return CENTRE, *self.radii, EDGE
+
+
+@dataclass(frozen=True, slots=True)
+class CoupledSlip:
+    """Coupled partial slip for unit load.
+
+    Attributes
+    ----------
+    solved : Solved
+    zones : tuple of Zone
+    pressure, traction, slip : ZonalField
+    slip_error : float
+        Relative to the largest slip.
+    violation : float
+        By how much the friction law is broken, see `ErrorEstimates`.
+    consistent : bool
+        Whether the violation is within the errors.
+    """
+
+    solved: Solved
+    zones: tuple[Zone, ...]
+    pressure: ZonalField
+    traction: ZonalField
+    slip: ZonalField
+    slip_error: float
+    violation: float
+    consistent: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _InY:
+    """A field as a function of ``y = 1 - s**2``."""
+
+    field: ZonalField
+
+    def at(self, y: Array) -> Array:
+        """Evaluate."""
+        s = np.sqrt(np.maximum(1.0 - y, 0.0))
+        return self.field(s, y / (1.0 + s))
+
+
+def checked(
+    solved: Solved,
+    parameters: Parameters,
+    slipping: list[Slipping],
+    lost: float,
+    highest: float,
+    sticking: Iterable[tuple[Array, LogSeries, LogSeries]],
+) -> CoupledSlip:
+    """Return fields and displacement, if they obey the friction law.
+
+    Parameters
+    ----------
+    solved : Solved
+    parameters : Parameters
+    slipping : list of Slipping
+        The slip zones, outward.
+    lost : float
+        The largest error of E there.
+    highest : float
+        The largest pressure in slip.
+    sticking : iterable of (ndarray, LogSeries, LogSeries)
+        The radii at `DISTANCES` from every end of a stick zone, and p and q/s there.
+
+    Raises
+    ------
+    NoCoupledSlipError
+        If the law is broken.
+    """
+    beta, friction = parameters.beta, parameters.friction
+    pressure, traction = _fields(solved, parameters)
+    fields, samples, largest, unresolved = slip_displacement(
+        solved.stuck, slipping, _InY(pressure), beta, friction
+    )
+    d = np.exp(-np.linspace(0.0, 60.0, 500))
+    if not min(float(one(d).min()) for one in solved.pressure) > 0.0:
+        raise NoCoupledSlipError("the pressure is not positive")
+    ratios = (s * np.abs(u(DISTANCES)) / (friction * p(DISTANCES)) for s, p, u in sticking)
+    excess = max(max(float(one.max()) for one in ratios) - 1.0, 0.0)
+    if excess > _BROKEN:
+        raise NoCoupledSlipError("the traction in stick exceeds friction")
+    # beta f p is part of the displacement, as large as the rest of it or less
+    direct = beta * friction * highest * solved.pressure_error
+    stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
+    slip_error = stray / max(largest, 1e-300)
+    wrong = max(float(one.max()) for one in samples) / largest
+    if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
+        raise NoCoupledSlipError("the surface slips with the traction")
+    slips = iter(fields)
+    zones, pieces = [], []
+    for state, (inner, outer) in zip(solved.states, pairwise(solved.bounds), strict=True):
+        zones.append(Zone.between("slip" if state else "stick", inner, outer))
+        pieces.append(ZonePiece(outer, next(slips) if state else None))
+    return CoupledSlip(
+        solved,
+        tuple(zones),
+        pressure,
+        traction,
+        ZonalField(tuple(pieces)),
+        max(slip_error if slip_error <= 1.0 else inf, unknown_slip(solved.zones_error)),
+        max(excess, wrong, 0.0),
+        obeys(excess, solved.traction_error, wrong, slip_error),
+    )
+
+
+def _fields(solved: Solved, parameters: Parameters) -> tuple[ZonalField, ZonalField]:
+    """Return pressure and traction."""
+    rim, shear = solved.radii[0], solved.shear
+    series = [*solved.pressure[:-1], _to_the_edge(solved, parameters)]
+    assert shear[0] is not None
+    pressure = [ZonePiece(rim, DiskSeries(rim, series[0], power=0))]
+    traction = [ZonePiece(rim, DiskSeries(rim, shear[0].times(rim.value)))]
+    for zone, (inner, outer) in enumerate(pairwise(solved.bounds[1:]), start=1):
+        state, a, b = solved.states[zone], 2 * zone - 1, 2 * zone
+        own = AnnulusSeries(inner, outer, series[a], series[b], power=0)
+        pressure.append(ZonePiece(outer, own))
+        above, below = shear[a], shear[b]
+        if above is None or below is None:
+            traction.append(ZonePiece(outer, own, state * parameters.friction))
+        else:
+            traction.append(ZonePiece(outer, AnnulusSeries(inner, outer, above, below)))
+    return ZonalField(tuple(pressure)), ZonalField(tuple(traction))
+
+
+def _to_the_edge(solved: Solved, parameters: Parameters) -> LogSeries:
+    """Return the pressure next to the edge; where it is singular it ends in its leading term."""
+    alpha, beta, kappa, friction = parameters
+    series, state = solved.pressure[-1], solved.states[-1]
+    if series.power == 0.0:
+        return series
+    if state:
+        return _as_power(series, state * kappa * friction)
+    depth = leading_depth(alpha, beta, gap(*solved.bounds[-2:]) / 2.0)
+    count = min(ceil(depth / series.width), len(series.coefficients))
+    tail = np.array([series.coefficients[count - 1].sum()])
+    return replace(series, coefficients=series.coefficients[:count], tail=tail)
+
+
+def _as_power(series: LogSeries, coupling: float) -> LogSeries:
+    """Return a pressure under a smooth punch as the power of y that it is next to the edge.
+
+    ``p ~ y**(theta - 1/2)`` with ``tan(pi theta) = 2 kappa f``: far below the edge's panels the
+    series ends in this law instead of a polynomial.
+    """
+    theta, width = atan(2.0 * coupling) / pi, series.width
+    count = min(ceil(LEADING / width), len(series.coefficients))
+    terms = series.coefficients.shape[1]
+    g, _ = gauss_rule(terms + 8)
+    x = width * (np.arange(count)[:, None] + (1.0 + g) / 2.0)
+    values = series.coefficients[:count] @ legendre_values(g, terms - 1).T * np.exp(theta * x)
+    table = values @ legendre_expansion_matrix(terms + 8, terms + 7).T
+    return replace(
+        series, coefficients=table, tail=np.array([table[-1].sum()]), power=series.power + theta
+    )
