@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,7 +18,7 @@ from spectral_contact.spectral.abel import (
 )
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
-__all__ = ["SAMPLES", "LogPanels", "Nodes"]
+__all__ = ["SAMPLES", "LogPanels", "Nodes", "top_functions"]
 
 Array = NDArray[np.float64]
 
@@ -235,3 +236,26 @@ class LogPanels:
         weight = w * v * self.end * (a + b * d)
         matrix[last:, last:] = (values.T * weight) @ values
         return matrix
+
+
+def top_functions(
+    parts: Iterable[tuple[LogPanels, tuple[int, ...]]], count: int
+) -> NDArray[np.int_]:
+    """Return the places in a vector of so many top degrees of every panel, and the last of a tail.
+
+    Constants are none of them.
+
+    Parameters
+    ----------
+    parts : iterable of (LogPanels, tuple of int)
+        The vector holds their `functions` up to these degrees, one part after the other.
+    count : int
+    """
+    places, start = [], 0
+    for panels, degrees in parts:
+        for n in degrees:
+            places.append(start + np.arange(max(n - count, 0) + 1, n + 1))
+            start += n + 1
+        start += panels.tail_terms
+        places.append(np.array([start - 1]))
+    return np.concatenate(places)

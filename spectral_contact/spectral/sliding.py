@@ -34,7 +34,7 @@ from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_interpolation_matrix,
 )
-from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.spectral.panels import SAMPLES, LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["SlidingDisk"]
@@ -108,23 +108,8 @@ class SlidingDisk:
     @cached_property
     def shed(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
         """Places in a vector of the top two degrees of every panel, and of the top one."""
-        start = 0
-        both: list[NDArray[np.int_]] = []
-        top: list[NDArray[np.int_]] = []
-        for k in (0, 1, 2, 0):
-            index, degrees = self._index[k], self.degrees[k]
-            degree, panel = (
-                index % (self.panels[k].degree + 1),
-                index // (self.panels[k].degree + 1),
-            )
-            own = panel < len(degrees)
-            highest = np.array([*degrees, 0])[np.minimum(panel, len(degrees))]
-            for shed, least in ((both, highest - 2), (top, highest - 1)):
-                found = own & (degree > np.maximum(least, 0))
-                found[-1] = True
-                shed.append(start + np.flatnonzero(found))
-            start += len(index)
-        return np.concatenate(both), np.concatenate(top)
+        parts = [(self.panels[k], self.degrees[k]) for k in (0, 1, 2, 0)]
+        return top_functions(parts, 2), top_functions(parts, 1)
 
     # transforms
 

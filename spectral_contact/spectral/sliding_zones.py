@@ -26,7 +26,7 @@ from spectral_contact.spectral.from_boundary import (
     inner_integrals,
     node_rule,
 )
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.zone_parts import Part, zone_parts
 
@@ -34,7 +34,6 @@ __all__ = ["SlidingZones"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
-Index = NDArray[np.int_]
 
 
 class SlidingZones:
@@ -126,21 +125,11 @@ class SlidingZones:
         return whole
 
     @cached_property
-    def shed(self) -> tuple[Index, Index]:
+    def shed(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
         """Places in a vector of the top two degrees of every panel, and of the top one."""
-        both: list[Index] = []
-        top: list[Index] = []
-        starts = [(k, int(self._starts[k])) for k in range(len(self.parts))]
-        for k, start in [*starts, *((k, s.start) for k, s in self._shear.items())]:
-            index, degrees = self._index[k], self.parts[k].degrees
-            terms = self.parts[k].family.panels.degree + 1
-            degree, panel = index % terms, index // terms
-            highest = np.array([*degrees, 0])[np.minimum(panel, len(degrees))]
-            for shed, least in ((both, highest - 2), (top, highest - 1)):
-                found = (panel < len(degrees)) & (degree > np.maximum(least, 0))
-                found[-1] = True
-                shed.append(start + np.flatnonzero(found))
-        return np.concatenate(both), np.concatenate(top)
+        each = [*self.parts, *(self.parts[k] for k in self.stick)]
+        parts = [(part.family.panels, part.degrees) for part in each]
+        return top_functions(parts, 2), top_functions(parts, 1)
 
     # transforms
 
