@@ -9,16 +9,16 @@ see `one_disk`, and with the same differences, in which nothing cancels.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import accumulate, pairwise
-from math import log
+from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.coupled_outcome import Solved
-from spectral_contact.contact.coupled_spaces import LEADING, first_spaces
+from spectral_contact.contact.coupled_parts import LEADING, joined, parted, rounding_depth
+from spectral_contact.contact.coupled_spaces import first_spaces
 from spectral_contact.contact.coupled_trial import CoupledTrial
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -60,8 +60,6 @@ _SINGLE = 5e-7
 #: A correction that is smaller and does not fall any more is rounding; with the factors of another
 #: radius it may be these.
 _ROUNDED = 3e-12, 1e-9
-#: Rounding of a radius, closer to which than that nothing can be asked at the rim.
-_CLOSEST = 2.2e-16
 #: Radii tried in a space; how far the fields are corrected, over how far a radius may be off; and
 #: the least step between radii that tells of the slope.
 _RADII, _SHARE, _MEANT = 12, 0.1, 1e-8
@@ -128,19 +126,7 @@ class CoupledDiskProblem:
         """Return the first space: the panels of the disk, then those of the annulus."""
         spaces = self._spaces(self.logit, self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
-        degrees = tuple(n for one in spaces for n in one.degrees)
-        capacity = max(one.panels.degree for one in spaces)
-        return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
-
-    def _split(self, resolution: Resolution) -> list[Resolution]:
-        """Separate the panels of the disk and of both halves of the annulus."""
-        spaces = []
-        bounds = accumulate(self._counts, initial=0)
-        powers = 0.0, 0.0, -0.5 if self.parameters.alpha == 0.0 else 0.0
-        for (a, b), power in zip(pairwise(bounds), powers, strict=True):
-            panels = replace(resolution.panels, panels=b - a, power=power)
-            spaces.append(Resolution(panels, resolution.degrees[a:b]))
-        return spaces
+        return joined(spaces)
 
     # solutions
 
@@ -202,17 +188,14 @@ class CoupledDiskProblem:
     def _shares(self, trial: CoupledTrial, change: Array, size: Array) -> list[Array]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
         disk, shares = trial.disk, []
+        extents = disk.radius.square, disk.half
         pairs = zip(disk.split(change), disk.split(size), strict=True)
         for k, (moved, values) in zip((0, 1, 2, 0), pairs, strict=True):
             panels = disk.panels[k]
-            share = share_of_change(panels, moved, series_of(panels, values).at_ends())
-            x = panels.width * np.arange(panels.panels)
-            if panels.power != 0.0:  # by what is felt of it
-                share *= np.exp(-np.maximum(x - LEADING, 0.0))
-            elif k < 2:  # not closer to the rim than a radius is known
-                closest = _CLOSEST * min(disk.radius.square, disk.radius.rest)
-                share[x > -log(closest / (disk.radius.square, disk.half)[k])] = 0.0
-            shares.append(share)
+            ends = series_of(panels, values).at_ends()
+            leading = LEADING if panels.power else inf
+            known = rounding_depth(disk.radius, extents[k]) if k < 2 else inf
+            shares.append(share_of_change(panels, moved, ends, leading=leading, known=known))
         return shares
 
     def _root(self, spaces: Sequence[Resolution]) -> CoupledTrial:
@@ -246,7 +229,7 @@ class CoupledDiskProblem:
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledDisk]:
         """Solve in a space."""
-        spaces = self._split(resolution)
+        spaces = parted(resolution, self._counts, self.parameters.alpha)
         return self._assess(spaces, self._root(spaces))
 
     def _assess(self, spaces: Sequence[Resolution], trial: CoupledTrial) -> Attempt[CoupledDisk]:

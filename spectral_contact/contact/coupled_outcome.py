@@ -10,7 +10,7 @@ from math import atan, ceil, inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_spaces import LEADING, leading_depth
+from spectral_contact.contact.coupled_parts import LEADING, leading_depth
 from spectral_contact.contact.friction_law import obeys, unknown_slip
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, slip_displacement

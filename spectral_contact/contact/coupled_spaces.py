@@ -11,18 +11,14 @@ from math import ceil, log
 import numpy as np
 
 from spectral_contact.adaptive import Resolution
+from spectral_contact.contact.coupled_parts import LEADING, thinnest_layer, without_rounding
 from spectral_contact.contact.resolution import PANEL_WIDTH
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["LEADING", "first_spaces", "leading_depth", "thinnest_layer"]
+__all__ = ["first_spaces"]
 
-#: Rounding of a radius next to the rim, closer to which nothing can be asked; panels go deeper by
-#: this in ``-ln d``, as where they end is felt for a while.
-_CLOSEST, _DEEPER = 2.2e-16, 10.0
-#: Depth in ``-ln y``, past the layer, from which a singular pressure is a power of y, to 1e-13.
-LEADING = 30.0
 #: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, and on the first
 #: two panels, on the disk, above its rim, where the far end is a singularity ln 2 before them, and
 #: at the edge.
@@ -63,8 +59,7 @@ def first_spaces(
             _FIRST[k],
         )
         if alpha > 0.0:
-            deepest = _DEEPER - log(_CLOSEST * min(radius.square, radius.rest) / extent)
-            space = _cut(space, ceil(deepest / PANEL_WIDTH))
+            space = without_rounding(space, radius, extent)
         spaces.append(space)
     if alpha == 0.0:
         edge = _space(LEADING, [], tolerance, 1.0, _FIRST[2], power=-0.5)
@@ -72,16 +67,6 @@ def first_spaces(
         layer = thinnest_layer(alpha, 0.0, half)
         edge = _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _FIRST[2])
     return spaces[0], spaces[1], edge
-
-
-def leading_depth(alpha: float, beta: float, extent: float) -> float:
-    """Return the depth toward the edge past which a singular pressure is its leading term."""
-    return LEADING + thinnest_layer(alpha, beta, extent)
-
-
-def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
-    """Return ``-ln`` of the width of the thinnest layer in units of an extent in ``s**2``, or 0."""
-    return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
 
 
 def _space(
@@ -109,9 +94,3 @@ def _space(
     degrees = np.maximum(degrees, _LEAST)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     return Resolution(LogPanels(panels, PANEL_WIDTH, capacity, power), tuple(degrees.tolist()))
-
-
-def _cut(space: Resolution, most: int) -> Resolution:
-    """Return a space with no more panels than that."""
-    panels, degrees = space.panels, space.degrees[:most]
-    return Resolution(LogPanels(len(degrees), panels.width, panels.degree, panels.power), degrees)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.coupled_parts import LEADING, leading_depth
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
 from spectral_contact.contact.resolution import (
     ROUNDING,
@@ -41,8 +42,6 @@ _CENTRE = 5.0
 _CORRECTIONS, _LEFT = 6, 0.01
 #: With a root at the edge, the error there relative to the change of the tail is 1.9; measured.
 _ROOT = 2.5
-#: Depth in ``-ln y``, past the layer, from which a singular field is its leading term, to 1e-13.
-_LEADING = 30.0
 #: Distances below this are no place that `Solution` can be asked about.
 _CLOSEST = 1e-300
 
@@ -101,11 +100,11 @@ class _CoupledProblem:
         # without compliance the edge singularity y**(-1/2) is in the basis
         self.powers = tuple(-0.5 if c == 0.0 else 0.0 for c in (alpha, beta))
         self.layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
-        self.leading = max([0.0, *self.layers]) + _LEADING
+        self.leading = leading_depth(alpha, beta, 1.0)
 
     def start(self) -> Resolution:
         # on a smooth surface the end of the panels is felt like exp(-x), and there is no layer
-        layer = max(self.layers, default=_LEADING if self.pointwise else -log(self.tolerance) / 2.0)
+        layer = max(self.layers, default=LEADING if self.pointwise else -log(self.tolerance) / 2.0)
         # one compliance alone: the field under it has a square root at the edge
         rate = 0.5 if len(self.layers) == 1 else 1.0
         # the error of approach and shear is the square of that of the fields
@@ -198,14 +197,9 @@ class _CoupledProblem:
 
     def _shares(self, space: CoupledSpace, change: Pair, sizes: list[Array]) -> list[Array]:
         """Return a change of both fields on every panel, relative to their sizes there."""
-        shares = [
-            share_of_change(*one) for one in zip(space.panels, _parts(change), sizes, strict=True)
-        ]
-        x = space.panels[0].width * np.arange(space.panels[0].panels)
-        unseen = np.exp(-np.maximum(x - self.leading, 0.0))  # by what is felt of it
         return [
-            share if power == 0.0 else share * unseen
-            for share, power in zip(shares, self.powers, strict=True)
+            share_of_change(own, part, size, leading=self.leading if own.power else inf)
+            for own, part, size in zip(space.panels, _parts(change), sizes, strict=True)
         ]
 
     def _tail_errors(self, space: CoupledSpace, change: Pair, sizes: list[Array]) -> list[float]:

@@ -8,9 +8,8 @@ each is what the fields make it is the condition of its boundary.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from itertools import accumulate, pairwise
-from math import inf, log, pi, sqrt
+from dataclasses import dataclass
+from math import inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,7 @@ from spectral_contact.contact.boundaries import (
     zones_error,
 )
 from spectral_contact.contact.coupled_outcome import Solved
-from spectral_contact.contact.coupled_spaces import leading_depth
+from spectral_contact.contact.coupled_parts import joined, leading_depth, parted, rounding_depth
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -38,7 +37,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
-from spectral_contact.contact.zones_spaces import CLOSEST, first_spaces
+from spectral_contact.contact.zones_spaces import first_spaces
 from spectral_contact.contact.zones_trial import ZonesTrial
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
@@ -135,17 +134,7 @@ class _CoupledZonesProblem:
             self._find(self._spaces(halfway), halfway, max(self.tolerance, _ENOUGH))
         spaces = self._spaces(self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
-        degrees = tuple(n for one in spaces for n in one.degrees)
-        return Resolution(spaces[0].panels, degrees)
-
-    def _split(self, resolution: Resolution) -> list[Resolution]:
-        """Separate the panels of the parts."""
-        spaces = []
-        for a, b in pairwise(accumulate(self._counts, initial=0)):
-            power = -0.5 if self.parameters.alpha == 0.0 and b == sum(self._counts) else 0.0
-            panels = replace(resolution.panels, panels=b - a, power=power)
-            spaces.append(Resolution(panels, resolution.degrees[a:b]))
-        return spaces
+        return joined(spaces)
 
     # solutions
 
@@ -196,22 +185,16 @@ class _CoupledZonesProblem:
         shares: list[list[Array]] = []
         moved, values = zones.split(change), zones.split(size)
         for k, part in enumerate(zones.parts):
-            panels = part.family.panels
+            panels, reach = part.family.panels, part.family.reach
+            leading = leading_depth(alpha, beta, reach) if panels.power else inf
+            known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
             pairs = [(panels, moved[0][k], values[0][k])]
             if k in moved[1]:
                 pairs.append((part.shear.panels, moved[1][k], values[1][k]))
             shares.append([])
             for own, step, whole in pairs:
-                share = share_of_change(own, step, series_of(own, whole).at_ends())
-                x = own.width * np.arange(own.panels)
-                if part.boundary < 0:
-                    if panels.power != 0.0:  # by what is felt of it
-                        leading = leading_depth(alpha, beta, part.family.reach)
-                        share *= np.exp(-np.maximum(x - leading, 0.0))
-                else:  # not closer to a boundary than it is known
-                    end = part.family.boundary
-                    closest = CLOSEST * min(end.square, end.rest)
-                    share[x > -log(closest / part.family.reach)] = 0.0
+                ends = series_of(own, whole).at_ends()
+                share = share_of_change(own, step, ends, leading=leading, known=known)
                 shares[-1].append(share)
         return shares
 
@@ -242,7 +225,7 @@ class _CoupledZonesProblem:
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledZones]:
-        spaces = self._split(resolution)
+        spaces = parted(resolution, self._counts, self.parameters.alpha)
         settle = max(self.tolerance, 100.0 * _ENOUGH)
         return self._assess(spaces, self._find(spaces, self.tolerance, settle).trial)
 

@@ -255,7 +255,9 @@ def panel_of(panels: LogPanels, y: float) -> int:
     return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
 
 
-def share_of_change(panels: LogPanels, change: Array, size: Array) -> Array:
+def share_of_change(
+    panels: LogPanels, change: Array, size: Array, *, leading: float = inf, known: float = inf
+) -> Array:
     """Return the change on every panel relative to what it changes there, tail included last.
 
     The sum of the moduli of Legendre coefficients bounds the change on the whole panel.
@@ -267,6 +269,10 @@ def share_of_change(panels: LogPanels, change: Array, size: Array) -> Array:
         Coefficients.
     size : ndarray, shape (panels.panels + 1,)
         Values at the ends of the panels, as `LogSeries.at_ends`; the lesser one of two counts.
+    leading : float
+        Depth in ``x`` from which on ever less is felt of a singular field.
+    known : float
+        Depth past which nothing counts, as the boundary is not known so well.
     """
     total = np.abs(panel_table(panels, change)).sum(axis=1)
     tail = sum(map(abs, change[-panels.tail_terms :].tolist()))
@@ -276,6 +282,11 @@ def share_of_change(panels: LogPanels, change: Array, size: Array) -> Array:
     size = np.maximum(np.abs(size), _TINY)
     share = total / np.minimum(size[1:], size[:-1])
     share[-1] = max(share[-1], tail / size[-1])
+    x = panels.width * np.arange(panels.panels)
+    if leading < inf:
+        share *= np.exp(-np.maximum(x - leading, 0.0))
+    if known < inf:
+        share[x > known] = 0.0
     return np.asarray(share)
 
 

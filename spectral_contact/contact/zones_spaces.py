@@ -7,17 +7,13 @@ from itertools import pairwise
 from math import ceil, inf, log
 
 from spectral_contact.adaptive import Resolution
-from spectral_contact.contact.coupled_spaces import thinnest_layer
+from spectral_contact.contact.coupled_parts import thinnest_layer, without_rounding
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 
-__all__ = ["CLOSEST", "first_spaces"]
+__all__ = ["first_spaces"]
 
-#: Rounding of a radius next to it, closer to which nothing can be asked.
-CLOSEST = 2.2e-16
-#: Panels go deeper by this in ``-ln d``, as where they end is felt for a while.
-_DEEPER = 10.0
 #: Degrees that the first panels have more, over ``-ln`` of the tolerance: of the disk, and of a
 #: half of an annulus, whose far end is a singularity ln 2 before them.
 _FIRST_INSIDE, _FIRST_AROUND = (0.2, 0.08), (0.4, 0.08)
@@ -68,6 +64,4 @@ def _toward(
         return starting_resolution(layer, tolerance, rate=0.5, power=-0.5, bends=(layer,))
     rate = 1.0 if alpha > 0.0 else 0.5
     space = starting_resolution(max(layer, log(extent / other)), tolerance, rate=rate)
-    deepest = _DEEPER - log(CLOSEST * min(end.square, end.rest) / extent)
-    count = min(space.panels.panels, ceil(deepest / space.panels.width))
-    return Resolution(replace(space.panels, panels=count), space.degrees[:count])
+    return without_rounding(space, end, extent)

@@ -1,0 +1,76 @@
+"""Panels of the parts of a coupled contact: how deep they go, and all of them as one space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import accumulate, pairwise
+from math import ceil, log
+
+from spectral_contact.adaptive import Resolution
+from spectral_contact.fields import Radius
+
+__all__ = [
+    "LEADING",
+    "joined",
+    "leading_depth",
+    "parted",
+    "rounding_depth",
+    "thinnest_layer",
+    "without_rounding",
+]
+
+#: Depth in ``-ln y``, past the layer, from which a singular field is its leading term, to 1e-13.
+LEADING = 30.0
+#: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
+#: in ``-ln d``, as where they end is felt for a while.
+_CLOSEST, _DEEPER = 2.2e-16, 10.0
+
+
+def leading_depth(alpha: float, beta: float, extent: float) -> float:
+    """Return the depth toward the edge past which a singular field is its leading term."""
+    return LEADING + thinnest_layer(alpha, beta, extent)
+
+
+def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
+    """Return ``-ln`` of the width of the thinnest layer in units of an extent in ``s**2``, or 0."""
+    return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
+
+
+def rounding_depth(end: Radius, extent: float) -> float:
+    """Return ``-ln`` of the rounding of a boundary in units of an extent in ``s**2``."""
+    return -log(_CLOSEST * min(end.square, end.rest) / extent)
+
+
+def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolution:
+    """Return a space toward a boundary without the panels that only rounding could tell of."""
+    most = ceil((_DEEPER + rounding_depth(end, extent)) / space.panels.width)
+    degrees = space.degrees[:most]
+    return Resolution(replace(space.panels, panels=len(degrees)), degrees)
+
+
+def joined(spaces: Sequence[Resolution]) -> Resolution:
+    """Return the spaces of all parts as one, for `refine`."""
+    capacity = max(one.panels.degree for one in spaces)
+    degrees = tuple(n for one in spaces for n in one.degrees)
+    return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
+
+
+def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:
+    """Return the spaces of all parts; the pressure under a smooth edge has its singularity.
+
+    Parameters
+    ----------
+    resolution : Resolution
+        As `joined` returns it.
+    counts : sequence of int
+        Numbers of panels.
+    alpha : float
+        ``alpha*``.
+    """
+    spaces, bounds = [], list(accumulate(counts, initial=0))
+    for a, b in pairwise(bounds):
+        power = -0.5 if alpha == 0.0 and b == bounds[-1] else 0.0
+        panels = replace(resolution.panels, panels=b - a, power=power)
+        spaces.append(Resolution(panels, resolution.degrees[a:b]))
+    return spaces
