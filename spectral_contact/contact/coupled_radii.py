@@ -69,7 +69,7 @@ def stick_radii(
         Whether to stop where the pressure is no longer positive.
     """
     solved = ((one, problem.rough(one)) for one in logits)
-    trials = takewhile(lambda pair: not contacts or _positive(pair[1]), solved)
+    trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:3]), solved)
     for (low, first), (high, second) in pairwise(trials):
         falls = first.mismatch > 0.0
         if (second.mismatch > 0.0) != falls:
@@ -96,16 +96,15 @@ def _parts(trial: CoupledTrial) -> list[Array]:
     return [series_of(one, values)(_DISTANCES) for one, values in pairs]
 
 
-def _positive(trial: CoupledTrial) -> bool:
-    """Return whether the pressure is."""
-    return min(float(one.min()) for one in _parts(trial)[:3]) > 0.0
+def _positive(pressure: list[Array]) -> bool:
+    return min(float(one.min()) for one in pressure) > 0.0
 
 
 def _described(logit: float, trial: CoupledTrial) -> StickRadius:
     """Return what the fields at a radius are like."""
-    if not _positive(trial):
+    *pressure, shear = _parts(trial)
+    if not _positive(pressure):
         return StickRadius(logit, False, inf)
-    pressure, _, _, shear = _parts(trial)
     q = trial.disk.radius.value * np.sqrt(1.0 - _DISTANCES) * np.abs(shear)
-    ratio = float((q / (trial.parameters.friction * pressure)).max())
+    ratio = float((q / (trial.parameters.friction * pressure[0])).max())
     return StickRadius(logit, True, max(ratio - 1.0, 0.0))
