@@ -7,24 +7,33 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from math import ceil, log
 
+import numpy as np
+from numpy.typing import NDArray
+
 from spectral_contact.adaptive import Resolution
 from spectral_contact.fields import Radius
+from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
     "LEADING",
     "joined",
     "leading_depth",
     "parted",
+    "root_error",
     "rounding_depth",
     "thinnest_layer",
     "without_rounding",
 ]
+
+Array = NDArray[np.float64]
 
 #: Depth in ``-ln y``, past the layer, from which a singular field is its leading term, to 1e-13.
 LEADING = 30.0
 #: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
 #: in ``-ln d``, as where they end is felt for a while.
 _CLOSEST, _DEEPER = 2.2e-16, 10.0
+#: Error at an end with a root there, relative to the change of the tail: 1.9, measured.
+_ROOT = 2.5
 
 
 def leading_depth(alpha: float, beta: float, extent: float) -> float:
@@ -47,6 +56,11 @@ def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolutio
     most = ceil((_DEEPER + rounding_depth(end, extent)) / space.panels.width)
     degrees = space.degrees[:most]
     return Resolution(replace(space.panels, panels=len(degrees)), degrees)
+
+
+def root_error(panels: LogPanels, change: Array, at_end: float) -> float:
+    """Return the error of a field at an end where it has a root: no degree of a panel helps."""
+    return _ROOT * float(np.abs(change[-panels.tail_terms :]).sum() / abs(at_end))
 
 
 def joined(spaces: Sequence[Resolution]) -> Resolution:

@@ -15,6 +15,7 @@ from spectral_contact.fields import EDGE
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding import SlidingDisk
+from spectral_contact.spectral.transforms import transforms
 
 __all__ = ["slip_around_disk"]
 
@@ -78,9 +79,7 @@ def _integrals(
     for pressure in zip(*(np.ascontiguousarray(one.T) for one in around), strict=True):
         values, over = [], []
         for family, panels, own in zip(annulus.families, disk.panels[1:], pressure, strict=True):
-            sampled = family.panels.sampling(), family.panels.tail_sampling()
-            d = np.concatenate([np.exp(-sampled[0]).ravel(), sampled[1]])
-            values.append(series_of(panels, own)(d))
+            values.append(series_of(panels, own)(transforms(family.panels).distances))
             over.append(values[-1] / np.sqrt(family.sampling().z))
         inner.append(annulus.own_inner_integral(annulus.expand(values)))
         halves.append(annulus.own_half_integral(annulus.expand(over)))

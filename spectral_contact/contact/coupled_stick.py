@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.coupled_parts import LEADING, leading_depth
+from spectral_contact.contact.coupled_parts import LEADING, leading_depth, root_error
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
 from spectral_contact.contact.resolution import (
     ROUNDING,
@@ -40,8 +40,6 @@ Array = NDArray[np.float64]
 _CENTRE = 5.0
 #: Most corrections, and what share of its step the first one leaves; measured.
 _CORRECTIONS, _LEFT = 6, 0.01
-#: With a root at the edge, the error there relative to the change of the tail is 1.9; measured.
-_ROOT = 2.5
 #: Distances below this are no place that `Solution` can be asked about.
 _CLOSEST = 1e-300
 
@@ -117,7 +115,7 @@ class _CoupledProblem:
         space = coupled_space(resolution.panels, self.powers[1], resolution.degrees)
         factored = space.factor(self.alpha, self.beta, self.kappa)
         pair = factored.solve()
-        rates = _rates(space, resolution, pair)
+        rates = _rates(resolution, pair)
         solved, parts = self._integrals(factored, pair, rates, resolution)
         if not self.pointwise:
             error = max(solved.approach_error, solved.shear_error)
@@ -162,7 +160,7 @@ class _CoupledProblem:
         pairs = zip(changes, factored.change(dual), strict=True)
         products = [np.sqrt(one.energies * other.energies) for one, other in pairs]
         parts = (products[0] + products[1]) / shear
-        shear_error = float(parts[:-1] @ (rates * _rates(space, resolution, dual)) + parts[-1])
+        shear_error = float(parts[:-1] @ (rates * _rates(resolution, dual)) + parts[-1])
         solved = CoupledStick(
             approach,
             shear * approach,
@@ -203,14 +201,12 @@ class _CoupledProblem:
         ]
 
     def _tail_errors(self, space: CoupledSpace, change: Pair, sizes: list[Array]) -> list[float]:
-        """Return the errors at the edge of what has a root there: no degree of a panel helps."""
+        """Return the errors at the edge of what has a root there."""
         if len(self.layers) != 1:
             return [0.0, 0.0]
         return [
-            0.0 if one.power else _ROOT * float(np.abs(part[-one.tail_terms :]).sum() / size[-1])
-            for one, part, size in zip(
-                space.panels, _parts(change), map(np.abs, sizes), strict=True
-            )
+            0.0 if own.power else root_error(own, part, size[-1])
+            for own, part, size in zip(space.panels, _parts(change), sizes, strict=True)
         ]
 
     def _fields(self, space: CoupledSpace, pair: Pair) -> list[LogSeries]:
@@ -303,7 +299,7 @@ def _parts(pair: Pair) -> tuple[Array, Array]:
     return pair.normal, pair.tangential
 
 
-def _rates(space: CoupledSpace, resolution: Resolution, pair: Pair) -> Array:
+def _rates(resolution: Resolution, pair: Pair) -> Array:
     """Return by what factor a coefficient of the slower field falls with one degree."""
     return np.maximum(*(decay_rates(resolution, one) for one in _parts(pair)))
 

@@ -23,7 +23,13 @@ from spectral_contact.contact.boundaries import (
     zones_error,
 )
 from spectral_contact.contact.coupled_outcome import Solved
-from spectral_contact.contact.coupled_parts import joined, leading_depth, parted, rounding_depth
+from spectral_contact.contact.coupled_parts import (
+    joined,
+    leading_depth,
+    parted,
+    root_error,
+    rounding_depth,
+)
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -69,8 +75,6 @@ _CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
 _FURTHER, _ENOUGH_LEFT = 1e-6, 1e-2
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
-#: With a root at the edge, the error there relative to the change of the tail, as in full stick.
-_ROOT = 2.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -302,14 +306,13 @@ class _CoupledZonesProblem:
         return Attempt(value, error, indicators, rate, zones.unknowns)
 
     def _edge_error(self, zones: SlidingZones, change: Array, whole: Array) -> float:
-        """Return the error of q/s at an edge where it has a root: no degree of a panel helps."""
+        """Return the error of q/s at an edge where it has a root."""
         part = zones.parts[-1]
         if self.parameters.alpha > 0.0 or part.state != 0:
             return 0.0
         moved, values = (zones.split(one)[1][len(zones.parts) - 1] for one in (change, whole))
         panels = part.shear.panels
-        at_end = series_of(panels, values).at_ends()[-1]
-        return _ROOT * float(np.abs(moved[-panels.tail_terms :]).sum() / abs(at_end))
+        return root_error(panels, moved, series_of(panels, values).at_ends()[-1])
 
     def _columns(
         self, trial: ZonesTrial, whole: Array, moved: Array

@@ -345,7 +345,7 @@ def _beyond_tail(e: Array, end: float) -> Array:
 class _Charges:
     """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
 
-    def __init__(self, panels: int, width: float, degrees: tuple[int, ...]) -> None:
+    def __init__(self, width: float, degrees: tuple[int, ...]) -> None:
         rules = [gauss_rule(n + EXTRA)[0] for n in degrees]
         parts = [np.exp(-width * (j + (1.0 + g) / 2.0)) for j, g in enumerate(rules)]
         #: distances of the points
@@ -363,15 +363,14 @@ class _Charges:
         return result
 
 
-_CHARGES: BoundedCache[tuple[int, float, tuple[int, ...]], _Charges] = BoundedCache(
+_CHARGES: BoundedCache[tuple[float, tuple[int, ...]], _Charges] = BoundedCache(
     "charges on panels", 32
 )
 
 
 def _charges(panels: int, width: float, degree: int | tuple[int, ...]) -> _Charges:
     degrees = (degree,) * panels if isinstance(degree, int) else degree
-    key = panels, width, degrees
-    return _CHARGES.get(key, lambda: _Charges(*key))
+    return _CHARGES.get((width, degrees), lambda: _Charges(width, degrees))
 
 
 def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> tuple[Array, Array]:

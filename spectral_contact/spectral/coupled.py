@@ -29,7 +29,15 @@ from spectral_contact.spectral.galerkin import Change, DiskOperators, disk_opera
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["CoupledFactored", "CoupledSpace", "Pair", "coupled_space", "inner_moments", "moments"]
+__all__ = [
+    "CoupledFactored",
+    "CoupledSpace",
+    "Pair",
+    "coupled_space",
+    "inner_moments",
+    "moments",
+    "tail_rule",
+]
 
 Array = NDArray[np.float64]
 
@@ -81,7 +89,7 @@ def moments(panels: LogPanels) -> Array:
     offsets, weights, basis = _panel_rule(panels)
     first = (weights * np.exp(-(1.0 + panels.power) * offsets)) @ basis
     fall = np.exp(-(1.0 + panels.power) * panels.width * np.arange(panels.panels))
-    d, tail_weights, tail = _tail_rule(panels)
+    d, tail_weights, tail = tail_rule(panels)
     deepest = (tail_weights * d**panels.power) @ tail
     return np.concatenate([np.outer(fall, first).ravel(), deepest])
 
@@ -111,11 +119,11 @@ def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
         matrix[rows, rows] = fall[j] * own
     tail = panels.panels * terms
     matrix[tail:, :tail] = 0.0
-    d, weights, basis = _tail_rule(panels)
+    d, weights, basis = tail_rule(panels)
     v = np.sqrt(d / panels.end)
     deeper = d[:, None] * (d / panels.end)
     # dd' = end v**2 2 v' dv', with d' = end v**2 v'**2
-    _, weight, _ = _tail_rule(inner)
+    _, weight, _ = tail_rule(inner)
     values = weight * v[:, None] ** 2 * deeper**inner.power
     tails = tail_values(deeper, inner.end, inner.tail_terms, inner.root_tail)
     within = np.einsum("iq,iqk->ik", values, tails)
@@ -130,7 +138,7 @@ def _panel_rule(panels: LogPanels) -> tuple[Array, Array, Array]:
     return h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree)
 
 
-def _tail_rule(panels: LogPanels) -> tuple[Array, Array, Array]:
+def tail_rule(panels: LogPanels) -> tuple[Array, Array, Array]:
     """Return distances and ``dd`` weights on the tail, and the polynomials there."""
     g, w = gauss_rule(_TAIL_POINTS)
     v = (1.0 + g) / 2.0

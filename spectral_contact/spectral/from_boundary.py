@@ -13,9 +13,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import beyond, deeper, fall, far_fall, outer, rise, tail_values
+from spectral_contact.spectral.abel import beyond, deeper, fall, far_fall, outer, rise
 from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.coupled import tail_rule
 from spectral_contact.spectral.graded import GradedNodes
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
@@ -28,14 +29,12 @@ __all__ = ["Charges", "NodeRule", "Seen", "half_integrals", "inner_integrals", "
 
 Array = NDArray[np.float64]
 
-#: Gauss points on a panel beyond its degree, and on a tail.
-_EXTRA, _TAIL_POINTS = 12, 12
+#: Gauss points on a panel beyond its degree.
+_EXTRA = 12
 #: Distances, in units of a family's extent, up to which a difference is taken as such.
 _NEAR = 0.5
 
-_RULES: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NodeRule] = BoundedCache(
-    "zone nodes", 24
-)
+_RULES: BoundedCache[tuple[LogPanels, tuple[int, ...]], NodeRule] = BoundedCache("zone nodes", 24)
 _ACROSS: BoundedCache[tuple[LogPanels, LogPanels, tuple[int, ...], int], Seen] = BoundedCache(
     "zone halves", 24
 )
@@ -85,12 +84,10 @@ class NodeRule:
     panels : LogPanels
     degrees : tuple of int
         Highest degrees on the panels.
-    sign : int
-        As that of `Family`.
     """
 
-    def __init__(self, panels: LogPanels, degrees: tuple[int, ...], sign: int) -> None:
-        self.panels, self.degrees, self.sign = panels, degrees, sign
+    def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
+        self.panels, self.degrees = panels, degrees
         self._form = panels.panels, panels.width, panels.degree
         # the far end of an annulus is as near to the first panel as a centre
         self.nodes = GradedNodes(panels, degrees, centred=True)
@@ -110,10 +107,9 @@ class NodeRule:
         return Seen(beyond(np.zeros(1), *self._form)[0], rise(self.d, *self._form), whole)
 
 
-def node_rule(panels: LogPanels, degrees: tuple[int, ...], sign: int) -> NodeRule:
+def node_rule(panels: LogPanels, degrees: tuple[int, ...]) -> NodeRule:
     """Return the nodes of a family (cached); parameters are those of `NodeRule`."""
-    key = panels, degrees, sign
-    return _RULES.get(key, lambda: NodeRule(*key))
+    return _RULES.get((panels, degrees), lambda: NodeRule(panels, degrees))
 
 
 def half_integrals(family: Family, nodes: Family, rule: NodeRule) -> Seen | None:
@@ -223,12 +219,8 @@ class Charges:
         between = legendre_interpolation_matrix(g, SAMPLES) * weights[:, None]
         self._other = between.T @ legendre_values(g, panels.degree)
         self._fall = (starts ** (1.0 + panels.power))[:, None]
-        v, w = gauss_rule(_TAIL_POINTS)
-        v = (1.0 + v) / 2.0
-        self.tail = panels.end * v**2
-        weights = w / 2.0 * v * panels.end * self.tail**panels.power
-        basis = tail_values(self.tail, panels.end, panels.tail_terms, panels.root_tail)
-        self._tail = weights[:, None] * basis
+        self.tail, weights, basis = tail_rule(panels)
+        self._tail = (weights / 2.0 * self.tail**panels.power)[:, None] * basis
 
     def integrals(self, kernels: list[Array]) -> Array:
         """Return ``1/2 int d**power psi kernel dd`` of kernels at the three sets of places."""

@@ -36,6 +36,7 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.transforms import transforms
 
 __all__ = ["SlidingDisk"]
 
@@ -210,8 +211,9 @@ class SlidingDisk:
         g, _ = gauss_rule(panels[0].sampling().shape[1])
         above = legendre_interpolation_matrix(g, SAMPLES) @ on_panels
         above = np.concatenate([above.reshape(-1, values.shape[1]), seen[samples.size :]])
-        d = np.concatenate([np.exp(-panels[1].sampling()).ravel(), panels[1].tail_sampling()])
-        chebyshev = chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1)
+        chebyshev = chebyshev_values(
+            2.0 * transforms(panels[1]).distances - 1.0, len(FAR_NODES) - 1
+        )
         return above, chebyshev @ (self.below[1] @ values)
 
     def from_annulus(self, points: Points, around: Array) -> tuple[Array, Array]:

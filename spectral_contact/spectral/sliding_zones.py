@@ -139,7 +139,7 @@ class SlidingZones:
         self.rules = []
         for part in self.parts:
             family, whole = part.family, part.zone == 0
-            rule = node_rule(family.panels, part.degrees, family.sign)
+            rule = node_rule(family.panels, part.degrees)
             offset = family.sign * family.reach * rule.d
             b = family.boundary
             root = b.value * np.sqrt(rule.nodes.rest)
@@ -181,7 +181,7 @@ class SlidingZones:
                         own, rule = nodes.family, self.rules[i]
                         if nodes is part:
                             own = part.shear
-                            rule = node_rule(own.panels, part.degrees, own.sign)
+                            rule = node_rule(own.panels, part.degrees)
                         seen = integrals(part.shear, own, rule)
                         assert seen is not None
                     found[2 + which].append(seen.of(columns))
@@ -284,16 +284,13 @@ class SlidingZones:
             g, _, r, _ = self._tangential[i]
             drive[part.boundary, : len(r)] = parameters.kappa * r
             row = balance[part.boundary : part.boundary + 1]
-            self._add_traction(row, -g[None], i, parameters.friction)
+            self._add(row, -g[None], range(i, len(self.parts)), parameters.friction)
         return drive, balance + drive
 
     # matrices
 
-    def _add_traction(self, matrix: Array, block: Array, i: int, friction: float) -> None:
-        """Add to rows what q/s contributes: of the parts from i outward."""
-        self._add(matrix, block, range(i, len(self.parts)), friction)
-
     def _add(self, matrix: Array, block: Array, parts: range, friction: float) -> None:
+        """Add to rows what q/s of some parts contributes."""
         start = 0
         for k in parts:
             columns = block[:, start : start + len(self._columns[k])]

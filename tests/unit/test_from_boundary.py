@@ -39,7 +39,7 @@ def scale(matrix):
 @pytest.mark.parametrize(("i", "k"), list(product(range(5), range(5))))
 def test_they_are_the_integrals_of_the_families(i, k, power):
     nodes, family = families(power)[i], families(power)[k]
-    rule = node_rule(nodes.panels, (12,) * COUNT, nodes.sign)
+    rule = node_rule(nodes.panels, (12,) * COUNT)
     points = nodes.points(rule.d)
     # next to the far end all is as near to it as the last digit of d says
     allowed = (1e-13 + 2e-16 / np.sqrt(rule.nodes.rest))[:, None]
@@ -59,7 +59,7 @@ def test_they_are_the_integrals_of_the_families(i, k, power):
 @pytest.mark.parametrize(("i", "k"), [(0, 2), (1, 4), (2, 0), (3, 1), (1, 2), (2, 1), (2, 4)])
 def test_differences_keep_their_digits_next_to_the_boundary(i, k):
     nodes, family = families()[i], families()[k]
-    rule = node_rule(nodes.panels, (12,) * COUNT, nodes.sign)
+    rule = node_rule(nodes.panels, (12,) * COUNT)
     outside = k > i
     seen = (half_integrals if outside else inner_integrals)(family, nodes, rule)
     # of a point source, from the sum and not from the difference
