@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_outcome import DISTANCES, FINER, CoupledSlip, checked
+from spectral_contact.contact.coupled_outcome import DISTANCES, CoupledSlip, checked, slip_annulus
 from spectral_contact.contact.coupled_zones import CoupledZones
-from spectral_contact.contact.slip_displacement import Slipping
-from spectral_contact.spectral.annulus import Annulus, Family, Points
+from spectral_contact.spectral.annulus import Family, Points
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["slip_in_annuli"]
@@ -38,27 +35,14 @@ def slip_in_annuli(solved: CoupledZones, parameters: Parameters) -> CoupledSlip:
         for part, p, u in zip(parts, solved.pressure, solved.shear, strict=True)
         if u is not None
     ]
-    slipping, lost = _slipping(solved, parameters.kappa)
-    return checked(solved, parameters, slipping, lost, highest, sticking)
-
-
-def _slipping(solved: CoupledZones, kappa: float) -> tuple[list[Slipping], float]:
-    """Return E = kappa R - G at the sampling points of slip, and its largest change.
-
-    The displacement changes by a quarter of that at most; E is seen at these points alone.
-    """
-    slipping, lost = [], 0.0
+    misfits = []
     for zone, state in enumerate(solved.states):
-        if state == 0:
-            continue
-        halves = [p.family.panels for p in solved.zones.parts if p.zone == zone]
-        plain = [replace(p, power=0.0, degree=p.degree + FINER) for p in halves]
-        annulus = Annulus(solved.bounds[zone], solved.bounds[zone + 1], plain[0], plain[1])
-        values = [_misfit(solved, kappa, family) for family in annulus.families]
-        lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in values))
-        first, second = (np.ascontiguousarray(one[:, 0]) for one in values)
-        slipping.append(Slipping(annulus, state, (first, second)))
-    return slipping, lost
+        if state != 0:
+            halves = [part.family.panels for part in parts if part.zone == zone]
+            annulus = slip_annulus(solved.bounds[zone], solved.bounds[zone + 1], halves)
+            each = [_misfit(solved, parameters.kappa, family) for family in annulus.families]
+            misfits.append((annulus, each))
+    return checked(solved, parameters, misfits, highest, sticking)
 
 
 def _misfit(solved: CoupledZones, kappa: float, family: Family) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import atan, ceil, inf, pi
@@ -25,16 +25,18 @@ from spectral_contact.fields import (
     ZonePiece,
 )
 from spectral_contact.solution import Zone
-from spectral_contact.spectral.annulus import gap
+from spectral_contact.spectral.annulus import Annulus, gap
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["DISTANCES", "FINER", "CoupledSlip", "NoCoupledSlipError", "Solved", "checked"]
+__all__ = ["DISTANCES", "CoupledSlip", "NoCoupledSlipError", "Solved", "checked", "slip_annulus"]
 
 Array = NDArray[np.float64]
 
-#: Degrees that the panels of the displacement have beyond those of the pressure.
-FINER = 8
+#: Degrees that the panels of the displacement have beyond those of the pressure: the far end of an
+#: annulus is a singularity ln 2 before the first panel.
+_FINER = 8
 #: Distances from a boundary at which the traction is compared with friction.
 DISTANCES = np.exp(-np.linspace(1e-3, 36.0, 400))
 #: A violation of the friction law that other zones are to blame for, not rounding.
@@ -131,11 +133,16 @@ class _InY:
         return self.field(s, y / (1.0 + s))
 
 
+def slip_annulus(inner: Radius, outer: Radius, panels: Sequence[LogPanels]) -> Annulus:
+    """Return the annulus of a displacement, of the pressure's panels with some degrees more."""
+    first, second = (replace(p, power=0.0, degree=p.degree + _FINER) for p in panels)
+    return Annulus(inner, outer, first, second)
+
+
 def checked(
     solved: Solved,
     parameters: Parameters,
-    slipping: list[Slipping],
-    lost: float,
+    misfits: list[tuple[Annulus, list[Array]]],
     highest: float,
     sticking: Iterable[tuple[Array, LogSeries, LogSeries]],
 ) -> CoupledSlip:
@@ -145,10 +152,10 @@ def checked(
     ----------
     solved : Solved
     parameters : Parameters
-    slipping : list of Slipping
-        The slip zones, outward.
-    lost : float
-        The largest error of E there.
+    misfits : list of (Annulus, list of ndarray)
+        The slip zones, outward, and ``E = kappa R - G`` at the sampling points of their halves,
+        with its change as a second column. The displacement changes by a quarter of that at most;
+        E is seen at these points alone.
     highest : float
         The largest pressure in slip.
     sticking : iterable of (ndarray, LogSeries, LogSeries)
@@ -161,6 +168,11 @@ def checked(
     """
     beta, friction = parameters.beta, parameters.friction
     pressure, traction = _fields(solved, parameters)
+    slipping, lost = [], 0.0
+    for state, (annulus, misfit) in zip(filter(None, solved.states), misfits, strict=True):
+        first, second = (np.ascontiguousarray(one[:, 0]) for one in misfit)
+        slipping.append(Slipping(annulus, state, (first, second)))
+        lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in misfit))
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, slipping, _InY(pressure), beta, friction
     )

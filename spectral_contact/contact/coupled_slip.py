@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_disk import CoupledDisk
-from spectral_contact.contact.coupled_outcome import DISTANCES, FINER, CoupledSlip, checked
+from spectral_contact.contact.coupled_outcome import DISTANCES, CoupledSlip, checked, slip_annulus
 from spectral_contact.contact.resolution import series_of
-from spectral_contact.contact.slip_displacement import Slipping
 from spectral_contact.fields import EDGE
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parameters import Parameters
@@ -30,39 +27,29 @@ def slip_around_disk(solved: CoupledDisk, parameters: Parameters) -> CoupledSlip
     NoCoupledSlipError
         If they break the friction law: there are other zones.
     """
-    _, _, kappa, friction = parameters
     [rim], (own, above, _), shear = solved.radii, solved.pressure, solved.shear[0]
     assert shear is not None
-    annulus, misfit, lost = _misfit(solved, kappa, friction)
-    slipping = [Slipping(annulus, 1, misfit)]
+    annulus = slip_annulus(rim, EDGE, solved.disk.panels[1:])
+    misfit = _misfit(solved, annulus, parameters.kappa, parameters.friction)
     highest = float(np.abs(above(np.array([0.0]))[0]))
     sticking = [(rim.value * np.sqrt(1.0 - DISTANCES), own, shear)]
-    return checked(solved, parameters, slipping, lost, highest, sticking)
+    return checked(solved, parameters, [(annulus, misfit)], highest, sticking)
 
 
-def _misfit(
-    solved: CoupledDisk, kappa: float, friction: float
-) -> tuple[Annulus, tuple[Array, Array], float]:
-    """Return E = kappa R - G at the sampling points of the annulus, and its largest change.
-
-    The displacement changes by a quarter of that at most; E is seen at these points alone.
-    """
+def _misfit(solved: CoupledDisk, annulus: Annulus, kappa: float, friction: float) -> list[Array]:
+    """Return E at the sampling points of both halves of the annulus, and its change."""
     disk = solved.disk
     own, *around, _ = (
         np.column_stack(pair) for pair in zip(solved.parts, solved.change, strict=True)
     )
-    # the far end of the annulus is a singularity ln 2 before the first panels
-    plain = [replace(p, power=0.0, degree=p.degree + FINER) for p in disk.panels[1:]]
-    annulus = Annulus(solved.radii[0], EDGE, plain[0], plain[1])
-    values, lost = [], 0.0
+    first, second = (one.panels for one in annulus.families)
+    misfit = []
     integrals = _integrals(disk, annulus, around)
-    inside = disk.from_disk(own, (plain[0], plain[1]))
+    inside = disk.from_disk(own, (first, second))
     for family, (inner, halves), seen in zip(annulus.families, integrals, inside, strict=True):
         driven = (seen + inner) / np.sqrt(family.sampling().z)[:, None]
-        missed = 2.0 * kappa * driven - friction * halves
-        values.append(np.ascontiguousarray(missed[:, 0]))
-        lost = max(lost, float(np.abs(missed[:, 1]).max()))
-    return annulus, (values[0], values[1]), lost
+        misfit.append(2.0 * kappa * driven - friction * halves)
+    return misfit
 
 
 def _integrals(
