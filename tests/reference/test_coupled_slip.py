@@ -27,6 +27,8 @@ ROUGH = [
     Scene(0.3, 0.5, 0.0, 0.1, coupling=True),
     Scene(-0.5, 0.2, 0.1, 0.2, coupling=True),
 ]
+#: The first of the smooth ones.
+HALF = Scene(0.0, friction=0.298714615961742, coupling=True)
 FIELDS = ("pressure", "traction")
 INTEGRALS = ("approach", "total_shear", "stick_radius")
 
@@ -53,7 +55,7 @@ def test_smooth_limit_to_twelve_digits(nu, friction, known, approach, shear):
     assert solution.converged
 
 
-@pytest.mark.parametrize("scene", [*ROUGH, Scene(0.0, friction=0.3, coupling=True)])
+@pytest.mark.parametrize("scene", [*ROUGH, HALF])
 def test_estimates_bound_the_errors(scene):
     solution, truth = slipping(scene, 1e-4), slipping(scene)
     for name in INTEGRALS:
@@ -67,7 +69,7 @@ def test_estimates_bound_the_errors(scene):
     assert np.abs(slips[0] - slips[1]).max() <= solution.error.slip * np.abs(slips[1]).max()
 
 
-@pytest.mark.parametrize("scene", [*ROUGH, Scene(0.0, friction=0.298714615961742, coupling=True)])
+@pytest.mark.parametrize("scene", [*ROUGH, HALF])
 def test_fields_satisfy_the_equations_of_the_elliptic_kernels(scene):
     assert check_solution(slipping(scene), scene, 1e-12).passed
 
@@ -86,8 +88,7 @@ def test_fields_are_continuous_at_the_rim(scene):
 
 
 def test_next_to_the_edge_of_a_smooth_surface_the_pressure_is_a_power():
-    scene = Scene(0.0, friction=0.298714615961742, coupling=True)
-    solution = slipping(scene)
+    scene, solution = HALF, slipping(HALF)
     d = 10.0 ** -np.array([8.0, 12.0, 14.0, 20.0, 100.0, 299.0])
     theta = math.atan(2.0 * scene.kappa * scene.friction) / math.pi
     p = solution.pressure(from_edge=d) * (d * (2.0 - d)) ** (0.5 - theta)
@@ -166,17 +167,17 @@ def test_slip_begins_at_the_critical_friction():
     ],
 )
 def test_tiny_disks_and_narrow_slip(scene, radius):
-    solution = slipping(scene, 1e-8)
+    solution = slipping(scene, 1e-6)
     assert solution.stick_radius == pytest.approx(radius, rel=1e-3)
     assert solution.error.zones < 1e-8
-    finer = slipping(scene, 1e-10)
+    finer = slipping(scene, 1e-9)
     assert solution.stick_radius == pytest.approx(finer.stick_radius, rel=solution.error.zones)
 
 
 @pytest.mark.parametrize("layers", [(1e-12, 1e-12), (1e-7, 1e-10), (1e-13, 0.0)])
 def test_thin_layers_keep_twelve_digits(layers):
     scene = Scene(0.3, *layers, 0.2, coupling=True)
-    solution, smooth = slipping(scene), slipping(Scene(0.3, friction=0.2, coupling=True), 1e-9)
+    solution, smooth = slipping(scene), slipping(Scene(0.3, friction=0.2, coupling=True), 1e-6)
     assert solution.converged
     assert solution.approach == pytest.approx(smooth.approach, rel=1e-5)
     assert solution.stick_radius == pytest.approx(smooth.stick_radius, rel=1e-5)
@@ -202,9 +203,9 @@ def test_what_is_there():
     assert solution.work["partial slip"].history
 
 
-@pytest.mark.parametrize("scene", [ROUGH[0], Scene(0.0, friction=0.3, coupling=True)])
+@pytest.mark.parametrize("scene", [ROUGH[0], HALF])
 def test_it_is_stored_as_it_is(scene, tmp_path):
-    solution = slipping(scene, 1e-6)
+    solution = slipping(scene, 1e-4)  # which is there already
     assert Solution.from_json(solution.to_json()) == solution
     solution.save(tmp_path / "slip.npz")
     assert Solution.load(tmp_path / "slip.npz") == solution

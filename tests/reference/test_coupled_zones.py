@@ -123,7 +123,7 @@ def test_the_effect_of_coupling_falls_like_the_square_of_kappa(alpha, beta, rati
     for kappa in (8e-3, 4e-3):
         nu = (1.0 - 4.0 * kappa) / (2.0 - 4.0 * kappa)
         pair = [
-            solve(Scene(nu, alpha, beta, ratio * kappa, coupling=coupling), 1e-8)
+            solve(Scene(nu, alpha, beta, ratio * kappa, coupling=coupling), 1e-5)
             for coupling in (False, True)
         ]
         values = [
@@ -167,7 +167,7 @@ def test_slip_begins_inside_at_the_critical_friction():
     widths = []
     for share in below:
         friction = (1.0 - share) * critical.critical_friction
-        outer, inner = boundaries(slipping(Scene(0.3, 0.05, 1.0, friction, coupling=True), 1e-8))
+        outer, inner = boundaries(slipping(Scene(0.3, 0.05, 1.0, friction, coupling=True), 1e-5))
         widths.append(outer - inner)
     # the width grows like the root
     assert widths[1] / widths[0] == pytest.approx(2.0, rel=0.05)
@@ -183,7 +183,7 @@ def test_where_coupling_takes_pressure_from_the_edge_the_edge_slips():
 
 
 def test_zones_far_from_those_without_coupling():
-    scene = Scene(-0.05, 0.0, 3.56e-5, 1.47, coupling=True)
+    scene = Scene(-0.93, 0.0, 0.024, 0.7, coupling=True)
     solution = slipping(scene, 1e-4)
     assert len(solution.zones) == 3
     assert check_solution(solution, scene, 1e-4).passed
@@ -201,7 +201,7 @@ def test_what_is_there():
 
 @pytest.mark.parametrize("scene", [INSIDE, SMOOTH])
 def test_it_is_stored_as_it_is(scene, tmp_path):
-    solution = slipping(scene, 1e-5)
+    solution = slipping(scene, 1e-6)  # which is there already
     assert Solution.from_json(solution.to_json()) == solution
     solution.save(tmp_path / "slip.npz")
     assert Solution.load(tmp_path / "slip.npz") == solution
