@@ -24,12 +24,6 @@ def slip_in_annuli(solved: CoupledZones, parameters: Parameters) -> CoupledSlip:
         If they break the friction law.
     """
     parts = solved.zones.parts
-    d = np.exp(-np.linspace(0.0, 60.0, 500))
-    highest = max(
-        float(np.abs(p(d)).max())
-        for part, p in zip(parts, solved.pressure, strict=True)
-        if part.state
-    )
     sticking = [
         (np.sqrt(np.maximum(part.family.points(DISTANCES).z, 0.0)), p, u)
         for part, p, u in zip(parts, solved.pressure, solved.shear, strict=True)
@@ -42,7 +36,7 @@ def slip_in_annuli(solved: CoupledZones, parameters: Parameters) -> CoupledSlip:
             annulus = slip_annulus(solved.bounds[zone], solved.bounds[zone + 1], halves)
             each = [_misfit(solved, parameters.kappa, family) for family in annulus.families]
             misfits.append((annulus, each))
-    return checked(solved, parameters, misfits, highest, sticking)
+    return checked(solved, parameters, misfits, sticking)
 
 
 def _misfit(solved: CoupledZones, kappa: float, family: Family) -> Array:

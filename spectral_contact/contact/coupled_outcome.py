@@ -143,7 +143,6 @@ def checked(
     solved: Solved,
     parameters: Parameters,
     misfits: list[tuple[Annulus, list[Array]]],
-    highest: float,
     sticking: Iterable[tuple[Array, LogSeries, LogSeries]],
 ) -> CoupledSlip:
     """Return fields and displacement, if they obey the friction law.
@@ -156,8 +155,6 @@ def checked(
         The slip zones, outward, and ``E = kappa R - G`` at the sampling points of their halves,
         with its change as a second column. The displacement changes by a quarter of that at most;
         E is seen at these points alone.
-    highest : float
-        The largest pressure in slip.
     sticking : iterable of (ndarray, LogSeries, LogSeries)
         The radii at `DISTANCES` from every end of a stick zone, and p and q/s there.
 
@@ -177,13 +174,15 @@ def checked(
         solved.stuck, slipping, _InY(pressure), beta, friction
     )
     d = np.exp(-np.linspace(0.0, 60.0, 500))
-    if not min(float(one(d).min()) for one in solved.pressure) > 0.0:
+    values = [one(d) for one in solved.pressure]
+    if not min(float(one.min()) for one in values) > 0.0:
         raise NoCoupledSlipError("the pressure is not positive")
     ratios = (s * np.abs(u(DISTANCES)) / (friction * p(DISTANCES)) for s, p, u in sticking)
     excess = max(max(float(one.max()) for one in ratios) - 1.0, 0.0)
     if excess > _BROKEN:
         raise NoCoupledSlipError("the traction in stick exceeds friction")
     # beta f p is part of the displacement, as large as the rest of it or less
+    highest = max(float(p.max()) for i, p in enumerate(values) if solved.states[(i + 1) // 2])
     direct = beta * friction * highest * solved.pressure_error
     stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
     slip_error = stray / max(largest, 1e-300)

@@ -42,8 +42,9 @@ _DISK = Layout((3.0,), (0, 1))
 #: From where on another stick radius is looked for, and in which steps, as logits; on smooth
 #: surfaces they are 10 apart and more, measured.
 _CLEAR, _APART = 1.0, 3.0
-#: Stick at the edge of a smooth surface with tangential compliance that is wider than this counts.
-_FINEST = 1e-80
+#: Square of friction times compliance, which is about how wide a smooth surface sticks at the edge,
+#: from which on that is resolved, measured.
+_RESOLVED = 1e-29
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
 #: The first and the least step of the coupling by which zones are followed.
@@ -86,6 +87,10 @@ class CoupledSearch:
         NoCoupledSlipError
             If none does.
         """
+        alpha, beta, _, friction = self.parameters
+        edge = (friction * beta) ** 2
+        if alpha == 0.0 < beta and edge < _RESOLVED:
+            raise NoCoupledSlipError(f"the edge sticks over some {edge:.0e}, too little to resolve")
         reasons = []
         for layout, far in self._layouts():
             try:
@@ -126,11 +131,11 @@ class CoupledSearch:
     def _possible(self, layout: Layout) -> bool:
         """Return whether there is slip, and the edge may be as it is.
 
-        That of a smooth surface sticks with tangential compliance, unless less than any distance.
+        That of a smooth surface sticks with tangential compliance.
         """
-        alpha, beta, _, friction = self.parameters
+        alpha, beta, _, _ = self.parameters
         if len(layout.states) == 2:
-            return alpha > 0.0 or (friction * beta) ** 2 <= _FINEST
+            return alpha > 0.0 or beta == 0.0
         return len(layout.states) > 2 and beta > 0.0
 
     def _solved(self, layout: Layout, far: bool) -> CoupledSlip:

@@ -27,13 +27,12 @@ def slip_around_disk(solved: CoupledDisk, parameters: Parameters) -> CoupledSlip
     NoCoupledSlipError
         If they break the friction law: there are other zones.
     """
-    [rim], (own, above, _), shear = solved.radii, solved.pressure, solved.shear[0]
+    [rim], own, shear = solved.radii, solved.pressure[0], solved.shear[0]
     assert shear is not None
     annulus = slip_annulus(rim, EDGE, solved.disk.panels[1:])
     misfit = _misfit(solved, annulus, parameters.kappa, parameters.friction)
-    highest = float(np.abs(above(np.array([0.0]))[0]))
     sticking = [(rim.value * np.sqrt(1.0 - DISTANCES), own, shear)]
-    return checked(solved, parameters, [(annulus, misfit)], highest, sticking)
+    return checked(solved, parameters, [(annulus, misfit)], sticking)
 
 
 def _misfit(solved: CoupledDisk, annulus: Annulus, kappa: float, friction: float) -> list[Array]:
