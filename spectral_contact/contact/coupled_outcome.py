@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_parts import LEADING, leading_depth
-from spectral_contact.contact.friction_law import obeys, unknown_slip
+from spectral_contact.contact.friction_law import obeys, unknown_slip, wrong_intervals
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, slip_displacement
 from spectral_contact.fields import (
@@ -44,7 +45,17 @@ _BROKEN = 1e-6
 
 
 class NoCoupledSlipError(ArithmeticError):
-    """Zones do not obey the friction law; the text says what is amiss."""
+    """Zones do not obey the friction law; the text says what is amiss.
+
+    Attributes
+    ----------
+    further : Layout or None
+        Zones that may do so: one disk, and stick where slip around it has the wrong sense.
+    """
+
+    def __init__(self, text: str, further: Layout | None = None) -> None:
+        super().__init__(text)
+        self.further = further
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +199,9 @@ def checked(
     slip_error = stray / max(largest, 1e-300)
     wrong = max(float(one.max()) for one in samples) / largest
     if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
-        raise NoCoupledSlipError("the surface slips with the traction")
+        raise NoCoupledSlipError(
+            "the surface slips with the traction", _further(solved, misfits[0][0], samples[0])
+        )
     slips = iter(fields)
     zones, pieces = [], []
     for state, (inner, outer) in zip(solved.states, pairwise(solved.bounds), strict=True):
@@ -204,6 +217,15 @@ def checked(
         max(excess, wrong, 0.0),
         obeys(excess, solved.traction_error, wrong, slip_error),
     )
+
+
+def _further(solved: Solved, annulus: Annulus, samples: Array) -> Layout | None:
+    """Return one disk with stick where slip around it has the wrong sense."""
+    if solved.states != (0, 1):
+        return None
+    disk = Layout((solved.radii[0].logit,), solved.states)
+    layout = disk.with_stick(wrong_intervals(annulus, samples))
+    return layout if len(layout.states) > 2 else None
 
 
 def _fields(solved: Solved, parameters: Parameters) -> tuple[ZonalField, ZonalField]:

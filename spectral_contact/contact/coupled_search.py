@@ -92,11 +92,14 @@ class CoupledSearch:
         if alpha == 0.0 < beta and edge < _RESOLVED:
             raise NoCoupledSlipError(f"the edge sticks over some {edge:.0e}, too little to resolve")
         reasons = []
-        for layout, far in self._layouts():
-            try:
-                return self._solved(layout, far)
-            except _MISFITS as missing:
-                reasons.append(f"{len(layout.states)} zones: {missing}")
+        for first, far in self._layouts():
+            layout: Layout | None = first
+            while layout is not None:
+                try:
+                    return self._solved(layout, far)
+                except _MISFITS as missing:
+                    reasons.append(f"{len(layout.states)} zones: {missing}")
+                    layout = getattr(missing, "further", None)
         raise NoCoupledSlipError("; ".join(reasons))
 
     def others(self, radius: Radius) -> list[float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log, log1p
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,3 +58,20 @@ class Layout:
     slopes_at: tuple[float, ...] = ()
     good: bool = False
     space: ZonesSpace | None = None
+
+    def with_stick(self, intervals: tuple[tuple[float, float], ...]) -> Layout:
+        """Return the layout of one stick disk with further stick in intervals of slip.
+
+        Parameters
+        ----------
+        intervals : tuple of (float, float)
+            In ``y = 1 - s**2``, outward; one that ends at 0 reaches the edge.
+        """
+        [rim] = self.logits
+        logits, states = [rim], [*self.states]
+        for high, low in intervals:
+            ends = [log1p(-y) - log(y) for y in (high, low) if y > 0.0]
+            if high > low and ends[0] > rim:
+                logits += ends
+                states += [0, 1] if low > 0.0 else [0]
+        return Layout(tuple(logits), tuple(states))

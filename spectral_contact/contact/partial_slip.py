@@ -231,7 +231,7 @@ class _Search:
 
     def _searched(self, first: PartialSlip | None) -> list[PartialSlip]:
         """Solve on the zones of the active set; nothing if it finds nothing new."""
-        from spectral_contact.contact.zone_search import logit_of_rest, search_zones
+        from spectral_contact.contact.zone_search import search_zones
 
         begin = perf_counter()
         radius = None if first is None else first.zones[0].outer
@@ -239,14 +239,9 @@ class _Search:
         if layout.states == (0, 1) and first is not None:
             # stick zones thinner than the cells: the wrong sense of slip shows where
             disk = Radius(first.zones[0].outer, first.zones[0].outer_from_edge)
-            logits, states = [disk.logit], [0, 1]
-            for high, low in first.wrong:
-                if high < disk.rest and high > low:
-                    logits += [logit_of_rest(y) for y in (high, low) if y > 0.0]
-                    states += [0, 1] if low > 0.0 else [0]
-            if len(states) == 2:
+            layout = Layout((disk.logit,), (0, 1)).with_stick(first.wrong)
+            if len(layout.states) == 2:
                 return []
-            layout = Layout(tuple(logits), tuple(states))
         if layout.states == (0, 1):
             try:
                 return [self._one_disk(layout.logits[0])]
@@ -420,9 +415,8 @@ def _zones_outcome(
     outermost = max(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
-    slip_error = displacement_error(
-        drive, outermost, solved.stray + unresolved, beta, friction, largest
-    )
+    stray = solved.stray + unresolved + solved.loose_ends * largest
+    slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
     wrong = max(float(v.max()) for v in samples)
     zones_error = solved.zones_error
     return PartialSlip(

@@ -20,7 +20,7 @@ from spectral_contact.fields import Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["depth_of", "full_stick_violations", "logit_of_rest", "search_zones"]
+__all__ = ["depth_of", "full_stick_violations", "search_zones"]
 
 Array = NDArray[np.float64]
 
@@ -128,11 +128,6 @@ def _layout(slips: list[tuple[float, float, int]]) -> Layout:
             logits.append(_logit(high))
             states.append(0)
     return Layout(tuple(logits), tuple(states))
-
-
-def logit_of_rest(rest: float) -> float:
-    """Return the logit of the radius with ``1 - b**2 = rest``."""
-    return _logit(-log(rest))
 
 
 def _logit(x: float) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from math import ceil, pi
+from math import ceil, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_misfit,
 )
 from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
-from spectral_contact.fields import AnnulusSeries, DiskSeries, Radius
+from spectral_contact.fields import CENTRE, EDGE, AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import gap
 
 __all__ = ["ZonesSolution", "solve_zones"]
@@ -96,6 +96,20 @@ class ZonesSolution:
     def zones_error(self) -> float:
         """The largest of the boundaries' errors; infinite if a zone may not be there."""
         return zones_error(self.radii, self.boundary_errors)
+
+    @property
+    def loose_ends(self) -> float:
+        """What the errors of its ends make of slip in a narrow zone, relative to the largest.
+
+        Next to an end slip goes like the distance to the power 3/2.
+        """
+        ends = zip(self.radii, self.boundary_errors, strict=True)
+        shifts = [0.0, *(2.0 * r.square * e[0] for r, e in ends), 0.0]
+        bounds, loosest = (CENTRE, *self.radii, EDGE), 0.0
+        for i, state in enumerate(self.states):
+            if state != 0:
+                loosest = max(loosest, (shifts[i] + shifts[i + 1]) / gap(bounds[i], bounds[i + 1]))
+        return 10.0 * loosest * sqrt(loosest)
 
 
 #: What the estimates of one disk are multiplied by, and what functionals have of the square of the
@@ -391,6 +405,9 @@ class _ZonesProblem:
         # the conditions themselves hold to rounding and to the source quadrature
         errors = errors + 20.0 * ROUNDING + 1e-3 * self.quadrature + trial.unresolved
         shift = np.abs(np.linalg.inv(self.slopes[:-1])) @ (errors + 2.0 * np.abs(trial.mismatch))
+        # slopes change within the width of a zone, that of a narrow one next to the onset of slip
+        gaps = np.concatenate([[np.inf], np.diff(self.logits), [np.inf]])
+        shift *= 1.0 + 8.0 * shift / np.minimum(gaps[1:], gaps[:-1])
         return tuple(boundary_error(float(d), r) for d, r in zip(shift, trial.radii, strict=True))
 
 

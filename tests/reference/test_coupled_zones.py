@@ -189,6 +189,14 @@ def test_zones_far_from_those_without_coupling():
     assert check_solution(solution, scene, 1e-4).passed
 
 
+def test_stick_at_the_edge_is_found_from_slip_of_the_wrong_sense():
+    # without coupling it sticks everywhere, and one disk would slip with the traction at the edge
+    scene = Scene(-0.05, 1e-5, 1e-3, 1.0, coupling=True)
+    solution = slipping(scene, 1e-4)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert check_solution(solution, scene, 1e-4).passed
+
+
 def test_what_is_there():
     solution = slipping(INSIDE)
     states = {step.name: step for step in solution.plan.steps}
