@@ -186,7 +186,7 @@ def checked(
     )
     d = np.exp(-np.linspace(0.0, 60.0, 500))
     values = [one(d) for one in solved.pressure]
-    if not min(float(one.min()) for one in values) > 0.0:
+    if not np.min(values) > 0.0:
         raise NoCoupledSlipError("the pressure is not positive")
     ratios = (s * np.abs(u(DISTANCES)) / (friction * p(DISTANCES)) for s, p, u in sticking)
     excess = max(max(float(one.max()) for one in ratios) - 1.0, 0.0)

@@ -43,7 +43,7 @@ _DISK = Layout((3.0,), (0, 1))
 #: surfaces they are 10 apart and more, measured.
 _CLEAR, _APART = 1.0, 3.0
 #: Square of friction times compliance, which is about how wide a smooth surface sticks at the edge,
-#: from which on that is resolved, measured.
+#: below which no digit of it is found, measured.
 _RESOLVED = 1e-29
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
@@ -99,7 +99,8 @@ class CoupledSearch:
                     return self._solved(layout, far)
                 except _MISFITS as missing:
                     reasons.append(f"{len(layout.states)} zones: {missing}")
-                    layout = getattr(missing, "further", None)
+                    further = getattr(missing, "further", None)
+                    layout = further if further and self._possible(further) else None
         raise NoCoupledSlipError("; ".join(reasons))
 
     def others(self, radius: Radius) -> list[float]:

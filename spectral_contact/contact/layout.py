@@ -70,8 +70,7 @@ class Layout:
         [rim] = self.logits
         logits, states = [rim], [*self.states]
         for high, low in intervals:
-            ends = [log1p(-y) - log(y) for y in (high, low) if y > 0.0]
-            if high > low and ends[0] > rim:
-                logits += ends
+            if low < high < 1.0 and log1p(-high) - log(high) > rim:
+                logits += [log1p(-y) - log(y) for y in (high, low) if y > 0.0]
                 states += [0, 1] if low > 0.0 else [0]
         return Layout(tuple(logits), tuple(states))

@@ -415,7 +415,7 @@ def _zones_outcome(
     outermost = max(
         (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
     )
-    stray = solved.stray + unresolved + solved.loose_ends * largest
+    stray, loose = solved.stray + unresolved, solved.loose_ends
     slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
     wrong = max(float(v.max()) for v in samples)
     zones_error = solved.zones_error
@@ -428,9 +428,10 @@ def _zones_outcome(
         solved.shear_error,
         solved.boundary_errors[0][0],
         zones_error,
-        max(slip_error, unknown_slip(zones_error)),
+        max(slip_error + loose if slip_error + loose <= 1.0 else inf, unknown_slip(zones_error)),
         max(excess, wrong / largest, 0.0),
-        obeys(excess, error, wrong / largest, slip_error),
+        # zones whose ends say nothing of the sense are not taken for granted
+        obeys(excess, error, wrong / largest, slip_error + min(loose, 0.5)),
         True,
         layout=solved.layout,
     )

@@ -53,6 +53,8 @@ def root_near(
     product of their distances from it. The slope is a guess at first: no step is longer than
     `longest` then.
     """
+    if slope == 0.0:
+        return bracketed_root(function)
     x, value = start, function(start)
     last: tuple[float, float, float] | None = None  # x, value and secant at the point before
     step, product, inverse = -value / slope, 1.0, 1.0 / slope
@@ -93,6 +95,8 @@ def bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
         if high <= LEAST_LOGIT:
             raise NoStickDiskError(at_centre=True)
         at_low = function(low)
+    if at_low == at_high:  # so flat that nothing is known of a root
+        raise NoStickDiskError(at_centre=False)
     middle = 0.5 * (low + high)
     while high - low > 1e-3 * max(1.0, abs(low)):
         # Illinois: false position that halves the value of an end it keeps

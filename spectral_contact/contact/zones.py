@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from math import ceil, pi, sqrt
+from math import ceil, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,7 +108,8 @@ class ZonesSolution:
         bounds, loosest = (CENTRE, *self.radii, EDGE), 0.0
         for i, state in enumerate(self.states):
             if state != 0:
-                loosest = max(loosest, (shifts[i] + shifts[i + 1]) / gap(bounds[i], bounds[i + 1]))
+                width = gap(bounds[i], bounds[i + 1])
+                loosest = max(loosest, (shifts[i] + shifts[i + 1]) / width if width > 0.0 else inf)
         return 10.0 * loosest * sqrt(loosest)
 
 

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import beyond, deeper, fall, far_fall, outer, rise
+from spectral_contact.spectral.abel import EXTRA, beyond, deeper, fall, far_fall, outer, rise
 from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.coupled import tail_rule
@@ -29,8 +29,6 @@ __all__ = ["Charges", "NodeRule", "Seen", "half_integrals", "inner_integrals", "
 
 Array = NDArray[np.float64]
 
-#: Gauss points on a panel beyond its degree.
-_EXTRA = 12
 #: Distances, in units of a family's extent, up to which a difference is taken as such.
 _NEAR = 0.5
 
@@ -205,7 +203,7 @@ class Charges:
     """
 
     def __init__(self, panels: LogPanels) -> None:
-        h, n = panels.width, panels.degree + _EXTRA
+        h, n = panels.width, panels.degree + EXTRA
         g, w = gauss_rule(n)
         self.first = np.exp(-h * (1.0 + g) / 2.0)
         weights = (0.25 * h * w) * self.first ** (1.0 + panels.power)

@@ -239,3 +239,12 @@ def test_nearly_smooth(alpha, rtol):
     assert max(solution.error.approach, solution.error.pressure) <= rtol
     assert off(solution.approach, exact) <= solution.error.approach
     assert off(solution.pressure(1.0), edge) <= solution.error.pressure
+
+
+@pytest.mark.parametrize("below", [0.0, 1e-15, 1e-10])
+@pytest.mark.parametrize("nu", [0.1, 0.3])
+def test_slip_about_to_start_with_great_compliances(nu, below):
+    # p is flat, and so is the condition for the stick radius
+    critical = solve(Scene(nu, 1e14, 1e14, math.inf), 1e-3).critical_friction
+    solution = solve(Scene(nu, 1e14, 1e14, critical * (1.0 - below)), 1e-3)
+    assert solution.stick_radius == pytest.approx(1.0, abs=1e-9)

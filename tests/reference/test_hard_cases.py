@@ -7,6 +7,7 @@ too long here are in validation/results/hard_cases.json.
 import functools
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -113,3 +114,15 @@ def test_the_estimate_of_the_traction_holds_at_the_centre():
     solution = solve(Scene(0.1, 0.0, 0.01, np.inf), 1e-12)
     for s, traction in true.items():
         assert abs(solution.traction(s) / traction - 1) <= solution.error.traction
+
+
+@pytest.mark.parametrize("ulps", [-11, -3, 3, 6, 8])
+def test_inputs_an_ulp_apart_have_zones_within_their_estimates(ulps):
+    # the zone is as wide as the root of what f is below critical: an ulp makes 1e-4 of it
+    [case] = [one for one in CASES if one.name == "nearly critical, inside"]
+    friction = case.scene.friction + ulps * math.ulp(case.scene.friction)
+    solution = solve(replace(case.scene, friction=friction), 1e-12, strict=False)
+    errors = true_errors(solution, RECORD[case.name]["truth"])
+    assert len(solution.zones) == 3
+    assert errors["zones"] <= solution.error.zones
+    assert solution.converged
