@@ -127,12 +127,15 @@ class LogSeries:
         )
 
     @staticmethod
-    def several(series: Sequence[LogSeries], d: Array) -> Array:
+    def several(series: Sequence[LogSeries | None], d: Array) -> Array:
         """Return the values of series `on_panels_of` each other at distances (n,), as rows.
 
-        One pass serves all of them.
+        One pass serves all of them. They are zero if there is none.
         """
-        first, count = series[0], len(series)
+        known = [one for one in series if one is not None]
+        if not known:
+            return np.zeros((len(series), len(d)))
+        first, count = known[0], len(known)
         panels = len(first.coefficients)
         end = math.exp(-panels * first.width)
         local = np.log(np.maximum(d, end * 1e-2))
@@ -143,13 +146,13 @@ class LogSeries:
         np.minimum(np.maximum(local, -1.0, out=local), 1.0, out=local)
         table = first.coefficients
         if count > 1:
-            table = np.concatenate([one.coefficients for one in series])
+            table = np.concatenate([one.coefficients for one in known])
             own = (own + panels * np.arange(count)[:, None]).ravel()
             local = np.tile(local, count)
         result = legendre_sums(local, table, own).reshape(count, -1)
         deep = d < end
         if deep.any():
-            for row, one in zip(result, series, strict=True):
+            for row, one in zip(result, known, strict=True):
                 row[deep] = one._deep(d[deep], end)
         if first.power != 0.0:
             with np.errstate(divide="ignore"):
@@ -281,10 +284,7 @@ class PressureField:
     @staticmethod
     def several(fields: Sequence[PressureField], y: Array) -> Array:
         """Return the values of fields whose series have the same panels at ``y``, (n,), as rows."""
-        series = [one.series for one in fields if one.series is not None]
-        values = np.zeros((len(fields), len(y)))
-        if len(series) == len(fields):
-            values = LogSeries.several(series, y)
+        values = LogSeries.several([one.series for one in fields], y)
         for row, one in zip(values, fields, strict=True):
             if one.weight is not None:
                 row += one.weight(y)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import atan, ceil, inf, pi
+from math import atan, ceil, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_parts import LEADING, leading_depth
-from spectral_contact.contact.friction_law import obeys, unknown_slip, wrong_intervals
+from spectral_contact.contact.friction_law import known_share, obeys, unknown_slip, wrong_intervals
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, slip_displacement
@@ -213,7 +213,7 @@ def checked(
         pressure,
         traction,
         ZonalField(tuple(pieces)),
-        max(slip_error if slip_error <= 1.0 else inf, unknown_slip(solved.zones_error)),
+        max(known_share(slip_error), unknown_slip(solved.zones_error)),
         max(excess, wrong, 0.0),
         obeys(excess, solved.traction_error, wrong, slip_error),
     )

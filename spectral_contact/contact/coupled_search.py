@@ -23,7 +23,7 @@ from spectral_contact.contact.coupled_radii import scanned, stick_radii
 from spectral_contact.contact.coupled_slip import slip_around_disk
 from spectral_contact.contact.coupled_stick import CoupledStick
 from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields import Radius
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD
@@ -202,7 +202,7 @@ class CoupledSearch:
         beyond = (np.abs(q) > self.parameters.friction * p) | (p <= 0.0)
         edges = np.flatnonzero(beyond[1:] != beyond[:-1])
         middles = (x[edges] + x[edges + 1]) / 2.0
-        logits = tuple(float(np.log(-np.expm1(-one)) + one) for one in middles)
+        logits = tuple(logit_at(one) for one in middles.tolist())
         signs = (
             np.sign(q[np.concatenate([[0], edges + 1])]) * beyond[np.concatenate([[0], edges + 1])]
         )

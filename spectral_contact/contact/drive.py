@@ -115,10 +115,7 @@ class Drive:
     @staticmethod
     def targets(drives: Sequence[Drive], y: Array) -> Array:
         """Return R of a pressure or of several of its changes at ``y``, (n,), as rows."""
-        outer = [one._outer for one in drives if one._outer is not None]
-        values = np.zeros((len(drives), len(y)))
-        if len(outer) == len(drives):
-            values = LogSeries.several(outer, y)
+        values = LogSeries.several([one._outer for one in drives], y)
         for row, one in zip(values, drives, strict=True):
             row += one._of_weight(y)
         return values

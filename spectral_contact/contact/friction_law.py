@@ -13,7 +13,14 @@ from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.annulus import Annulus
 
-__all__ = ["displacement_error", "obeys", "stick_excess", "unknown_slip", "wrong_intervals"]
+__all__ = [
+    "displacement_error",
+    "known_share",
+    "obeys",
+    "stick_excess",
+    "unknown_slip",
+    "wrong_intervals",
+]
 
 Array = NDArray[np.float64]
 
@@ -44,6 +51,11 @@ def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
     return excess <= max(10.0 * error, 5e-12) and wrong <= max(slip_error, _NEGLIGIBLE)
 
 
+def known_share(error: float) -> float:
+    """Return the error of a displacement relative to its largest, infinite if no digit is known."""
+    return error if error <= 1.0 else inf
+
+
 def unknown_slip(boundary_error: float) -> float:
     """Return infinity where no digit of a boundary is known: then none of the slip is, either."""
     return inf if boundary_error == inf else 0.0
@@ -64,7 +76,7 @@ def displacement_error(
         largest_p = drive.pressure.value(min(y, 1.0))
         direct = beta * friction * largest_p * drive.contact.pressure_error
     error = (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
-    return error if error <= 1.0 else inf  # no digit is known
+    return known_share(error)
 
 
 def stick_excess(

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log, log1p
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Resolution
 
-__all__ = ["Layout", "ZonesSpace"]
+__all__ = ["Layout", "ZonesSpace", "logit_at"]
+
+
+def logit_at(x: float) -> float:
+    """Return the logit ``ln(z/y)`` of the radius with ``y = exp(-x)``."""
+    return float(np.log(-np.expm1(-x)) + x)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +75,7 @@ class Layout:
         [rim] = self.logits
         logits, states = [rim], [*self.states]
         for high, low in intervals:
-            if low < high < 1.0 and log1p(-high) - log(high) > rim:
-                logits += [log1p(-y) - log(y) for y in (high, low) if y > 0.0]
+            if low < high < 1.0 and logit_at(-log(high)) > rim:
+                logits += [logit_at(-log(y)) for y in (high, low) if y > 0.0]
                 states += [0, 1] if low > 0.0 else [0]
         return Layout(tuple(logits), tuple(states))

@@ -21,6 +21,7 @@ from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
     displacement_error,
+    known_share,
     obeys,
     stick_excess,
     unknown_slip,
@@ -396,7 +397,7 @@ def _zones_outcome(
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, solved.slipping, pressure, beta, friction
     )
-    bounds = (CENTRE, *solved.radii, EDGE)
+    bounds = solved.bounds
     sticks: Iterator[DiskSeries | AnnulusSeries] = iter((solved.disk, *solved.annuli))
     slips = iter(fields)
     traction, displacement, zones, excess = [], [], [], 0.0
@@ -428,7 +429,7 @@ def _zones_outcome(
         solved.shear_error,
         solved.boundary_errors[0][0],
         zones_error,
-        max(slip_error + loose if slip_error + loose <= 1.0 else inf, unknown_slip(zones_error)),
+        max(known_share(slip_error + loose), unknown_slip(zones_error)),
         max(excess, wrong / largest, 0.0),
         # zones whose ends say nothing of the sense are not taken for granted
         obeys(excess, error, wrong / largest, slip_error + min(loose, 0.5)),

@@ -282,10 +282,9 @@ def share_of_change(
     size = np.maximum(np.abs(size), _TINY)
     share = total / np.minimum(size[1:], size[:-1])
     share[-1] = max(share[-1], tail / size[-1])
-    x = panels.width * np.arange(panels.panels)
-    if leading < inf:
+    if min(leading, known) < inf:
+        x = panels.width * np.arange(panels.panels)
         share *= np.exp(-np.maximum(x - leading, 0.0))
-    if known < inf:
         share[x > known] = 0.0
     return np.asarray(share)
 

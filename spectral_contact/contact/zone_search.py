@@ -15,7 +15,7 @@ from scipy import linalg
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import FullStick
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
@@ -122,17 +122,12 @@ def _layout(slips: list[tuple[float, float, int]]) -> Layout:
     for low, high, sign in slips:
         if logits and low <= -log(Radius.from_logit(logits[-1]).rest) + 1e-12:
             raise ArithmeticError("adjacent slip zones of opposite sense")
-        logits.append(_logit(low))
+        logits.append(logit_at(low))
         states.append(sign)
         if high != float("inf"):
-            logits.append(_logit(high))
+            logits.append(logit_at(high))
             states.append(0)
     return Layout(tuple(logits), tuple(states))
-
-
-def _logit(x: float) -> float:
-    """Return ln(z/y) with y = exp(-x)."""
-    return float(np.log(-np.expm1(-x)) + x)
 
 
 def _logit_of(radius: float) -> float:

@@ -93,6 +93,11 @@ class ZonesSolution:
     layout: Layout
 
     @property
+    def bounds(self) -> tuple[Radius, ...]:
+        """Ends of the zones, from the centre to the edge."""
+        return CENTRE, *self.radii, EDGE
+
+    @property
     def zones_error(self) -> float:
         """The largest of the boundaries' errors; infinite if a zone may not be there."""
         return zones_error(self.radii, self.boundary_errors)
@@ -105,11 +110,10 @@ class ZonesSolution:
         """
         ends = zip(self.radii, self.boundary_errors, strict=True)
         shifts = [0.0, *(2.0 * r.square * e[0] for r, e in ends), 0.0]
-        bounds, loosest = (CENTRE, *self.radii, EDGE), 0.0
-        for i, state in enumerate(self.states):
-            if state != 0:
-                width = gap(bounds[i], bounds[i + 1])
-                loosest = max(loosest, (shifts[i] + shifts[i + 1]) / width if width > 0.0 else inf)
+        loosest = 0.0
+        for i in np.flatnonzero(self.states).tolist():
+            width = gap(*self.bounds[i : i + 2])
+            loosest = max(loosest, (shifts[i] + shifts[i + 1]) / width if width > 0.0 else inf)
         return 10.0 * loosest * sqrt(loosest)
 
 

@@ -31,10 +31,8 @@ from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, Family, Points
 from spectral_contact.spectral.around_rim import Around, Inside, OverRadius, around, inside
 from spectral_contact.spectral.jacobi import (
     chebyshev_values,
-    gauss_rule,
-    legendre_interpolation_matrix,
 )
-from spectral_contact.spectral.panels import SAMPLES, LogPanels, top_functions
+from spectral_contact.spectral.panels import LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.transforms import transforms
 
@@ -204,13 +202,9 @@ class SlidingDisk:
         """
         disk, c = self._inside, self.radius.value
         values = own[disk.index]
-        samples = panels[0].sampling(SAMPLES)
-        d = np.concatenate([np.exp(-samples).ravel(), panels[0].tail_sampling()])
-        seen = c * (fall(self.half / self.radius.square * d, *disk.form)[0] @ values)
-        on_panels = seen[: samples.size].reshape(*samples.shape, -1)
-        g, _ = gauss_rule(panels[0].sampling().shape[1])
-        above = legendre_interpolation_matrix(g, SAMPLES) @ on_panels
-        above = np.concatenate([above.reshape(-1, values.shape[1]), seen[samples.size :]])
+        near = transforms(panels[0])
+        e = self.half / self.radius.square * near.coarse
+        above = near.interpolate(c * (fall(e, *disk.form)[0] @ values).T).T
         chebyshev = chebyshev_values(
             2.0 * transforms(panels[1]).distances - 1.0, len(FAR_NODES) - 1
         )

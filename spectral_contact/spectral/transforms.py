@@ -58,12 +58,15 @@ class Transforms:
         self.panels = panels
         self._x = panels.sampling()
         #: distances of the sampling points
-        self.distances: Array = np.concatenate([np.exp(-self._x).ravel(), panels.tail_sampling()])
+        self.distances = self._with_tail(self._x)
 
     @cached_property
     def coarse(self) -> Array:
         """Distances of points that represent a smooth function: `SAMPLES` a panel, the tail's."""
-        x = self.panels.sampling(SAMPLES)
+        return self._with_tail(self.panels.sampling(SAMPLES))
+
+    def _with_tail(self, x: Array) -> Array:
+        """Return the distances of points on the panels, and of the sampling points in the tail."""
         return np.concatenate([np.exp(-x).ravel(), self.panels.tail_sampling()])
 
     @cached_property
@@ -73,10 +76,10 @@ class Transforms:
         return legendre_interpolation_matrix(g, SAMPLES).T.copy()
 
     def interpolate(self, values: Array) -> Array:
-        """Return a function at the sampling points from its values at the `coarse` ones."""
-        count = self.panels.panels * SAMPLES
-        on_panels = values[:count].reshape(-1, SAMPLES) @ self._from_coarse
-        return np.concatenate([on_panels.ravel(), values[count:]])
+        """Return functions (..., sampling points) from their values at the `coarse` ones."""
+        count, shape = self.panels.panels * SAMPLES, values.shape[:-1]
+        on_panels = values[..., :count].reshape(*shape, -1, SAMPLES) @ self._from_coarse
+        return np.concatenate([on_panels.reshape(*shape, -1), values[..., count:]], axis=-1)
 
     def deeper(self, coefficients: Array) -> Array:
         """Return the `deeper` integral of a function, shape (sampling points,)."""
