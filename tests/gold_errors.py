@@ -5,6 +5,9 @@ import math
 import numpy as np
 from mpmath import hypot, isinf
 
+TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
+#: What the tolerance bounds; zone boundaries are as good as their conditioning allows.
+BOUNDED = ("approach", "pressure", "traction", "total_shear")
 SIDES = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 
 
@@ -40,6 +43,22 @@ def errors(double, true):
         pairs = zip(values, true.points, strict=True)
         found[name] = worst(relative(value, getattr(point, name)) for value, point in pairs)
     return found
+
+
+def exceeded(double, true):
+    """Return the true errors that are above their estimates, with these."""
+    # at a given radius the traction, one of s/c in stick, moves with the boundaries
+    moved = {"traction": 2.0 * double.error.zones} if true.scene.friction is not None else {}
+    pairs = {
+        name: (error, getattr(double.error, name)) for name, error in errors(double, true).items()
+    }
+    return {n: (e, most) for n, (e, most) in pairs.items() if not e <= most + moved.get(n, 0.0)}
+
+
+def unmet(double, true, rtol):
+    """Return the estimates that do not meet the tolerance although it bounds them."""
+    found = {name: getattr(double.error, name) for name in errors(double, true) if name in BOUNDED}
+    return {name: estimate for name, estimate in found.items() if not estimate <= rtol}
 
 
 def worst(several):

@@ -18,6 +18,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import json
 import math
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,8 @@ RESULTS = Path(__file__).parent / "results"
 SEED, COUNT, TRUE_RTOL = 20, 160, 1e-12
 INTEGRALS = ("approach", "total_shear", "stick_radius")
 FIELDS = ("pressure", "traction")
+#: Distances from the ends of a zone, in its width.
+NEAR = np.geomspace(1e-12, 0.45, 40)
 
 Record = dict[str, Any]
 
@@ -70,10 +73,40 @@ def draw_annuli(number: int) -> tuple[Scene, float]:
     return Scene(nu, alpha, beta, friction, coupling=True), rtol
 
 
-def values(solution: Solution, name: str) -> np.ndarray:
+@dataclass(frozen=True)
+class Sample:
+    """What is compared of a solution: numbers, ends of zones, and fields near these.
+
+    Attributes
+    ----------
+    integrals : dict of str to float
+    ends : list of pair of float
+        Outer radius and its distance from the edge, of every zone but the last.
+    fields : dict of str to list of float
+        Pressure, traction and slip at equal distances from the ends of the zones.
+    errors : dict of str to float
+        Estimates of everything.
+    """
+
+    integrals: dict[str, float]
+    ends: list[tuple[float, float]]
+    fields: dict[str, list[float]]
+    errors: dict[str, float]
+
+
+def sample(solution: Solution, near: np.ndarray = NEAR) -> Sample:
+    """Return the numbers to compare; `near` are distances from ends in widths of the zone."""
+    return Sample(
+        {name: float(getattr(solution, name)) for name in INTEGRALS},
+        [(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]],
+        {name: values(solution, name, near).tolist() for name in (*FIELDS, "slip")},
+        {n: float(getattr(solution.error, n)) for n in (*INTEGRALS, *FIELDS, "slip", "zones")},
+    )
+
+
+def values(solution: Solution, name: str, near: np.ndarray) -> np.ndarray:
     """Return a field at places graded to both ends of every zone, but for the centre."""
-    near, field = np.geomspace(1e-12, 0.45, 40), getattr(solution, name)
-    found = []
+    field, found = getattr(solution, name), []
     for zone in solution.zones:
         # a radius is known to its rounding, from the centre or from the edge
         if zone.outer < 0.5:
@@ -89,13 +122,21 @@ def values(solution: Solution, name: str) -> np.ndarray:
     return np.concatenate(found)
 
 
-def zones_error(solution: Solution, truth: Solution) -> float:
-    """Return the largest relative error of a boundary, from the centre and from the edge."""
-    pairs = list(zip(solution.zones, truth.zones, strict=True))[:-1]
-    return max(
-        max(abs(a.outer / b.outer - 1.0), abs(a.outer_from_edge / b.outer_from_edge - 1.0))
-        for a, b in pairs
-    )
+def ratios(found: Sample, truth: Sample) -> dict[str, float]:
+    """Return the true errors over the estimates, those of the truth included.
+
+    Ends of zones are compared from the centre and from the edge.
+    """
+    errors = {n: abs(found.integrals[n] / truth.integrals[n] - 1.0) for n in INTEGRALS}
+    first, second = ({n: np.array(f) for n, f in one.fields.items()} for one in (found, truth))
+    for name in FIELDS:
+        errors[name] = float(np.abs(first[name] / second[name] - 1.0).max())
+    missed = np.abs(first["slip"] - second["slip"]).max()
+    errors["slip"] = float(missed / np.abs(second["slip"]).max())
+    errors["zones"] = float(np.abs(np.array(found.ends) / np.array(truth.ends) - 1.0).max())
+    return {
+        name: error / (found.errors[name] + truth.errors[name]) for name, error in errors.items()
+    }
 
 
 def compare(number: int, annuli: bool) -> Record:
@@ -114,20 +155,8 @@ def compare(number: int, annuli: bool) -> Record:
         return row | {"refused": "no slip"}
     if len(truth.zones) != len(solution.zones):
         return row | {"refused": "zones differ"}
-    ratios: dict[str, float] = {}
-    for name in INTEGRALS:
-        error = abs(getattr(solution, name) / getattr(truth, name) - 1.0)
-        allowed = getattr(solution.error, name) + getattr(truth.error, name)
-        ratios[name] = error / allowed
-    for name in FIELDS:
-        first, second = (values(one, name) for one in (solution, truth))
-        allowed = getattr(solution.error, name) + getattr(truth.error, name)
-        ratios[name] = float(np.abs(first / second - 1.0).max()) / allowed
-    first, second = (values(one, "slip") for one in (solution, truth))
-    error = float(np.abs(first - second).max() / np.abs(second).max())
-    ratios["slip"] = error / (solution.error.slip + truth.error.slip)
-    ratios["zones"] = zones_error(solution, truth) / (solution.error.zones + truth.error.zones)
-    return row | {"ratios": ratios, "radius": truth.stick_radius, "zones": len(truth.zones)}
+    found = ratios(sample(solution), sample(truth))
+    return row | {"ratios": found, "radius": truth.stick_radius, "zones": len(truth.zones)}
 
 
 def scene_numbers(scene: Scene) -> list[float]:

@@ -31,14 +31,13 @@ from hard_cases import (
     CASES,
     EPS,
     HardCase,
-    condition_numbers,
     numbers,
     outputs,
-    overrefined,
     perturbations,
     shifts,
     true_errors,
 )
+from hard_inside import condition_numbers, overrefined
 from hard_report import draw, tables
 from hard_truths import HOW, truth_of
 

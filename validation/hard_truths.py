@@ -11,7 +11,8 @@ from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from hard_cases import HardCase, overrefined
+from hard_cases import HardCase
+from hard_inside import overrefined
 from mpmath import isnan
 
 from spectral_contact import Scene, Solution, solve

@@ -33,7 +33,8 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from honesty_scenes import EPS, by_reference, outcome, violates
+from honesty_errors import EPS, violates
+from honesty_scenes import by_reference, outcome
 
 import spectral_contact
 from spectral_contact import __version__

@@ -20,13 +20,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from gold_errors import errors
+from gold_errors import TOLERANCES, errors
 
 from spectral_contact import __version__, gold, solve
 
 RESULTS = Path(__file__).parent / "results"
 EPS = 2.2e-16
-TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 
 def ratios(rtol: float) -> dict[str, list[float]]:

@@ -1,0 +1,82 @@
+"""Hard cases from inside the solver: over-refined spaces, and the matrices that it factors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from unittest import mock
+
+import numpy as np
+
+from spectral_contact.contact import resolution as first_spaces
+from spectral_contact.contact import zone_system
+from spectral_contact.spectral import coupled, galerkin
+from spectral_contact.spectral.cache import clear_caches
+from spectral_contact.spectral.cholesky import Cholesky
+
+
+@contextmanager
+def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
+    """Make the solver start in spaces of this degree everywhere, with more panels."""
+    first_space, annulus = first_spaces._first_space, zone_system.annulus_between
+
+    def larger(layer, tolerance, *options):
+        space = first_space(layer, tolerance, *options)
+        if tolerance > 1e-7:  # where boundaries are only searched for
+            return space
+        count = space.panels.panels + more
+        panels = replace(space.panels, panels=count, degree=degree)
+        return replace(space, panels=panels, degrees=(degree,) * count)
+
+    def finer(inner, outer, layers, tolerance, rate=1.0):
+        tighter = tolerance if tolerance > 1e-7 else 1e-4 * tolerance
+        return annulus(inner, outer, layers, tighter, rate)
+
+    clear_caches()
+    with (
+        mock.patch.object(first_spaces, "_first_space", larger),
+        mock.patch.object(zone_system, "annulus_between", finer),
+    ):
+        yield
+    clear_caches()
+
+
+@contextmanager
+def condition_numbers() -> Iterator[dict[str, float]]:
+    """Collect the condition of the last scaled matrix of each kind that the solver factors."""
+    found: dict[str, float] = {}
+    last: dict[str, galerkin.Factored] = {}
+    systems: list[np.ndarray] = []
+    pairs: list[np.ndarray] = []
+    solve = zone_system.scaled_solve
+
+    class RecordedCholesky(Cholesky):
+        def __init__(self, matrix):
+            scale = 1.0 / np.sqrt(matrix.diagonal())
+            pairs[:] = [matrix * scale * scale[:, None]]
+            super().__init__(matrix)
+
+    class Recorded(galerkin.Factored):
+        def __init__(self, space, compliance):
+            super().__init__(space, compliance)
+            last["T" if space.operator.measure[1] else "N"] = self
+
+    def recorded(matrix, vector):
+        systems.append(matrix)
+        return solve(matrix, vector)
+
+    with (
+        mock.patch.object(galerkin, "Factored", Recorded),
+        mock.patch.object(zone_system, "scaled_solve", recorded),
+        mock.patch.object(coupled, "Cholesky", RecordedCholesky),
+    ):
+        yield found
+    for kind, factored in last.items():
+        matrix = factored.compliance * factored.space.mass + factored.space.gram
+        found[kind] = float(np.linalg.cond(matrix * factored.scale * factored.scale[:, None]))
+    if pairs:
+        found["coupled"] = float(np.linalg.cond(pairs[-1]))
+    if systems:
+        scale = 1.0 / np.sqrt(np.abs(systems[-1].diagonal()))
+        found["annuli"] = float(np.linalg.cond(systems[-1] * scale * scale[:, None]))
