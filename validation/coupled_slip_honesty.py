@@ -18,21 +18,17 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import json
 import math
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from coupled_slip_errors import FIELDS, INTEGRALS, ratios, sample
 
 import spectral_contact
-from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, solve
+from spectral_contact import ConvergenceError, NotComputedError, Scene, solve
 
 RESULTS = Path(__file__).parent / "results"
 SEED, COUNT, TRUE_RTOL = 20, 160, 1e-12
-INTEGRALS = ("approach", "total_shear", "stick_radius")
-FIELDS = ("pressure", "traction")
-#: Distances from the ends of a zone, in its width.
-NEAR = np.geomspace(1e-12, 0.45, 40)
 
 Record = dict[str, Any]
 
@@ -71,72 +67,6 @@ def draw_annuli(number: int) -> tuple[Scene, float]:
     friction = most * 10.0 ** (-2.0 * share) if alpha == 0.0 else least + (most - least) * share
     rtol = 10.0 ** rng.uniform(-10.0, -2.0)
     return Scene(nu, alpha, beta, friction, coupling=True), rtol
-
-
-@dataclass(frozen=True)
-class Sample:
-    """What is compared of a solution: numbers, ends of zones, and fields near these.
-
-    Attributes
-    ----------
-    integrals : dict of str to float
-    ends : list of pair of float
-        Outer radius and its distance from the edge, of every zone but the last.
-    fields : dict of str to list of float
-        Pressure, traction and slip at equal distances from the ends of the zones.
-    errors : dict of str to float
-        Estimates of everything.
-    """
-
-    integrals: dict[str, float]
-    ends: list[tuple[float, float]]
-    fields: dict[str, list[float]]
-    errors: dict[str, float]
-
-
-def sample(solution: Solution, near: np.ndarray = NEAR) -> Sample:
-    """Return the numbers to compare; `near` are distances from ends in widths of the zone."""
-    return Sample(
-        {name: float(getattr(solution, name)) for name in INTEGRALS},
-        [(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]],
-        {name: values(solution, name, near).tolist() for name in (*FIELDS, "slip")},
-        {n: float(getattr(solution.error, n)) for n in (*INTEGRALS, *FIELDS, "slip", "zones")},
-    )
-
-
-def values(solution: Solution, name: str, near: np.ndarray) -> np.ndarray:
-    """Return a field at places graded to both ends of every zone, but for the centre."""
-    field, found = getattr(solution, name), []
-    for zone in solution.zones:
-        # a radius is known to its rounding, from the centre or from the edge
-        if zone.outer < 0.5:
-            width = zone.outer - zone.inner
-            found.append(field(zone.outer - width * near))
-        else:
-            width = zone.inner_from_edge - zone.outer_from_edge
-            found.append(field(from_edge=zone.outer_from_edge + width * near))
-        if 0.0 < zone.inner < 0.5:
-            found.append(field(zone.inner + width * near))
-        elif zone.inner > 0.0:
-            found.append(field(from_edge=zone.inner_from_edge - width * near))
-    return np.concatenate(found)
-
-
-def ratios(found: Sample, truth: Sample) -> dict[str, float]:
-    """Return the true errors over the estimates, those of the truth included.
-
-    Ends of zones are compared from the centre and from the edge.
-    """
-    errors = {n: abs(found.integrals[n] / truth.integrals[n] - 1.0) for n in INTEGRALS}
-    first, second = ({n: np.array(f) for n, f in one.fields.items()} for one in (found, truth))
-    for name in FIELDS:
-        errors[name] = float(np.abs(first[name] / second[name] - 1.0).max())
-    missed = np.abs(first["slip"] - second["slip"]).max()
-    errors["slip"] = float(missed / np.abs(second["slip"]).max())
-    errors["zones"] = float(np.abs(np.array(found.ends) / np.array(truth.ends) - 1.0).max())
-    return {
-        name: error / (found.errors[name] + truth.errors[name]) for name, error in errors.items()
-    }
 
 
 def compare(number: int, annuli: bool) -> Record:
