@@ -101,7 +101,8 @@ def _median(function: Callable[[int], object]) -> float:
     return median(times)
 
 
-def _scene(case: tuple, i: int):
+def scene_of(case: tuple, i: float):
+    """Return the scene of a case, varied by `i` hundredths."""
     from spectral_contact import Scene
 
     _, _, ratio, *_ = case
@@ -138,9 +139,9 @@ def warm(case: tuple) -> tuple[float, float, int]:
     for _ in range(ROUNDS):
         unit = dense_solve()
         for i in range(REPEATS):
-            solution = solve(_scene(case, i), rtol, quantities)
+            solution = solve(scene_of(case, i), rtol, quantities)
         # other scenes than those that filled the caches
-        times.append(_median(lambda i: solve(_scene(case, i + 0.5), rtol, quantities)))
+        times.append(_median(lambda i: solve(scene_of(case, i + 0.5), rtol, quantities)))
         ratios.append(times[-1] / unit)
     return median(times), median(ratios), solution.work.unknowns
 

@@ -1,0 +1,181 @@
+"""The net: does a change of the solver keep everything? python validation/net.py [--quick].
+
+In one run, some minutes on one core (with --quick, a part of it in a minute): the gold scenes at
+four tolerances, the hard cases, 300 random scenes and 60 at thresholds, whose truths are kept in
+validation/net, and the ratios of the times of bench_solve, bench_coupled and bench_sweep to those
+of commit 1534185, side by side. Prints one table and writes validation/results/net.json and .md
+(with --quick it writes nothing). Exits with 1 unless all gates hold:
+
+- no true error above its estimate, and nothing raised but an honest refusal;
+- nothing unconverged that converged at that commit;
+- no estimate of a hard case ten times what it was, unless it meets the tolerance;
+- no ratio of times above 1.1 in four runs of its row.
+
+Scenes at thresholds are counted, and have no gate yet.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import argparse
+import json
+import sys
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import net_kept
+from net_checks import Finding, sections, worse
+from net_commit import COMMIT
+from net_speed import MOST, Row, speed
+
+import spectral_contact
+
+RESULTS = Path(__file__).parent / "results"
+#: Of how many kept scenes one is taken, with --quick.
+PART = 3
+VERDICTS = ("right", "refused", "wrong", "raised")
+
+
+@dataclass
+class Section:
+    """What became of the scenes of a section.
+
+    Attributes
+    ----------
+    name : str
+    findings : list of Finding
+    before : dict of str to dict
+        What became of each at the commit.
+    """
+
+    name: str
+    findings: list[Finding]
+    before: dict[str, dict[str, Any]]
+
+    @property
+    def gated(self) -> bool:
+        """Whether its findings can fail."""
+        return self.name != "thresholds"
+
+    @property
+    def failures(self) -> list[str]:
+        """What breaks a gate."""
+        if not self.gated:
+            return []
+        return [f"{one.name}: {text}" for one in self.findings for text in self._of(one)]
+
+    def _of(self, one: Finding) -> list[str]:
+        before = self.before[one.name]
+        lost = ["does not converge any more"] if before["converged"] > one.converged else []
+        return one.violations + lost + (worse(one, before) if self.name == "hard" else [])
+
+    def counts(self) -> str:
+        """Return what there is to say in one cell."""
+        old = [self.before[one.name] for one in self.findings]
+        if not self.gated:
+            now = Counter(one.verdict for one in self.findings)
+            then = Counter(row["verdict"] for row in old)
+            return ", ".join(f"{name} {now[name]} ({then[name]})" for name in VERDICTS)
+        violated = sum(bool(one.violations) for one in self.findings)
+        converged = sum(one.converged for one in self.findings)
+        before = sum(row["converged"] for row in old)
+        return f"{violated} violated, {converged} converged ({before})"
+
+
+def table(found: list[Section], rows: list[Row], failures: list[str], spent: float) -> str:
+    """Return everything as Markdown."""
+    lines = [
+        f"{sum(len(one.findings) for one in found)} scenes and {len(rows)} rows of benchmarks in "
+        f"{spent:.0f} s, in brackets and below as old: commit {COMMIT[:7]}. "
+        + ("All gates hold." if not failures else f"**{len(failures)} gates are broken.**"),
+        "",
+        "| scenes | number | | gate |",
+        "|---|---|---|---|",
+    ]
+    for one in found:
+        gate = ("broken" if one.failures else "holds") if one.gated else "none yet"
+        lines.append(f"| {one.name} | {len(one.findings)} | {one.counts()} | {gate} |")
+    lines += [
+        "",
+        f"Times of the processor in U, medians, and the median of the ratios of pairs; {MOST} is "
+        "the gate, for the last of as many runs of pairs as it took.",
+        "",
+        "| benchmark | problem | rtol | | old [U] | new [U] | ratio | pairs | runs |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        ratio = f"{row.ratio:.2f}" if row.passed else f"**{row.ratio:.2f}**"
+        lines.append(
+            f"| {row.benchmark} | {row.case} | {row.rtol:g} | {row.mode} | {row.old:.3g} | "
+            f"{row.new:.3g} | {ratio} | {row.pairs} | {row.runs} |"
+        )
+    if failures:
+        lines += ["", "Broken:", "", *(f"- {text}" for text in failures)]
+    return "\n".join(lines) + "\n"
+
+
+def progress(text: str) -> None:
+    """Say on stderr what is done."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def main() -> int:
+    """Run everything, write and print it, and return how the process ends."""
+    parser = argparse.ArgumentParser(description="Does a change of the solver keep everything?")
+    parser.add_argument("--quick", action="store_true", help="a part of it, in a minute")
+    parser.add_argument("--scenes-only", action="store_true", help="no benchmarks")
+    options = parser.parse_args()
+    begin, kept = perf_counter(), net_kept.load()
+    assert kept["commit"] == COMMIT
+    found, rows = [], []
+    for name, findings in sections(kept, PART if options.quick else 1):
+        found.append(Section(name, findings, kept["before"][name]))
+        progress(f"{perf_counter() - begin:4.0f} s  {name}: {found[-1].counts()}")
+    for row in [] if options.scenes_only else speed(options.quick):
+        rows.append(row)
+        progress(f"{perf_counter() - begin:4.0f} s  {row.case}, {row.mode}: {row.ratio:.2f}")
+    failures = [f"{one.name}: {text}" for one in found for text in one.failures]
+    failures += [f"{r.benchmark}: {r.case}, {r.mode}: {r.ratio:.2f}" for r in rows if not r.passed]
+    text = table(found, rows, failures, perf_counter() - begin)
+    if not options.quick and not options.scenes_only:
+        store(found, rows, failures, text)
+    print(text)
+    return 1 if failures else 0
+
+
+def store(found: list[Section], rows: list[Row], failures: list[str], text: str) -> None:
+    """Write the results."""
+    record = {
+        "schema": "spectral_contact.validation.net",
+        "version": 1,
+        "library": spectral_contact.__version__,
+        "commit": COMMIT,
+        "scenes": {
+            one.name: {
+                "count": len(one.findings),
+                "remarkable": [
+                    finding.to_row()
+                    for finding in one.findings
+                    if finding.violations or not finding.converged
+                ],
+            }
+            for one in found
+        },
+        "rows": [row.to_row() for row in rows],
+        "failures": failures,
+    }
+    (RESULTS / "net.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    (RESULTS / "net.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
