@@ -31,7 +31,7 @@ FEWEST, MANY, LONG = 3, 15, 1.5
 #: Seconds of one measurement of something short.
 SHORT = 0.02
 SOLVES = {"solve": bench_solve.CASES, "coupled": bench_solve.COUPLED}
-#: Pairs of fresh processes, and cases whose first solve in a fresh process is timed: benchmark and number.
+#: Pairs of fresh processes, and cases whose first solve there is timed: benchmark and number.
 FRESH = 5
 FIRST = (("solve", 0), ("solve", 7), ("coupled", 3))
 
