@@ -159,6 +159,7 @@ def store(found: list[Section], rows: list[Row], failures: list[str], text: str)
         "version": 1,
         "library": spectral_contact.__version__,
         "commit": COMMIT,
+        "count": sum(len(one.findings) for one in found),
         "scenes": {
             one.name: {
                 "count": len(one.findings),
