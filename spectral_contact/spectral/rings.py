@@ -54,9 +54,7 @@ class RingOperators:
         """Logits in the middle of each ring, in the mean square of its radius."""
         inside = np.exp(-np.logaddexp(0.0, -self.logits))
         outside = np.exp(-np.logaddexp(0.0, self.logits))
-        return np.asarray(
-            np.log((inside[1:] + inside[:-1]) / (outside[1:] + outside[:-1]))
-        )
+        return np.asarray(np.log((inside[1:] + inside[:-1]) / (outside[1:] + outside[:-1])))
 
 
 def even_rings(count: int, depth: float) -> Array:
