@@ -32,7 +32,7 @@ from spectral_contact.contact.active_set import RingLayout, ring_layout
 from spectral_contact.fields import Radius
 
 RESULTS = Path(__file__).parent / "results"
-SEED, COUNT = 18, 12
+SEED, COUNT = 18, 10
 RINGS, SPLITS = (60, 120, 300), (0, 1, 2, 3)
 GAPS = tuple(10.0**-k for k in range(2, 9))
 GROUPS = ("edge slips", "slip inside", "equal compliances", "beta 0", "smooth")

@@ -88,7 +88,12 @@ class RingLaw:
         matrix[:n, n:] = -self._carried.T[:, stick]
         matrix[n:, :n] = (self._tangential * share - self._carried)[stick]
         matrix[n:, n:] = self._tangential[np.ix_(stick, stick)]
-        both = np.linalg.solve(matrix, np.concatenate([self._root, np.zeros(len(stick))]))
+        # a small ring has little compliance of its own where the surfaces are smooth
+        scale = 1.0 / np.sqrt(np.concatenate([self._normal.diagonal(), self.own[stick]]))
+        matrix *= scale
+        matrix *= scale[:, None]
+        right = np.concatenate([self._root, np.zeros(len(stick))])
+        both = scale * np.linalg.solve(matrix, scale * right)
         q = share * both[:n]
         q[stick] = both[n:]
         return both[:n], q

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 
-__all__ = ["RingOperators", "even_rings", "graded_rings", "power_rings", "ring_operators"]
+__all__ = ["RingOperators", "graded_rings", "ring_operators"]
 
 Array = NDArray[np.float64]
 
@@ -57,24 +57,26 @@ class RingOperators:
         return np.asarray(np.log((inside[1:] + inside[:-1]) / (outside[1:] + outside[:-1])))
 
 
-def even_rings(count: int, depth: float) -> Array:
-    """Return boundaries at even distances in the logit, between `-depth` and `depth`."""
-    return np.concatenate([[-np.inf], np.linspace(-depth, depth, count - 1), [np.inf]])
-
-
-def power_rings(count: int, exponent: float) -> Array:
-    """Return boundaries with distances from the edge as powers of even numbers."""
-    depth = np.linspace(1.0, 0.0, count + 1)[1:-1] ** exponent
-    inner = np.log1p(-depth) * 2.0 - np.log(depth * (2.0 - depth))
-    return np.concatenate([[-np.inf], inner, [np.inf]])
-
-
 def graded_rings(count: int, exponent: float, widest: float, centre: float, edge: float) -> Array:
-    """Return power rings, and even ones where those are wider than `widest` in the logit.
+    """Return the logits of boundaries of rings that grow finer towards the edge.
 
-    They go from the logit `-centre` to `edge`.
+    Parameters
+    ----------
+    count : int
+        Rings whose distances from the edge are powers of even numbers.
+    exponent : float
+        Of these.
+    widest : float
+        Width in the logit beyond which such rings are replaced by even ones.
+    centre, edge : float
+        The even ones go from the logit `-centre` to `edge`, and one more to the ends.
+
+    Returns
+    -------
+    ndarray, shape (rings + 1,)
     """
-    inner = power_rings(count, exponent)[1:-1]
+    depth = (np.arange(count - 1, 0, -1) / count) ** exponent
+    inner = 2.0 * np.log1p(-depth) - np.log(depth * (2.0 - depth))
     narrow = np.flatnonzero(np.diff(inner) <= widest)
     inner = inner[narrow[0] : narrow[-1] + 2]
     deeper, farther = (
