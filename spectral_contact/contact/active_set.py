@@ -23,8 +23,8 @@ __all__ = ["Doubt", "RingLayout", "ring_layout"]
 Array = NDArray[np.float64]
 Integers = NDArray[np.int_]
 
-#: Distances from the edge are the fourth powers of even numbers. With 3 or 5 the approach is as good
-#: (1e-5 with 60 rings); rings that are even in the logit all the way down err 60 times as much.
+#: Distances from the edge are the fourth powers of even numbers. With 3 or 5 the approach is as
+#: good (1e-5 with 60 rings); rings even in the logit all the way down err 60 times as much.
 _EXPONENT = 4.0
 #: Logit width of the widest rings, and minus and plus the logits down to which the first grid goes:
 #: a radius of 1e-5 and a distance of 1e-16 from the edge. Splits go farther where it matters.

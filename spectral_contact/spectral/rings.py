@@ -20,8 +20,8 @@ __all__ = ["RingOperators", "graded_rings", "ring_operators"]
 
 Array = NDArray[np.float64]
 
-#: Gauss points on every ring: entries are right to 3e-12 on rings as wide as 1.5 in the logit, but for
-#: the first ring's own shear, a logarithm squared at the centre: 2e-6.
+#: Gauss points on every ring: entries are right to 3e-12 on rings as wide as 1.5 in the logit,
+#: but for the first ring's own shear, a logarithm squared at the centre: 2e-6.
 _POINTS = 16
 #: Grids whose operators are kept: the first ones, and some that were refined.
 _OPERATORS: BoundedCache[bytes, RingOperators]
