@@ -41,6 +41,7 @@ def record(study):
         ("honesty_coupled", "scenes", 1_000),
         ("naive", "count", 60),
         ("projections", "count", 300),
+        ("ring_zones", "scenes", 40),
         ("roughness_fit", "count", 40),
         ("sharpness", "scenes", 113),
     ],

@@ -1,0 +1,138 @@
+"""Operators on rings: pressure and traction are constant on each of them.
+
+Galerkin's method through Abel's factorisation (docs/theory), so that energy is conserved: the
+matrices are Gram matrices of half-order integrals, symmetric and positive definite, and the
+coupling of p to q is the transpose of that of q to p.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import gauss_rule
+
+__all__ = ["RingOperators", "graded_rings", "ring_operators"]
+
+Array = NDArray[np.float64]
+
+#: Gauss points on every ring: entries are right to 3e-12 on rings as wide as 1.5 in the logit,
+#: but for the first ring's own shear, a logarithm squared at the centre: 2e-6.
+_POINTS = 16
+#: Grids whose operators are kept: the first ones, and some that were refined.
+_OPERATORS: BoundedCache[bytes, RingOperators]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RingOperators:
+    """Operators tested with every ring, in the measure ``s ds``.
+
+    Attributes
+    ----------
+    logits : ndarray, shape (rings + 1,)
+        ``ln(s**2/(1 - s**2))`` of the boundaries of rings, outward: from minus infinity, the
+        centre, to infinity, the edge.
+    mass : ndarray, shape (rings,)
+        ``int s ds`` of each.
+    normal, tangential : ndarray, shape (rings, rings)
+        ``<phi_i, N phi_j>`` and ``<phi_i, T phi_j>``.
+    carried : ndarray, shape (rings, rings)
+        ``<phi_i, g[phi_j]>`` with ``g = (1/s) int_0^s eta p deta``; lower triangular.
+    """
+
+    logits: Array
+    mass: Array
+    normal: Array
+    tangential: Array
+    carried: Array
+
+    @property
+    def middles(self) -> Array:
+        """Logits in the middle of each ring, in the mean square of its radius."""
+        inside = np.exp(-np.logaddexp(0.0, -self.logits))
+        outside = np.exp(-np.logaddexp(0.0, self.logits))
+        return np.asarray(np.log((inside[1:] + inside[:-1]) / (outside[1:] + outside[:-1])))
+
+
+def graded_rings(count: int, exponent: float, widest: float, centre: float, edge: float) -> Array:
+    """Return the logits of boundaries of rings that grow finer towards the edge.
+
+    Parameters
+    ----------
+    count : int
+        Rings whose distances from the edge are powers of even numbers.
+    exponent : float
+        Of these.
+    widest : float
+        Width in the logit beyond which such rings are replaced by even ones.
+    centre, edge : float
+        The even ones go from the logit `-centre` to `edge`, and one more to the ends.
+
+    Returns
+    -------
+    ndarray, shape (rings + 1,)
+    """
+    depth = (np.arange(count - 1, 0, -1) / count) ** exponent
+    inner = 2.0 * np.log1p(-depth) - np.log(depth * (2.0 - depth))
+    narrow = np.flatnonzero(np.diff(inner) <= widest)
+    inner = inner[narrow[0] : narrow[-1] + 2]
+    deeper, farther = (
+        a + (b - a) * np.linspace(0.0, 1.0, int(np.ceil(abs(b - a) / widest)) + 1)[1:]
+        for a, b in ((inner[0], -centre), (inner[-1], edge))
+    )
+    return np.concatenate([[-np.inf], deeper[::-1], inner, farther, [np.inf]])
+
+
+def ring_operators(logits: Array) -> RingOperators:
+    """Return the operators of a grid, kept in a cache."""
+    logits = np.ascontiguousarray(logits)
+    return _OPERATORS.get(logits.tobytes(), lambda: _assembled(logits))
+
+
+def _between(lower: Array, upper: Array) -> Array:
+    """Return the difference of the squares of two radii with these logits, to full accuracy."""
+    with np.errstate(invalid="ignore"):  # both at the edge: the difference is 0
+        fall = -np.expm1(np.where(lower == upper, 0.0, lower - upper))
+    return np.asarray(fall * np.exp(-np.logaddexp(0.0, lower) - np.logaddexp(0.0, -upper)))
+
+
+def _assembled(logits: Array) -> RingOperators:
+    """Return the operators: F and G of every ring at Gauss points of every ring.
+
+    The half-integrals have square roots at the ends of rings, which ``t**2 = a**2 + w sin(phi)**2``
+    takes away; radii beyond t are measured from t, so that nothing cancels.
+    """
+    a, b = logits[:-1], logits[1:]
+    width = _between(a, b)
+    radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)
+    thick = width / (radius[1:] + radius[:-1])
+    x, weight = gauss_rule(_POINTS)
+    phi = pi / 4.0 * (1.0 + x)
+    past, ahead = width[:, None] * np.sin(phi) ** 2, width[:, None] * np.cos(phi) ** 2
+    t = np.sqrt(radius[:-1, None] ** 2 + past)
+    dt = weight * pi / 4.0 * width[:, None] * np.sin(phi) * np.cos(phi) / t
+
+    n = len(width)
+    places = np.arange(n)
+    own = (places == places[:, None])[:, None, :]
+    beyond = (places >= places[:, None])[:, None, :]
+    # of ring j as t on ring i sees it: what lies between t and the ring does not count
+    far = _between(b[:, None], np.maximum(b, b[:, None]))
+    outer = np.sqrt(far[:, None, :] + ahead[:, :, None])
+    inner = np.where(own, 0.0, np.concatenate([np.zeros((n, _POINTS, 1)), outer[:, :, :-1]], 2))
+    start = np.where(own, t[:, :, None], np.where(beyond, radius[:-1], 1.0))
+    length = np.where(own, (ahead / (radius[1:, None] + t))[:, :, None], thick)
+    f = np.where(beyond, np.where(own, ahead[:, :, None], width) / (outer + inner), 0.0)
+    g = np.where(beyond, np.log1p((length + f) / (start + inner)), 0.0)
+    f = (np.sqrt(dt)[:, :, None] * f).reshape(-1, n)
+    g = ((t * np.sqrt(dt))[:, :, None] * g).reshape(-1, n)
+    carried = np.tril(np.outer(thick, width / 2.0), -1)
+    carried[places, places] = thick**2 * (radius[1:] + 2.0 * radius[:-1]) / 6.0
+    return RingOperators(logits, width / 2.0, f.T @ f / pi, g.T @ g / pi, carried)
+
+
+_OPERATORS = BoundedCache("rings", 8)
