@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.annulus import gap
 
-__all__ = ["Boundaries", "NoBoundariesError", "differences", "find_boundaries", "zones_error"]
+__all__ = [
+    "Boundaries",
+    "NoBoundariesError",
+    "differences",
+    "find_boundaries",
+    "longest",
+    "zones_error",
+]
 
 Array = NDArray[np.float64]
 
@@ -116,7 +123,7 @@ def find_boundaries(
         if size <= enough:
             left = step
             break
-        step *= min(1.0, _longest(x, step))
+        step *= min(1.0, longest(x, step))
         x = x + step
         trial = trial_at(x)
         values, before_it = conditions(trial), values
@@ -180,7 +187,7 @@ def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array
     return np.array(slopes).T
 
 
-def _longest(x: Array, step: Array) -> float:
+def longest(x: Array, step: Array) -> float:
     """Return the factor that keeps the boundaries in order and the step moderate."""
     factor = 1.5 / max(float(np.abs(step).max()), 1e-300)
     for width, change in zip(np.diff(x), np.diff(step), strict=True):

@@ -13,8 +13,8 @@ from math import inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_disk import CoupledDiskProblem
-from spectral_contact.contact.coupled_trial import CoupledTrial
+from spectral_contact.contact.coupled_state import CoupledState
+from spectral_contact.contact.coupled_zones import CoupledProblem
 from spectral_contact.contact.resolution import series_of
 
 __all__ = ["StickRadius", "scanned", "stick_radii"]
@@ -56,43 +56,43 @@ class StickRadius:
 
 
 def stick_radii(
-    problem: CoupledDiskProblem, logits: Iterable[float], *, contacts: bool = False
+    problem: CoupledProblem, logits: Iterable[float], *, contacts: bool = False
 ) -> Iterator[StickRadius]:
     """Yield the radii at which the traction is continuous, between the first and the last of some.
 
     Parameters
     ----------
-    problem : CoupledDiskProblem
+    problem : CoupledProblem
     logits : iterable of float
         Increasing, so close to each other that the condition changes its sign once between two.
     contacts : bool
         Whether to stop where the pressure is no longer positive.
     """
-    solved = ((one, problem.rough(one)) for one in logits)
-    trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:3]), solved)
+    solved = ((one, problem.rough([one])) for one in logits)
+    trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:-1]), solved)
     for (low, first), (high, second) in pairwise(trials):
-        falls = first.mismatch > 0.0
-        if (second.mismatch > 0.0) != falls:
+        falls = first.mismatch[0] > 0.0
+        if (second.mismatch[0] > 0.0) != falls:
             while high - low > 2.0 * _NEAR:
                 middle = (low + high) / 2.0
-                same = (problem.rough(middle).mismatch > 0.0) == falls
+                same = (problem.rough([middle]).mismatch[0] > 0.0) == falls
                 low, high = (middle, high) if same else (low, middle)
             middle = (low + high) / 2.0
-            yield _described(middle, problem.rough(middle))
+            yield _described(middle, problem.rough([middle]))
 
 
-def scanned(problem: CoupledDiskProblem, first: float, step: float) -> Iterator[float]:
+def scanned(problem: CoupledProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
     layers = min(problem.parameters.alpha, problem.parameters.beta)
     last = min(_LAST, _PAST - log(layers)) if layers > 0.0 else _LAST
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
-def _parts(trial: CoupledTrial) -> list[Array]:
+def _parts(state: CoupledState) -> list[Array]:
     """Return p on the disk, above its rim and below the edge, and then q/s on the disk."""
-    panels = trial.disk.panels
-    coefficients = trial.disk.split(trial.solution)
-    pairs = zip((*panels, panels[0]), coefficients, strict=True)
+    pressure, shear = state.system.split(state.solution)
+    parts = [part.family.panels for part in state.system.parts]
+    pairs = zip([*parts, parts[0]], [*pressure, shear[0]], strict=True)
     return [series_of(one, values)(_DISTANCES) for one, values in pairs]
 
 
@@ -100,11 +100,11 @@ def _positive(pressure: list[Array]) -> bool:
     return min(float(one.min()) for one in pressure) > 0.0
 
 
-def _described(logit: float, trial: CoupledTrial) -> StickRadius:
+def _described(logit: float, state: CoupledState) -> StickRadius:
     """Return what the fields at a radius are like."""
-    *pressure, shear = _parts(trial)
+    *pressure, shear = _parts(state)
     if not _positive(pressure):
         return StickRadius(logit, False, inf)
-    q = trial.disk.radius.value * np.sqrt(1.0 - _DISTANCES) * np.abs(shear)
-    ratio = float((q / (trial.parameters.friction * pressure[0])).max())
+    q = state.system.radii[0].value * np.sqrt(1.0 - _DISTANCES) * np.abs(shear)
+    ratio = float((q / (state.system.parameters.friction * pressure[0])).max())
     return StickRadius(logit, True, max(ratio - 1.0, 0.0))

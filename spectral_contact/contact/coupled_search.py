@@ -9,20 +9,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.boundaries import NoBoundariesError
 from spectral_contact.contact.coupled_annuli import slip_in_annuli
-from spectral_contact.contact.coupled_disk import CoupledDiskProblem, solve_coupled_disk
 from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
 from spectral_contact.contact.coupled_radii import scanned, stick_radii
-from spectral_contact.contact.coupled_slip import slip_around_disk
 from spectral_contact.contact.coupled_stick import CoupledStick
-from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
+from spectral_contact.contact.coupled_zones import (
+    CoupledProblem,
+    find_coupled_zones,
+    solve_coupled_zones,
+)
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields import Radius
@@ -33,7 +34,6 @@ __all__ = ["CoupledSearch"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
-T = TypeVar("T")
 
 #: Tolerance at which guesses are tried before they are solved for to a tighter one.
 _PROBE = 1e-3
@@ -113,7 +113,7 @@ class CoupledSearch:
         ratio = self.stick.edge_ratio
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
             return []
-        problem = CoupledDiskProblem(self.parameters, _PROBE)
+        problem = CoupledProblem(self.parameters, _DISK, _PROBE)
         further = scanned(problem, radius.logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
@@ -143,32 +143,19 @@ class CoupledSearch:
         return len(layout.states) > 2 and beta > 0.0
 
     def _solved(self, layout: Layout, far: bool) -> CoupledSlip:
-        """Solve on zones like these."""
+        """Solve on zones like these, and record the solution if the friction law holds."""
         parameters, most = self.parameters, self.max_unknowns
-        if len(layout.states) == 2:
-            # the search for a radius that is not there ends at the edge, past rounding
-            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                begin = perf_counter()
-                disk = solve_coupled_disk(parameters, self.tolerance, most, layout.logits[0])
-                return self._checked(disk, slip_around_disk, begin)
-        layout = self._found(layout, far)
-        if self.tolerance < _PROBE:
-            rough = solve_coupled_zones(parameters, layout, _PROBE, most)
-            slip_in_annuli(rough.best.value, parameters)
-        begin = perf_counter()
-        zones = solve_coupled_zones(parameters, layout, self.tolerance, most)
-        return self._checked(zones, slip_in_annuli, begin)
-
-    def _checked(
-        self,
-        refinement: Refinement[T],
-        slip: Callable[[T, Parameters], CoupledSlip],
-        begin: float,
-    ) -> CoupledSlip:
-        """Add the displacement to a solution, and record both if the friction law holds."""
-        solved = perf_counter()
-        outcome = slip(refinement.best.value, self.parameters)
-        self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
+        # the search for boundaries that are not there ends at the edge, past rounding
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            layout = self._found(layout, far)
+            if len(layout.states) > 2 and self.tolerance < _PROBE:
+                rough = solve_coupled_zones(parameters, layout, _PROBE, most)
+                slip_in_annuli(rough.best.value, parameters)
+            begin = perf_counter()
+            zones = solve_coupled_zones(parameters, layout, self.tolerance, most)
+            solved = perf_counter()
+            outcome = slip_in_annuli(zones.best.value, parameters)
+        self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
         self.record(SLIP_FIELD, outcome, solved)
         return outcome
 

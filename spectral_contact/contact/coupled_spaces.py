@@ -6,6 +6,7 @@ layers are felt at the edge, to which the pressure rises. At the rim they are fe
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import ceil, log
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.coupled_parts import LEADING, thinnest_layer, without_rounding
 from spectral_contact.contact.resolution import PANEL_WIDTH
-from spectral_contact.fields import EDGE, Radius
+from spectral_contact.fields import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
 
@@ -23,50 +24,66 @@ __all__ = ["first_spaces"]
 #: two panels, on the disk, above its rim, where the far end is a singularity ln 2 before them, and
 #: at the edge.
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
-_FIRST = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
+_INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
 
 
 def first_spaces(
-    alpha: float, beta: float, radius: Radius, tolerance: float
-) -> tuple[Resolution, Resolution, Resolution]:
-    """Return the first spaces on the disk, above its rim, and below the edge.
+    alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
+) -> list[Resolution]:
+    """Return the first spaces on the disk, and toward both ends of every zone around it.
 
     Parameters
     ----------
     alpha, beta : float
         ``alpha*`` and ``beta*``, 0 or positive.
-    radius : Radius
-        Rim of the disk.
+    radii : tuple of Radius
+        Boundaries between zones, outward.
+    states : tuple of int
+        0 for stick; in slip no layer of the traction is felt.
     tolerance : float
         Relative accuracy asked.
     """
-    half = gap(radius, EDGE) / 2.0
-    apart = abs(log(half / radius.square))
+    bounds = CENTRE, *radii, EDGE
+    extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
+    extents[0] *= 2.0
     spaces = []
-    for k, (extent, other) in enumerate(((radius.square, half), (half, radius.square))):
-        # above the rim no layer of the traction is felt
-        layer = thinnest_layer(alpha, 0.0 if k else beta, extent)
-        bends = [(layer - 1.0, _TURN)] if k == 0 and layer > 1.0 else []
-        if extent > other:
-            bends.append((apart, (_BEND, _TURN)[k]))
-        space = _space(
-            max(min(layer, 0.5 * layer + 3.0), apart if extent > other else 0.0),
-            bends,
-            tolerance,
-            1.0 if alpha > 0.0 and (k or beta > 0.0) else 0.5,
-            _FIRST[k],
-        )
-        if alpha > 0.0:
-            space = without_rounding(space, radius, extent)
-        spaces.append(space)
-    if alpha == 0.0:
-        edge = _space(LEADING, [], tolerance, 1.0, _FIRST[2], power=-0.5)
-    else:
-        layer = thinnest_layer(alpha, 0.0, half)
-        edge = _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _FIRST[2])
-    return spaces[0], spaces[1], edge
+    for k, (state, extent) in enumerate(zip(states, extents, strict=True)):
+        felt = 0.0 if state else beta
+        for end in (k, k + 1)[k == 0 :]:
+            if bounds[end].from_edge == 0.0:
+                spaces.append(_to_the_edge(alpha, felt, extent, tolerance))
+                continue
+            other = extents[k - 1] if end == k else extents[k + 1]
+            rate = 1.0 if alpha > 0.0 and (state or beta > 0.0) else 0.5
+            layer = thinnest_layer(alpha, felt, extent)
+            space = _to_a_boundary(layer, extent / other, rate, k, state, tolerance)
+            if alpha > 0.0 or len(radii) > 1:
+                space = without_rounding(space, bounds[end], extent)
+            spaces.append(space)
+    return spaces
+
+
+def _to_a_boundary(
+    layer: float, ratio: float, rate: float, zone: int, state: int, tolerance: float
+) -> Resolution:
+    """Return the space of a part toward a boundary, so much larger than the one across it."""
+    bends = [(layer - 1.0, _TURN)] if state == 0 and layer > 1.0 else []
+    begin = min(layer, 0.5 * layer + 3.0)
+    if ratio > 1.0:
+        bends.append((log(ratio), _TURN if state else _BEND))
+        begin = max(begin, log(ratio))
+    return _space(begin, bends, tolerance, rate, _AROUND if zone else _INSIDE)
+
+
+def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> Resolution:
+    layer = thinnest_layer(alpha, beta, extent)
+    if alpha > 0.0:
+        return _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _AT_EDGE)
+    if beta == 0.0:
+        return _space(LEADING, [], tolerance, 1.0, _AT_EDGE, power=-0.5)
+    return _space(layer, [(layer, _BEND)], tolerance, 0.5, _AT_EDGE, power=-0.5)
 
 
 def _space(

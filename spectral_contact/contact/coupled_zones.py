@@ -7,19 +7,18 @@ each is what the fields make it is the condition of its boundary.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, pi, sqrt
+from math import inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.boundaries import (
-    Boundaries,
     NoBoundariesError,
     differences,
-    find_boundaries,
+    longest,
     zones_error,
 )
 from spectral_contact.contact.coupled_outcome import Solved
@@ -30,6 +29,8 @@ from spectral_contact.contact.coupled_parts import (
     root_error,
     rounding_depth,
 )
+from spectral_contact.contact.coupled_spaces import first_spaces
+from spectral_contact.contact.coupled_state import CoupledState
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -43,36 +44,47 @@ from spectral_contact.contact.resolution import (
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
-from spectral_contact.contact.zones_spaces import first_spaces
-from spectral_contact.contact.zones_trial import ZonesTrial
+from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
+from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.sliding_zones import SlidingZones
-from spectral_contact.spectral.zones_factored import ZonesFactored
+from spectral_contact.spectral.system import System
 
 __all__ = ["CoupledZones", "find_coupled_zones", "solve_coupled_zones"]
 
 Array = NDArray[np.float64]
 
-#: Tolerance of the spaces in which boundaries are found first.
-_ROUGH = 1e-3
-#: How short the last step of the boundaries is in them, and at most in any space.
-_SETTLED, _LOOSEST = 1e-4, 1e-7
+#: Tolerance of the spaces in which boundaries are found first, and are looked at by the way.
+_ROUGH, _PROBE = 1e-3, 1e-2
+#: How short the last step of the boundaries is in the first.
+_SETTLED = 1e-3
+#: A first guess of how fast the condition of one stick disk rises with its logit.
+_SLOPE = 0.3
 #: Where more of a step is left, of the narrowest zone, there are no such boundaries.
 _LOST = 0.1
 #: At the edge nothing happens in less than this of the layer.
 _NARROWEST = 1e-12
-#: A step as short as this is not taken.
-_ENOUGH = 1e-13
+#: A step as short as this is not taken, and one as short as that says nothing of slopes.
+_ENOUGH, _MEANT = 1e-13, 1e-8
 #: How far boundaries may move, of the narrowest zone, before their slopes are found anew.
 _STALE = 0.1
-#: Most corrections, the share of its step that one leaves at least, and from which share on it is
-#: the factor or rounding that is not good enough.
-_CORRECTIONS, _LEFT, _SLOW = 10, 1e-2, 0.2
-#: What corrections should leave, of the tolerance, as boundaries are known better than the fields;
-#: and what they may leave with the factors of other boundaries.
-_FURTHER, _ENOUGH_LEFT = 1e-6, 1e-2
+#: Most corrections at given boundaries, and with boundaries that move.
+_CORRECTIONS, _STEPS = 10, 40
+#: The share of its step that a correction leaves at least, and from which share on it is the factor
+#: or rounding that is not good enough.
+_LEFT, _SLOW = 1e-2, 0.2
+#: Corrections of a solution from nothing, which do not tell how good the factors are; what is left
+#: by those of other boundaries, over their distance; and how far these may be, of a zone, in thick
+#: layers and in thin ones.
+_FIRST, _DRIFT = 2, 3.0
+_FAR, _FAR_THIN, _THICK = 0.03, 1e-4, 1e-2
+#: What of a step of the boundaries the fields may be off by, for that step and for its slopes.
+_SHARE, _KNOWN = 0.3, 0.03
+#: Compliances from which on corrections with factors in single precision are not more.
+_SINGLE = 5e-7
+#: What corrections should leave, of the tolerance, as boundaries are known better than the fields.
+_FURTHER, _LEAST = 1e-3, 5e-15
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 
@@ -83,112 +95,203 @@ class CoupledZones(Solved):
 
     Attributes
     ----------
-    zones : SlidingZones
-        The operators.
-    driven, sheared : list of ndarray
-        Coefficients of p and of q/s on every part, and what the top two degrees contribute to
-        them, as columns.
+    system : System
+    solution : ndarray, shape (unknowns, 2)
+        The vector of the system, and what the top two degrees contribute to it.
     """
 
-    zones: SlidingZones
-    driven: list[Array]
-    sheared: list[Array]
+    system: System
+    solution: Array
 
 
-class _CoupledZonesProblem:
-    """Spaces for given states of the zones; the boundaries are found anew in each of them."""
+@dataclass(frozen=True, slots=True)
+class _Move:
+    """A step of the boundaries, and what their conditions missed before it."""
+
+    step: Array
+    length: float
+    mismatch: Array
+
+
+class CoupledProblem:
+    """Spaces for given states of the zones; the boundaries are found anew in each of them.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    layout : Layout
+    tolerance : float
+        Bound on the relative errors of both fields, pointwise.
+    """
 
     def __init__(self, parameters: Parameters, layout: Layout, tolerance: float) -> None:
         self.parameters, self.tolerance = parameters, tolerance
         self.states = layout.states
         self.logits = np.array(layout.logits)
-        if layout.slopes is not None:
-            self.slopes = layout.slopes
-            return
-        self.slopes = self._differences()
-        start = self.logits
-        found = self._find(self._spaces(_ROUGH), _ROUGH, _SETTLED)
-        left = np.abs(np.linalg.solve(found.slopes, found.trial.mismatch))
-        if not float(left.max()) < _LOST * min([1.0, *np.diff(self.logits)]):
-            raise NoBoundariesError("no such boundaries are found")
-        moved = float(np.abs(self.logits - start).max())
-        if moved > _STALE * min([1.0, *np.diff(self.logits)]):
-            self.slopes = self._differences()
+        self._slopes = layout.slopes
 
     @property
     def layout(self) -> Layout:
         """The boundaries as they are known, with the slopes of their conditions."""
         return Layout(tuple(self.logits.tolist()), self.states, self.slopes)
 
+    @property
+    def slopes(self) -> Array:
+        """By how much the conditions rise with the boundaries, as logits."""
+        if self._slopes is None:
+            self._look_near()
+        assert self._slopes is not None
+        return self._slopes
+
+    def _look_near(self) -> None:
+        """Find the boundaries roughly, and the slopes of their conditions."""
+        if len(self.logits) == 1:
+
+            def mismatch(logit: float) -> float:
+                return float(self.rough([logit]).mismatch[0])
+
+            logit, slope = root_near(mismatch, float(self.logits[0]), _SLOPE, _SETTLED, 1.0)
+            self.logits, self._slopes = np.array([logit]), np.array([[slope]])
+            return
+        start = self.logits
+        self._slopes = self._differences()
+        spaces = self._spaces(_ROUGH)
+        state = self._found(spaces, _ROUGH, _SETTLED)
+        narrowest = self._narrowest
+        left = np.abs(np.linalg.solve(self._slopes, state.mismatch))
+        if not float(left.max()) < _LOST * narrowest:
+            raise NoBoundariesError("no such boundaries are found")
+        if float(np.abs(self.logits - start).max()) > _STALE * narrowest:
+            self._slopes = self._differences()
+
+    def rough(self, logits: Sequence[float]) -> CoupledState:
+        """Return the contact with given boundaries, as logits, in a small space."""
+        at = np.array(logits)
+        system = self._system(self._spaces(_PROBE, at), at)
+        return self._settled(self._factored(system), 1e-2 * _PROBE)
+
+    def _differences(self) -> Array:
+        """Return the slopes of the conditions in a small space."""
+        spaces = self._spaces(_ROUGH)
+
+        def conditions(logits: Array) -> Array:
+            factored = self._factored(self._system(spaces, logits))
+            return self._settled(factored, 1e-2 * _ROUGH).mismatch
+
+        return differences(conditions, self.logits)
+
     # spaces
 
-    @staticmethod
-    def _radii(logits: Array) -> tuple[Radius, ...]:
-        return tuple(Radius.from_logit(float(x)) for x in logits)
-
-    def _spaces(self, tolerance: float) -> list[Resolution]:
+    def _spaces(self, tolerance: float, logits: Array | None = None) -> list[Resolution]:
         alpha, beta, _, _ = self.parameters
-        return first_spaces(alpha, beta, self._radii(self.logits), tolerance)
+        radii = _radii(self.logits if logits is None else logits)
+        return first_spaces(alpha, beta, radii, self.states, tolerance)
 
     def start(self) -> Resolution:
         """Return the first space, of all parts one after the other."""
+        assert self.slopes is not None
         # boundaries superconverge: a space for half the digits has nearly all of theirs
-        halfway = sqrt(self.tolerance)
+        halfway = np.sqrt(self.tolerance)
         if halfway < 0.1 * _ROUGH:
-            self._find(self._spaces(halfway), halfway, max(self.tolerance, _ENOUGH))
+            self._found(self._spaces(halfway), halfway, max(self.tolerance, _ENOUGH))
         spaces = self._spaces(self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
         return joined(spaces)
 
+    def _system(self, spaces: list[Resolution], logits: Array) -> System:
+        radii = _radii(logits)
+        narrowest = _NARROWEST * self.parameters.alpha
+        if len(radii) > 1 and radii[-1].rest < narrowest:
+            raise NoBoundariesError("the last zone vanishes")
+        panels, degrees = [one.panels for one in spaces], [one.degrees for one in spaces]
+        return System(radii, self.states, panels, degrees, self.parameters)
+
+    def _factored(self, system: System) -> Factored:
+        alpha, beta, _, _ = self.parameters
+        thick = alpha >= _SINGLE and (beta == 0.0 or beta >= _SINGLE)
+        return Factored(system, exact=not thick)
+
     # solutions
 
-    def _trials(self, spaces: list[Resolution], tolerance: float) -> Callable[[Array], ZonesTrial]:
-        """Return what solves with given boundaries; factors serve as long as they do."""
-        panels, degrees = [one.panels for one in spaces], [one.degrees for one in spaces]
-        last: list[ZonesTrial] = []
-        least = [0.0]  # what the factors leave at their own boundaries
-
-        def trial_at(logits: Array) -> ZonesTrial:
-            if Radius.from_logit(float(logits[-1])).rest < _NARROWEST * self.parameters.alpha:
-                raise NoBoundariesError("the last zone vanishes")
-            zones = SlidingZones(
-                self._radii(logits), self.states, panels, degrees, self.parameters.alpha == 0.0
-            )
-            if last:
-                like = ZonesTrial(zones, last[0].factored, last[0].solution, last[0].lifts, inf)
-                trial = self._corrected(like, tolerance)
-                if trial.left < max(_ENOUGH_LEFT * tolerance, 10.0 * least[0]):
-                    last[0] = trial
-                    return trial
-            factored = ZonesFactored(zones, self.parameters)
-            begin = np.zeros(zones.unknowns), np.zeros(len(logits))
-            last[:] = [self._corrected(ZonesTrial(zones, factored, *begin, inf), tolerance)]
-            least[0] = last[0].left
-            return last[0]
-
-        return trial_at
-
-    def _corrected(self, trial: ZonesTrial, tolerance: float) -> ZonesTrial:
-        """Correct a solution as far as it goes."""
-        zones = trial.zones
-        own, size = trial.factored.zones is zones, inf
-        aim = max(_FURTHER * tolerance, ROUNDING)
+    def _settled(self, factored: Factored, aim: float) -> CoupledState:
+        """Correct a solution at given boundaries as far as is aimed."""
+        state, size = CoupledState.begin(factored.system, factored), inf
         for _ in range(_CORRECTIONS):
-            trial, change = trial.corrected()
-            shares = self._shares(zones, change, trial.solution)
-            before, size = size, max(float(one.max()) for pair in shares for one in pair)
-            trial.left = size * max(_LEFT, min(size / before, 1.0))
-            slow = size > _SLOW * before
-            if trial.left < aim or (slow and size < _ROUNDED) or (size > before and not own):
+            state, change = state.corrected()
+            before, size = size, self._size(state, change)
+            if size * max(_LEFT, min(size / before, 1.0)) < aim or size > before:
                 break
-        return trial
+        return state
 
-    def _shares(self, zones: SlidingZones, change: Array, size: Array) -> list[list[Array]]:
+    def _size(self, state: CoupledState, change: Array) -> float:
+        """Return the largest share of a change."""
+        shares = self._shares(state.system, change, state.solution)
+        return max(float(one.max()) for pair in shares for one in pair)
+
+    def _found(self, spaces: list[Resolution], aim: float, settle: float) -> CoupledState:
+        """Correct fields and boundaries together, until neither moves any more.
+
+        The boundaries move when more is left of them than the fields may be off. Factors serve as
+        long as corrections with them shrink.
+        """
+        factored = self._factored(self._system(spaces, self.logits))
+        state, begin = CoupledState.begin(factored.system, factored), self.logits
+        moved: _Move | None = None
+        size, alike = 1.0, -_FIRST  # corrections with these factors at these boundaries
+        for _ in range(_STEPS):
+            state, change = state.corrected()
+            before, size, alike = size, self._size(state, change), alike + 1
+            # factors of other boundaries are off by about their distance, in units of a layer: they
+            # make an error next to the boundaries first, which the next correction takes back
+            drift = float(np.abs(self.logits - begin).max()) / self._narrowest
+            astray = drift > _LEFT / _DRIFT * self._thinnest
+            expected = max(_LEFT, _DRIFT * drift, size / before if alike > 1 + astray else 0.0)
+            self.left = size * (1.0 if astray and alike < 2 else min(expected, 1.0))
+            if moved is not None and self.left < _KNOWN * moved.length:
+                self._learn(moved, state.mismatch)
+                moved = None
+            step: Array = -np.linalg.solve(self.slopes, state.mismatch).astype(float)
+            self.off = float(np.abs(step).max())
+            if self.left < aim and self.off < settle:
+                break
+            slow, own = (
+                alike > 1 + astray and size > _SLOW * before,
+                factored.system is state.system,
+            )
+            if slow and ((own and factored.exact) or (size < _ROUNDED and self.off < settle)):
+                break
+            if self.off > max(0.5 * settle, self.left / _SHARE):
+                step *= min(1.0, longest(self.logits, step))
+                moved = _Move(step, float(np.abs(step).max()), state.mismatch)
+                self.logits = self.logits + step
+                state, alike = state.at(self._system(spaces, self.logits)), 0
+                far = _FAR if self._thinnest > _THICK else _FAR_THIN
+                slow = float(np.abs(self.logits - begin).max()) > far * self._narrowest
+            if slow:
+                factored = Factored(state.system, exact=factored.exact or (own and alike > 0))
+                state, begin, alike = state.by(factored), self.logits, 0
+        return state
+
+    @property
+    def _thinnest(self) -> float:
+        return min(1.0, *self.parameters[:2])
+
+    @property
+    def _narrowest(self) -> float:
+        return float(min([1.0, *np.diff(self.logits)]))
+
+    def _learn(self, move: _Move, mismatch: Array) -> None:
+        """Take from a step what it shows of the slopes (Broyden)."""
+        if move.length > _MEANT:
+            missed = mismatch - move.mismatch - self.slopes @ move.step
+            self._slopes = self.slopes + np.outer(missed, move.step) / float(move.step @ move.step)
+
+    def _shares(self, system: System, change: Array, size: Array) -> list[list[Array]]:
         """Return a change of p and of q/s on every panel, relative to their sizes there."""
         alpha, beta, _, _ = self.parameters
         shares: list[list[Array]] = []
-        moved, values = zones.split(change), zones.split(size)
-        for k, part in enumerate(zones.parts):
+        moved, values = system.split(change), system.split(size)
+        for k, part in enumerate(system.parts):
             panels, reach = part.family.panels, part.family.reach
             leading = leading_depth(alpha, beta, reach) if panels.power else inf
             known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
@@ -202,91 +305,69 @@ class _CoupledZonesProblem:
                 shares[-1].append(share)
         return shares
 
-    # boundaries
-
-    def _differences(self) -> Array:
-        """Return the slopes of the conditions in the space in which they are found first."""
-        trial_at = self._trials(self._spaces(_ROUGH), _ROUGH)
-        return differences(lambda logits: trial_at(logits).mismatch, self.logits)
-
-    def _find(
-        self, spaces: list[Resolution], tolerance: float, settle: float
-    ) -> Boundaries[ZonesTrial]:
-        """Find the boundaries in a space; after the first one they are near."""
-        near = tolerance < _ROUGH
-        found = find_boundaries(
-            self._trials(spaces, tolerance),
-            lambda trial: trial.mismatch,
-            self.logits,
-            self.slopes,
-            min(settle, _LOOSEST) if near else settle,
-            _ENOUGH,
-            near=near,
-        )
-        self.logits, self.slopes = found.logits, found.slopes
-        return found
-
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledZones]:
+        """Solve in a space."""
         spaces = parted(resolution, self._counts, self.parameters.alpha)
-        settle = max(self.tolerance, 100.0 * _ENOUGH)
-        return self._assess(spaces, self._find(spaces, self.tolerance, settle).trial)
+        aim, settle = max(_FURTHER * self.tolerance, _LEAST), max(0.01 * self.tolerance, _ENOUGH)
+        state = self._found(spaces, aim, settle)
+        return self._assess(spaces, state)
 
-    def _assess(self, spaces: list[Resolution], trial: ZonesTrial) -> Attempt[CoupledZones]:
+    def _assess(self, spaces: list[Resolution], state: CoupledState) -> Attempt[CoupledZones]:
         """Turn the final trial into a solution with its errors."""
-        zones = trial.zones
-        whole = trial.solution * trial.approach
-        effects = trial.effects()
-        moved = [trial.approach * one.change for one in effects]
-        pressure, shear = zones.split(whole)
+        system = state.system
+        whole = state.solution * state.approach
+        effects = state.effects()
+        moved = [state.approach * one.change for one in effects]
+        pressure, shear = system.split(whole)
         rates = [
             [decay_rates(space, one) for one in (pressure[k], shear.get(k)) if one is not None]
             for k, space in enumerate(spaces)
         ]
-        shares = self._shares(zones, moved[0], whole)
+        shares = self._shares(system, moved[0], whole)
         expected = [
             [expected_error(*pair) for pair in zip(*both, strict=True)]
             for both in zip(shares, rates, strict=True)
         ]
         # what the boundaries still are off is felt everywhere
         inverse = np.abs(np.linalg.inv(self.slopes))
-        off = 2.0 * float((inverse @ np.abs(trial.mismatch)).max())
-        left = trial.left + off
+        off = 2.0 * float((inverse @ np.abs(state.mismatch)).max())
+        left = self.left + off
         pressure_error = max(float(one[0].max()) for one in expected)
         pressure_error += left + 20.0 * ROUNDING
         traction_error = max(float(one[-1].max()) for one in expected)
-        traction_error = max(traction_error, self._edge_error(zones, moved[0], whole))
+        traction_error = max(traction_error, self._edge_error(system, moved[0], whole))
         traction_error += left + TRACTION_ROUNDING
         error = max(pressure_error, traction_error)
         # what superconverges may change little by accident, but hardly against the square
         squared = error**2
-        total = trial.shear(whole)
-        sheared = max(abs(trial.shear(one)) for one in moved) / abs(total)
-        noise = 40.0 * ROUNDING + trial.left * 1e-2
+        total = system.total_shear(whole)
+        sheared = max(abs(system.total_shear(one)) for one in moved) / abs(total)
+        noise = 40.0 * ROUNDING + self.left * 1e-2
         known = squared + noise + off
         kept = 2.0 * SAFETY * LEAST_RATE
         missed = kept * np.max([np.abs(one.mismatch) for one in effects], axis=0)
-        missed = missed + squared + noise + 2.0 * np.abs(trial.mismatch)
+        missed = missed + squared + noise + self.left + 2.0 * np.abs(state.mismatch)
         shifts = inverse @ missed + float(np.finfo(float).eps) * np.abs(self.logits)
-        scales = (trial.approach, trial.lifts), (0.0, effects[0].lifts)
+        scales = (state.approach, state.lifts), (0.0, effects[0].lifts)
         stuck, lost = (
-            self._stuck(zones, trial.lacking(vector, approach, trial.approach * lifts))
+            self._stuck(system, state.lacking(vector, approach, state.approach * lifts))
             for vector, (approach, lifts) in zip((whole, moved[0]), scales, strict=True)
         )
         boundary_errors = tuple(
-            boundary_error(float(d), r) for d, r in zip(shifts, zones.radii, strict=True)
+            boundary_error(float(d), r) for d, r in zip(shifts, system.radii, strict=True)
         )
-        bend = 2.0 * max(float(d) ** 2 * r.rest for d, r in zip(shifts, zones.radii, strict=True))
+        bend = 2.0 * max(float(d) ** 2 * r.rest for d, r in zip(shifts, system.radii, strict=True))
         value = CoupledZones(
-            zones.radii,
-            zones.states,
-            trial.approach,
+            system.radii,
+            system.states,
+            state.approach,
             total,
-            [series_of(p.family.panels, c) for p, c in zip(zones.parts, pressure, strict=True)],
+            [series_of(p.family.panels, c) for p, c in zip(system.parts, pressure, strict=True)],
             [
                 series_of(p.shear.panels, shear[k]) if k in shear else None
-                for k, p in enumerate(zones.parts)
+                for k, p in enumerate(system.parts)
             ],
             stuck,
             max(abs(one.approach) for one in effects) + known,
@@ -294,59 +375,54 @@ class _CoupledZonesProblem:
             pressure_error,
             traction_error,
             boundary_errors[0][0],
-            zones_error(zones.radii, boundary_errors),
-            SAFETY * self._largest_displacement(zones, lost),
-            zones,
-            *self._columns(trial, whole, moved[0]),
+            zones_error(system.radii, boundary_errors),
+            SAFETY * self._largest_displacement(system, lost),
+            system,
+            np.column_stack([whole, moved[0]]),
         )
         indicators = np.concatenate([np.max(one, axis=0) for one in expected])
         # no degree lowers what rounding leaves
-        indicators[indicators <= trial.left] = 0.0
+        indicators[indicators <= self.left] = 0.0
         rate = np.concatenate([np.max(one, axis=0) for one in rates])
-        return Attempt(value, error, indicators, rate, zones.unknowns)
+        return Attempt(value, error, indicators, rate, system.unknowns)
 
-    def _edge_error(self, zones: SlidingZones, change: Array, whole: Array) -> float:
+    def _edge_error(self, system: System, change: Array, whole: Array) -> float:
         """Return the error of q/s at an edge where it has a root."""
-        part = zones.parts[-1]
+        part = system.parts[-1]
         if self.parameters.alpha > 0.0 or part.state != 0:
             return 0.0
-        moved, values = (zones.split(one)[1][len(zones.parts) - 1] for one in (change, whole))
+        moved, values = (system.split(one)[1][len(system.parts) - 1] for one in (change, whole))
         panels = part.shear.panels
         return root_error(panels, moved, series_of(panels, values).at_ends()[-1])
 
-    def _columns(
-        self, trial: ZonesTrial, whole: Array, moved: Array
-    ) -> tuple[list[Array], list[Array]]:
-        """Return the coefficients of p and of q/s on every part, with their changes."""
-        pairs = np.column_stack([whole, moved])
-        traction = trial.zones.whole_traction(pairs, self.parameters.friction)
-        return trial.zones.split(pairs)[0], traction
-
     @staticmethod
-    def _stuck(zones: SlidingZones, misfit: list[Array]) -> list[Stuck]:
+    def _stuck(system: System, misfit: Sequence[Array | None]) -> list[Stuck]:
         """Return the quadrature of ``t^2 E dt`` over the stick zones."""
         stuck = []
-        for zone, state in enumerate(zones.states):
+        for zone, state in enumerate(system.states):
             if state == 0:
+                each = zip(system.parts, system.offsets, system.shear_weights, misfit, strict=True)
                 parts = tuple(
-                    (Points(part.family.boundary, zones.offsets[k]), pi * weights * misfit[k])
-                    for k, (part, weights) in enumerate(
-                        zip(zones.parts, zones.shear_weights, strict=True)
-                    )
-                    if part.zone == zone
+                    (Points(part.family.boundary, offsets), pi * weights * missed)
+                    for part, offsets, weights, missed in each
+                    if part.zone == zone and missed is not None
                 )
-                stuck.append(Stuck((*zones.radii, EDGE)[zone], parts))
+                stuck.append(Stuck((*system.radii, EDGE)[zone], parts))
         return stuck
 
     @staticmethod
-    def _largest_displacement(zones: SlidingZones, stuck: list[Stuck]) -> float:
+    def _largest_displacement(system: System, stuck: list[Stuck]) -> float:
         """Return the largest displacement in the slip zones that E in the stick zones makes."""
-        bounds = (*zones.radii, EDGE)
+        bounds = (*system.radii, EDGE)
         return max(
             largest_displacement(stuck, bounds[k - 1], bounds[k])
-            for k, state in enumerate(zones.states)
+            for k, state in enumerate(system.states)
             if state != 0
         )
+
+
+def _radii(logits: Array) -> tuple[Radius, ...]:
+    return tuple(Radius.from_logit(float(x)) for x in logits)
 
 
 def find_coupled_zones(parameters: Parameters, layout: Layout) -> Layout:
@@ -354,7 +430,7 @@ def find_coupled_zones(parameters: Parameters, layout: Layout) -> Layout:
 
     Parameters and errors are those of `solve_coupled_zones`.
     """
-    return _CoupledZonesProblem(parameters, layout, _ROUGH).layout
+    return CoupledProblem(parameters, layout, _ROUGH).layout
 
 
 def solve_coupled_zones(
@@ -386,5 +462,5 @@ def solve_coupled_zones(
     NoBoundariesError
         If there are no such boundaries.
     """
-    problem = _CoupledZonesProblem(parameters, layout, tolerance)
+    problem = CoupledProblem(parameters, layout, tolerance)
     return refine(problem, tolerance, max_unknowns // 2)

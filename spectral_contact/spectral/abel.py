@@ -33,7 +33,9 @@ __all__ = [
     "ROOT_TERMS",
     "TAIL_EXTRA",
     "TAIL_TERMS",
+    "Charges",
     "beyond",
+    "charges_on",
     "deeper",
     "deeper_blocks",
     "deeper_tail",
@@ -342,7 +344,7 @@ def _beyond_tail(e: Array, end: float) -> Array:
     return np.asarray(_panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
 
 
-class _Charges:
+class Charges:
     """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
 
     def __init__(self, width: float, degrees: tuple[int, ...]) -> None:
@@ -363,14 +365,18 @@ class _Charges:
         return result
 
 
-_CHARGES: BoundedCache[tuple[float, tuple[int, ...]], _Charges] = BoundedCache(
+_CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
     "charges on panels", 32
 )
 
 
-def _charges(panels: int, width: float, degree: int | tuple[int, ...]) -> _Charges:
-    degrees = (degree,) * panels if isinstance(degree, int) else degree
-    return _CHARGES.get((width, degrees), lambda: _Charges(width, degrees))
+def charges_on(width: float, degrees: tuple[int, ...]) -> Charges:
+    """Return functions of these degrees on panels as charges (cached)."""
+    return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
+
+
+def _each(panels: int, degree: int | tuple[int, ...]) -> tuple[int, ...]:
+    return (degree,) * panels if isinstance(degree, int) else degree
 
 
 def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> tuple[Array, Array]:
@@ -379,7 +385,7 @@ def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> 
     There may be a highest degree for each panel; only these functions have columns then.
     """
     end = np.exp(-panels * width)
-    charges = _charges(panels, width, degree)
+    charges = charges_on(width, _each(panels, degree))
     near, far = np.sqrt(charges.d), np.sqrt(charges.d + e[:, None])
     plain = np.hstack([charges.onto(charges.d / far), _beyond_tail(e, end)])
     blocks = charges.onto(near * (e[:, None] / (far * (near + far))))
@@ -416,7 +422,7 @@ def far_fall(
         near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None])
         return np.asarray(e[:, None] / (near * far * (near + far)))
 
-    charges = _charges(panels, width, degree)
+    charges = charges_on(width, _each(panels, degree))
     blocks = charges.onto(charges.d ** (1.0 + power) * kernel(charges.d))
     g, w = gauss_rule(TAIL_TERMS + TAIL_EXTRA)
     v = (1.0 + g) / 2.0

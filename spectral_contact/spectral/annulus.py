@@ -17,8 +17,8 @@ from spectral_contact.spectral.abel import (
     outer,
     tail_values,
 )
+from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES
 from spectral_contact.spectral.jacobi import (
-    chebyshev_interpolation,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_values,
@@ -38,9 +38,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-#: For a singularity as far off as the interval is wide the error is 5.8**-24, which is rounding.
-FAR_NODES, FAR_FIT = chebyshev_interpolation(24)
 
 
 def gap(a: Radius, b: Radius) -> float:

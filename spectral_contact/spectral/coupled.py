@@ -44,6 +44,7 @@ Array = NDArray[np.float64]
 _SPACES: BoundedCache[tuple[LogPanels, float, tuple[int, ...]], CoupledSpace] = BoundedCache(
     "coupled spaces", 12
 )
+_MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 48)
 #: Gauss points on a tail, whose polynomials in ``d`` they integrate exactly.
 _TAIL_POINTS = 12
 
@@ -85,7 +86,11 @@ def coupled_space(panels: LogPanels, power: float, degrees: tuple[int, ...]) -> 
 
 
 def moments(panels: LogPanels) -> Array:
-    """Return ``int_0^1 psi dy`` of all functions, shape (size,)."""
+    """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
+    return _MOMENTS.get(panels, lambda: _moments(panels))
+
+
+def _moments(panels: LogPanels) -> Array:
     offsets, weights, basis = _panel_rule(panels)
     first = (weights * np.exp(-(1.0 + panels.power) * offsets)) @ basis
     fall = np.exp(-(1.0 + panels.power) * panels.width * np.arange(panels.panels))

@@ -6,21 +6,37 @@ points still.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import TAIL_TERMS
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_interpolation_matrix
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import (
+    chebyshev_interpolation,
+    chebyshev_values,
+    gauss_rule,
+    legendre_interpolation_matrix,
+)
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
-__all__ = ["GradedNodes"]
+__all__ = ["FAR_FIT", "FAR_NODES", "GradedNodes", "PlainNodes", "far_values", "graded_nodes"]
 
 Array = NDArray[np.float64]
 
+#: Places, in [-1, 1], that stand for a function on an interval with a singularity as far off as it
+#: is wide: the error is 5.8**-24, which is rounding.
+FAR_NODES, FAR_FIT = chebyshev_interpolation(24)
 #: Nodes on the tail: what is there is seen from any distance to the boundary.
 _TAIL_POINTS = 36
 #: Further nodes on the panel next to the centre of a disk.
 _CENTRAL = 40
+
+
+_NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes] = BoundedCache(
+    "graded nodes", 48
+)
 
 
 class GradedNodes:
@@ -86,6 +102,11 @@ class GradedNodes:
             for one in self.start[direct:]
         ]
 
+    @cached_property
+    def from_places(self) -> Array:
+        """The matrix to the samples from values at the few places that see what is far off."""
+        return far_values(self.samples)
+
     def spread(self, values: Array) -> Array:
         """Return what has values at the samples, as columns, at the nodes."""
         start = self._direct
@@ -103,6 +124,36 @@ class GradedNodes:
             parts.append(block.T @ values[start : start + len(block)])
             start += len(block)
         return np.concatenate([*parts, values[start:]])
+
+
+class PlainNodes:
+    """Points at which everything is evaluated as it is: they are their own samples."""
+
+    def __init__(self, d: Array) -> None:
+        self.d = self.samples = d
+
+    @property
+    def from_places(self) -> Array:
+        """The matrix from values at the few places that see what is far off."""
+        return far_values(self.d)
+
+    def spread(self, values: Array) -> Array:
+        """Return the values."""
+        return values
+
+    def gathered(self, values: Array) -> Array:
+        """Return the values."""
+        return values
+
+
+def far_values(d: Array) -> Array:
+    """Return the matrix from values at `FAR_NODES`, as distances, to those at other distances."""
+    return np.asarray(chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_FIT)
+
+
+def graded_nodes(panels: LogPanels, degrees: tuple[int, ...]) -> GradedNodes:
+    """Return the nodes of a part (cached); its far end is like the centre of a disk."""
+    return _NODES.get((panels, degrees), lambda: GradedNodes(panels, degrees, centred=True))
 
 
 def _node_count(degree: int) -> int:

@@ -8,15 +8,11 @@ import numpy as np
 import pytest
 
 from spectral_contact import NotComputedError, Scene, Solution, StepState, solve
-from spectral_contact.contact.coupled_disk import solve_coupled_disk
-from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
-from spectral_contact.contact.layout import Layout
 from spectral_contact.equations import (
     normal_displacement,
     shear_lift,
     tangential_displacement,
 )
-from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.testing import check_solution
 
 #: Slip inside, the edge sticks: without coupling the first is that of docs/theory.
@@ -100,21 +96,6 @@ def test_the_edge_of_a_smooth_surface():
     assert p[1:] == pytest.approx(p[-1], rel=1e-13)
     assert solution.pressure(1.0) == math.inf
     assert solution.traction(from_edge=d) == pytest.approx(solution.traction(1.0), rel=1e-6)
-
-
-def test_one_stick_disk_by_the_system_of_any_zones():
-    parameters = Parameters(0.3, 0.2, 0.25, 0.15)
-    layout = find_coupled_zones(parameters, Layout((0.5,), (0, 1)))
-    zones = solve_coupled_zones(parameters, layout, 1e-12, 20000).best.value
-    disk = solve_coupled_disk(parameters, 1e-12, 20000, 0.5).best.value
-    assert zones.radii[0].value == pytest.approx(disk.radii[0].value, rel=1e-12)
-    assert zones.approach == pytest.approx(disk.approach, rel=1e-13)
-    assert zones.total_shear == pytest.approx(disk.total_shear, rel=1e-12)
-    d = np.concatenate([[0.0], np.geomspace(1e-12, 1.0, 60)])
-    for one, other in zip(
-        [*zones.pressure, zones.shear[0]], [*disk.pressure, disk.shear[0]], strict=True
-    ):
-        assert one(d) == pytest.approx(other(d), rel=1e-11)
 
 
 @pytest.mark.parametrize(("alpha", "beta", "ratio"), [(0.05, 1.0, 0.23), (0.0, 0.5, 0.3)])

@@ -1,0 +1,120 @@
+"""The coupled contact with its zones at given boundaries, and a continuous traction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.factored import Factored
+from spectral_contact.spectral.system import System
+
+__all__ = ["CoupledState", "Effect"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What a change of the space does at unit load.
+
+    Attributes
+    ----------
+    change, lifts : ndarray
+        Of the solution and of its lifts.
+    mismatch : ndarray
+        Of the conditions of the boundaries.
+    approach : float
+        Of the approach, relative.
+    """
+
+    change: Array
+    lifts: Array
+    mismatch: Array
+    approach: float
+
+
+class CoupledState:
+    """The solution for unit approach with a continuous traction.
+
+    Parameters
+    ----------
+    system : System
+    factored : Factored
+        Of this system or a like one.
+    solution : ndarray, shape (unknowns,)
+    lifts : ndarray, shape (boundaries,)
+        They make the traction continuous; without tangential compliance they are zero.
+    """
+
+    def __init__(self, system: System, factored: Factored, solution: Array, lifts: Array) -> None:
+        self.system, self.factored = system, factored
+        self.solution, self.lifts = solution, lifts
+
+    @classmethod
+    def begin(cls, system: System, factored: Factored) -> CoupledState:
+        """Return nothing, to be corrected."""
+        return cls(system, factored, np.zeros(system.unknowns), np.zeros(len(system.radii)))
+
+    def at(self, system: System) -> CoupledState:
+        """Return the same coefficients with other boundaries."""
+        return CoupledState(system, self.factored, self.solution, self.lifts)
+
+    def by(self, factored: Factored) -> CoupledState:
+        """Return the same, to be corrected with other factors."""
+        return CoupledState(self.system, factored, self.solution, self.lifts)
+
+    def _continuous(self, values: Array) -> tuple[Array, Array]:
+        """Return the lifts that take the jumps out of a vector, and what they make of it."""
+        jumps = self.system.jumps
+        if self.system.parameters.beta == 0.0 or not len(jumps):
+            return np.zeros(len(jumps)), values
+        responses = self.factored.responses
+        lifts = -np.linalg.solve(jumps @ responses, jumps @ values)
+        return np.asarray(lifts), np.asarray(values + responses @ lifts)
+
+    def corrected(self) -> tuple[CoupledState, Array]:
+        """Return a better solution, and by how much it is changed."""
+        missed = self.system.residual(self.solution[:, None], np.ones(1), self.lifts[:, None])
+        lifts, solution = self._continuous(self.solution + self.factored.step(missed)[:, 0])
+        better = CoupledState(self.system, self.factored, solution, self.lifts + lifts)
+        return better, solution - self.solution
+
+    def bearing(self, values: Array) -> float:
+        """Return ``int p s ds``."""
+        return float(self.system.load @ values[: self.system.count])
+
+    @cached_property
+    def approach(self) -> float:
+        """The approach of unit load."""
+        return 1.0 / (2.0 * pi * self.bearing(self.solution))
+
+    @cached_property
+    def mismatch(self) -> Array:
+        """What the conditions of the boundaries miss, relative to ``kappa R`` there."""
+        drive, balance = self.system.balances
+        return np.asarray((balance @ self.solution - self.lifts) / (drive @ self.solution))
+
+    def effects(self) -> list[Effect]:
+        """Return what the top two degrees of every panel contribute, and what the top one does."""
+        return [self._moved(one) for one in self.factored.change(self.solution, self.system)]
+
+    def _moved(self, change: Array) -> Effect:
+        """Return what a change at given lifts becomes with a continuous traction and unit load."""
+        lifts, change = self._continuous(change)
+        drive, balance = self.system.balances
+        raised = -self.bearing(change) / self.bearing(self.solution)
+        return Effect(
+            change + raised * self.solution,
+            lifts + raised * self.lifts,
+            (balance @ change - lifts) / (drive @ self.solution),
+            raised,
+        )
+
+    def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array | None]:
+        """Return E at the nodes of every part, of a vector that has an approach and lifts."""
+        misfit = self.system.misfit(values[:, None], np.array([approach]), lifts[:, None])
+        return [None if one is None else one[:, 0] for one in misfit.tangential]

@@ -1,0 +1,292 @@
+r"""Abel integrals of the functions on one part of the contact at the Galerkin nodes of another.
+
+Next to a boundary between zones what counts are small differences of large integrals. So each is
+given as its value at the boundary that the nodes are graded to, and by how much it is more at the
+nodes: in that nothing cancels. What a part contributes to its own nodes, or one half of an annulus
+to those of the other, depends on panels and degrees alone and is kept, in unit extent. What lies
+apart is smooth, and known at few samples; farther off than its own extent it is gathered at 24
+places.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.abel import (
+    Charges,
+    beyond,
+    charges_on,
+    deeper,
+    fall,
+    far_fall,
+    outer,
+    rise,
+    tail_values,
+)
+from spectral_contact.spectral.annulus import Family, gap
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.coupled import tail_rule
+from spectral_contact.spectral.graded import (
+    FAR_NODES,
+    GradedNodes,
+    PlainNodes,
+    far_values,
+    graded_nodes,
+)
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.transforms import transforms
+
+__all__ = ["Block", "block", "points_of"]
+
+Array = NDArray[np.float64]
+Degrees: TypeAlias = tuple[int, ...]
+Used: TypeAlias = tuple[int, ...] | LogPanels
+Nodes: TypeAlias = GradedNodes | PlainNodes
+
+#: Distances, in units of a part's extent, up to which a difference is taken as such.
+_NEAR = 0.5
+#: How far off, of its extent, a part is that few places stand for; rounding may take a little.
+_FAR = 0.99
+#: Those places, as distances from its boundary.
+_PLACES: Array = (1.0 + FAR_NODES) / 2.0
+
+_OWN: BoundedCache[tuple[LogPanels, Degrees, Used], _Own] = BoundedCache("own integrals", 48)
+_HALVES: BoundedCache[tuple[LogPanels, Degrees, LogPanels, Used, bool], Block] = BoundedCache(
+    "halves", 32
+)
+_GATHERED: BoundedCache[tuple[LogPanels, Degrees], Array] = BoundedCache("gathered parts", 32)
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Integrals of the functions of a part at the nodes of another.
+
+    Attributes
+    ----------
+    at : ndarray, shape (functions,)
+        At the boundary of the nodes; zero for the edge.
+    more : ndarray, shape (nodes or samples, functions)
+        By how much it is more at the nodes.
+    whole : ndarray, shape (nodes or samples, functions)
+        The sum, which may be far less than either.
+    sampled : bool
+        Whether it is given at the samples of the nodes.
+    scale : float
+        All three are to be multiplied by it.
+    gathered : ndarray, shape (places, functions), optional
+        What the functions have at few places, to which the columns of the last two belong then.
+    """
+
+    at: Array
+    more: Array
+    whole: Array
+    sampled: bool
+    scale: float = 1.0
+    gathered: Array | None = None
+
+    def of(self, columns: NDArray[np.int_]) -> Block:
+        """Return that of some functions."""
+        at = self.at[columns]
+        if self.gathered is not None:
+            return replace(self, at=at, gathered=self.gathered[:, columns])
+        whole = self.whole[:, columns]
+        more = whole if self.more is self.whole else self.more[:, columns]
+        return replace(self, at=at, more=more, whole=whole)
+
+    def onto(self, values: Array) -> Array:
+        """Return coefficients, as columns, times the scale and in the columns of the integrals."""
+        values = self.scale * values
+        return values if self.gathered is None else self.gathered @ values
+
+    def back(self, sums: Array) -> Array:
+        """Return the transpose of `onto`."""
+        sums = self.scale * sums
+        return sums if self.gathered is None else self.gathered.T @ sums
+
+
+class _Own:
+    """Integrals of the functions of a part, of unit extent, at its own nodes."""
+
+    def __init__(self, panels: LogPanels, degrees: Degrees, d: Array) -> None:
+        self._form = panels.panels, panels.width, panels.degree
+        self._power, self._d = panels.power, d
+        self._columns = panels.functions(degrees)
+
+    @cached_property
+    def toward(self) -> Block:
+        """What lies between the nodes and the boundary, which vanishes there."""
+        return _vanishing(deeper(self._d, *self._form, self._power)[:, self._columns])
+
+    @cached_property
+    def away(self) -> Block:
+        """What lies beyond the nodes; under an endpoint weight it is infinite at the boundary."""
+        whole = outer(self._d, *self._form, self._power)[:, self._columns]
+        if self._power != 0.0:
+            return _vanishing(whole)
+        at = beyond(np.zeros(1), *self._form)[0, self._columns]
+        return Block(at, rise(self._d, *self._form)[:, self._columns], whole, False)
+
+
+def block(source: Family, degrees: Degrees, target: Family, used: Used, side: int) -> Block | None:
+    """Return the integrals of a part at points of one, of what lies on one side of these.
+
+    They are ``1/2 int psi dz / sqrt(|z - t**2|)`` over ``z > t**2`` (outside, +1) or
+    ``z < t**2`` (inside, -1).
+
+    Parameters
+    ----------
+    source : Family
+        Of the functions psi.
+    degrees : tuple of int
+        Highest ones on its panels.
+    target : Family
+        With the points: the same part or another one.
+    used : tuple of int or LogPanels
+        What the points are for: functions of these degrees (Galerkin nodes), or an expansion
+        (sampling points).
+    side : int
+        +1 for outside, -1 for inside.
+
+    Returns
+    -------
+    Block or None
+        None if the functions lie on the other side of the points.
+    """
+    nodes = points_of(target.panels, used)
+    if (source.boundary, source.sign) == (target.boundary, target.sign):
+        key = source.panels, degrees, used
+        own = _OWN.get(key, lambda: _Own(source.panels, degrees, nodes.d))
+        kept = own.away if side == source.sign else own.toward
+    else:
+        apart = side * gap(target.boundary, source.boundary)
+        if apart < 0.0 or (apart == 0.0 and side != source.sign):
+            return None
+        if apart == 0.0:
+            kept = _facing(source, degrees, target, nodes)
+        elif _same_annulus(source, target, side, apart):
+            edge = target.boundary.from_edge == 0.0
+            of_halves = source.panels, degrees, target.panels, used, edge
+            kept = _HALVES.get(of_halves, lambda: _halves(source.panels, degrees, nodes.d, edge))
+        else:
+            kept = _apart(source, degrees, target, nodes, side, apart)
+    scale = kept.scale * float(np.sqrt(source.reach))
+    if target.boundary.from_edge == 0.0:
+        return replace(kept, at=np.zeros_like(kept.at), more=kept.whole, scale=scale)
+    return replace(kept, scale=scale)
+
+
+def points_of(panels: LogPanels, used: Used) -> Nodes:
+    """Return the points of a part of unit extent; for `used` see `block`."""
+    if isinstance(used, LogPanels):
+        return PlainNodes(transforms(used).distances)
+    return graded_nodes(panels, used)
+
+
+def _same_annulus(source: Family, target: Family, side: int, apart: float) -> bool:
+    """Return whether two parts are the halves of an annulus, the source on this side."""
+    facing = target.sign == side == -source.sign
+    return facing and source.reach == target.reach and apart < 3.0 * source.reach
+
+
+def _vanishing(matrix: Array) -> Block:
+    return Block(np.zeros(matrix.shape[1]), matrix, matrix, False)
+
+
+def _facing(source: Family, degrees: Degrees, target: Family, nodes: Nodes) -> Block:
+    """Return what is seen across the boundary that both parts have."""
+    panels = source.panels
+    form = panels.panels, panels.width
+    whole, falls = fall(target.reach / source.reach * nodes.samples, *form, degrees)
+    at = beyond(np.zeros(1), *form, panels.degree)[0, panels.functions(degrees)]
+    return Block(at, -falls, whole, True)
+
+
+def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
+    """Return what one half of an annulus contributes to the other, both of unit extent."""
+    form, columns = (panels.panels, panels.width, panels.degree, panels.power), degrees
+    used = panels.functions(columns)
+    whole = deeper(2.0 - d, *form)[:, used]
+    if edge:
+        return _vanishing(whole)
+    at, near = deeper(np.array([2.0]), *form)[0, used], d <= _NEAR
+    more = whole - at
+    more[near] = -far_fall(-d[near], *form)[:, used]
+    return Block(at, more, whole, False)
+
+
+def _apart(
+    source: Family,
+    degrees: Degrees,
+    target: Family,
+    nodes: Nodes,
+    side: int,
+    apart: float,
+) -> Block:
+    """Return what a part contributes whose boundary is another one."""
+    outward, onward = side * source.sign * source.reach, side * target.sign * target.reach
+    between = apart + min(outward, 0.0) - max(onward, 0.0)
+    panels = source.panels
+    far = between >= _FAR * source.reach
+    places = _PLACES if far else _log_places(panels, degrees)
+    at_end = apart + outward * places
+    near = between < _FAR * target.reach
+    d = nodes.samples if near else _PLACES
+    step = -onward * d[:, None]
+    root, whole = np.sqrt(at_end), np.sqrt(at_end + step)
+    # over the distance, which is smooth
+    more = onward / (whole * root * (whole + root))
+    kernels = np.vstack([1.0 / root[None], more, 1.0 / whole])
+    gathered = _gathered(panels, degrees) if far else None
+    if gathered is None:
+        kernels = _onto(panels, degrees, kernels)
+    at, more, whole = kernels[0], kernels[1 : 1 + len(d)], kernels[1 + len(d) :]
+    if gathered is not None:
+        at = at @ gathered
+    if not near:
+        table = nodes.from_places
+        more, whole = table @ more, table @ whole
+    more = nodes.samples[:, None] * more
+    return Block(at, more, whole, True, float(np.sqrt(source.reach)), gathered)
+
+
+def _log_places(panels: LogPanels, degrees: Degrees) -> Array:
+    """Return the places on the panels and on the tail that stand for its functions."""
+    charges: Charges = charges_on(panels.width, degrees)
+    return np.concatenate([charges.d, tail_rule(panels)[0]])
+
+
+def _onto(panels: LogPanels, degrees: Degrees, kernels: Array) -> Array:
+    """Return ``1/2 int d**power psi kernel dd`` of kernels at these places, as rows."""
+    charges: Charges = charges_on(panels.width, degrees)
+    d, weights, basis = tail_rule(panels)
+    split = len(charges.d)
+    own = charges.onto(kernels[:, :split] * charges.d ** (1.0 + panels.power))
+    on_tail = kernels[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
+    return np.hstack([own, on_tail])
+
+
+def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
+    """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
+
+    def made() -> Array:
+        columns = panels.functions(degrees)
+        x, w = panels.half_line_nodes()
+        g, _ = gauss_rule(x.shape[1])
+        values = legendre_values(g, panels.degree)
+        rows = []
+        for one, weights in zip(x, w, strict=True):
+            d = np.exp(-one)
+            weighted = values * (0.5 * weights * d ** (1.0 + panels.power))[:, None]
+            rows.append(far_values(d).T @ weighted)
+        d, weights, _ = tail_rule(panels)
+        basis = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
+        rows.append(far_values(d).T @ (basis * (0.5 * weights * d**panels.power)[:, None]))
+        return np.ascontiguousarray(np.hstack(rows)[:, columns])
+
+    return _GATHERED.get((panels, degrees), made)

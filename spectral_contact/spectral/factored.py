@@ -1,0 +1,87 @@
+"""The matrix of a system and its factors: solutions are corrected with them.
+
+Corrections take the residual in double precision, from the half-integrals, so that the factors may
+be rough: of single precision as long as that serves, or those of boundaries close by.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from spectral_contact.spectral.system import System
+
+__all__ = ["Factored"]
+
+Array = NDArray[np.float64]
+
+
+class Factored:
+    """A system, factored.
+
+    Parameters
+    ----------
+    system : System
+    exact : bool
+        Factor in double precision.
+    """
+
+    def __init__(self, system: System, *, exact: bool = True) -> None:
+        self.system, self.exact = system, exact
+        matrix = system.matrix()
+        self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
+        matrix *= self.scale
+        matrix *= self.scale[:, None]
+        # pivots are to be found among the equations of the pressure first, which are graded
+        driven = matrix[system.count :]
+        small = 0.5 / max(float(np.abs(driven[:, : system.count]).max(initial=0.0)), 0.5)
+        driven *= small
+        self._rows = self.scale.copy()
+        self._rows[system.count :] *= small
+        kind = np.float64 if exact else np.float32
+        self._factor = lu_factor(matrix.astype(kind), overwrite_a=True, check_finite=False)
+
+    def step(self, right: Array) -> Array:
+        """Return the solution as factored, of right-hand sides as columns."""
+        scaled = right * self._rows[:, None]
+        size = np.maximum(np.abs(scaled).max(axis=0), np.finfo(float).tiny)
+        scaled /= size
+        step = lu_solve(self._factor, scaled.astype(self._factor[0].dtype), check_finite=False)
+        return np.asarray(step * self.scale[:, None] * size)
+
+    @cached_property
+    def responses(self) -> Array:
+        """The solutions for a unit lift at every boundary, without approach, as columns."""
+        lifts = np.eye(len(self.system.radii))
+        values = np.zeros((self.system.unknowns, len(lifts)))
+        for _ in range(2):
+            values += self.step(self.system.residual(values, np.zeros(len(lifts)), lifts))
+        return values
+
+    def change(self, values: Array, system: System) -> list[Array]:
+        """Return what the top two degrees of every panel, and the top one, contribute.
+
+        They are the differences to the solution without them, at the same approach and lifts.
+
+        Parameters
+        ----------
+        values : ndarray, shape (unknowns,)
+            A solution.
+        system : System
+            Whose it is: that of the factors or a like one.
+        """
+        first, count = system.shed[0], len(values)
+        right = np.zeros((count, len(first)))
+        right[first, np.arange(len(first))] = 1.0 / self.scale[first]
+        response = self.step(right)
+        forced, changes = np.zeros((count, 2)), np.empty((count, 2))
+        for i, shed in enumerate(system.shed):
+            columns, own = response[:, np.isin(first, shed)], self.scale[shed]
+            forces = np.linalg.solve(columns[shed] / own[:, None], values[shed] / own)
+            forced[shed, i] = forces / own
+            changes[:, i] = columns @ forces
+        nothing = np.zeros(2), np.zeros((len(system.radii), 2))
+        return [*(changes + self.step(system.residual(changes, *nothing) + forced)).T]
