@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_parts import LEADING, leading_depth
-from spectral_contact.contact.friction_law import known_share, obeys, unknown_slip, wrong_intervals
+from spectral_contact.contact.friction_law import (
+    Interval,
+    known_share,
+    missing_stick,
+    obeys,
+    unknown_slip,
+)
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, slip_displacement
@@ -198,10 +204,13 @@ def checked(
     stray = solved.stray + lost + unresolved + direct + 20.0 * ROUNDING / (2.0 * pi)
     slip_error = stray / max(largest, 1e-300)
     wrong = max(float(one.max()) for one in samples) / largest
+    missing = tuple(
+        interval
+        for (annulus, _), sample in zip(misfits, samples, strict=True)
+        for interval in missing_stick(annulus, sample, largest)
+    )
     if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
-        raise NoCoupledSlipError(
-            "the surface slips with the traction", _further(solved, misfits[0][0], samples[0])
-        )
+        raise NoCoupledSlipError("the surface slips with the traction", _further(solved, missing))
     slips = iter(fields)
     zones, pieces = [], []
     for state, (inner, outer) in zip(solved.states, pairwise(solved.bounds), strict=True):
@@ -219,13 +228,11 @@ def checked(
     )
 
 
-def _further(solved: Solved, annulus: Annulus, samples: Array) -> Layout | None:
-    """Return one disk with stick where slip around it has the wrong sense."""
-    if solved.states != (0, 1):
-        return None
-    disk = Layout((solved.radii[0].logit,), solved.states)
-    layout = disk.with_stick(wrong_intervals(annulus, samples))
-    return layout if len(layout.states) > 2 else None
+def _further(solved: Solved, missing: tuple[Interval, ...]) -> Layout | None:
+    """Return the zones with stick where slip has the wrong sense."""
+    zones = Layout(tuple(one.logit for one in solved.radii), solved.states)
+    layout = zones.with_stick(missing)
+    return layout if len(layout.states) > len(zones.states) else None
 
 
 def _fields(solved: Solved, parameters: Parameters) -> tuple[ZonalField, ZonalField]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,32 +14,53 @@ from spectral_contact.fields import Radius
 from spectral_contact.spectral.annulus import Annulus
 
 __all__ = [
+    "Interval",
     "displacement_error",
     "known_share",
+    "missing_stick",
     "obeys",
     "stick_excess",
     "unknown_slip",
-    "wrong_intervals",
 ]
 
 Array = NDArray[np.float64]
+Interval: TypeAlias = tuple[float, float]
 
 #: Slip in the wrong sense that rounding makes, relative to the largest.
 _NEGLIGIBLE = 1e-10
 
 
-def wrong_intervals(annulus: Annulus, sample: Array) -> tuple[tuple[float, float], ...]:
-    """Return where the displacement has the sense of the traction; 0 ends one at the edge."""
-    if not (sample > 0.0).any():
+def missing_stick(annulus: Annulus, sample: Array, largest: float) -> tuple[Interval, ...]:
+    """Return where a slip zone moves with its traction, so that stick is missing there.
+
+    What touches an end at which there is stick is the error of that end, and no zone.
+
+    Parameters
+    ----------
+    annulus : Annulus
+        The slip zone.
+    sample : ndarray
+        The displacement times the sign of the traction, at its sampling points.
+    largest : float
+        The largest displacement of all zones; less than 1e-10 of it is rounding.
+
+    Returns
+    -------
+    tuple of (float, float)
+        Intervals of ``y = 1 - s**2``, outward; one that ends at 0 reaches the edge.
+    """
+    if not (sample > _NEGLIGIBLE * largest).any():
         return ()
     y, _ = annulus.sampling
     order = np.argsort(-y)
-    y, wrong = y[order], sample[order] > 0.0
+    y, wrong = y[order], sample[order] > _NEGLIGIBLE * largest
     starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
     ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
-    last = len(y) - 1
+    last, to_edge = len(y) - 1, annulus.outer.from_edge == 0.0
     return tuple(
-        (float(y[a]), 0.0 if b == last else float(y[b])) for a, b in zip(starts, ends, strict=True)
+        (float(y[a]), 0.0 if b == last else float(y[b]))
+        for a, b in zip(starts, ends, strict=True)
+        if a > 0 and (b < last or to_edge)
     )
 
 

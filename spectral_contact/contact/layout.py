@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from dataclasses import dataclass
 from math import log
 
@@ -65,17 +66,26 @@ class Layout:
     space: ZonesSpace | None = None
 
     def with_stick(self, intervals: tuple[tuple[float, float], ...]) -> Layout:
-        """Return the layout of one stick disk with further stick in intervals of slip.
+        """Return the layout with further stick in intervals of slip.
 
         Parameters
         ----------
         intervals : tuple of (float, float)
-            In ``y = 1 - s**2``, outward; one that ends at 0 reaches the edge.
+            In ``y = 1 - s**2``, inside of slip zones; one that ends at 0 reaches the edge.
         """
-        [rim] = self.logits
-        logits, states = [rim], [*self.states]
+        layout = Layout(self.logits, self.states)
         for high, low in intervals:
-            if low < high < 1.0 and logit_at(-log(high)) > rim:
-                logits += [logit_at(-log(y)) for y in (high, low) if y > 0.0]
-                states += [0, 1] if low > 0.0 else [0]
+            if low < high < 1.0:
+                ends = [logit_at(-log(y)) for y in (high, low) if y > 0.0]
+                layout = layout._with_zone(ends)
+        return layout
+
+    def _with_zone(self, ends: list[float]) -> Layout:
+        """Return the layout with stick between two boundaries, or from one to the edge."""
+        zone = bisect(self.logits, ends[0])
+        if self.states[zone] == 0 or bisect(self.logits, ends[-1]) != zone:
+            return self
+        logits = [*self.logits[:zone], *ends, *self.logits[zone:]]
+        further = [0, self.states[zone]][: len(ends)]
+        states = [*self.states[: zone + 1], *further, *self.states[zone + 1 :]]
         return Layout(tuple(logits), tuple(states))

@@ -9,7 +9,7 @@ conditions is the solution; how it was guessed does not matter.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -20,12 +20,13 @@ from numpy.typing import NDArray
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
+    Interval,
     displacement_error,
     known_share,
+    missing_stick,
     obeys,
     stick_excess,
     unknown_slip,
-    wrong_intervals,
 )
 from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout
@@ -85,8 +86,8 @@ class PartialSlip:
         Whether the violation is within the errors.
     searched : bool
         Whether one stick disk was not enough.
-    wrong : tuple of (float, float)
-        Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense.
+    missing : tuple of (float, float)
+        Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense: stick is missing.
     layout : Layout or None
         Where a like scene may begin, if these zones were solved for.
     """
@@ -103,13 +104,14 @@ class PartialSlip:
     violation: float
     consistent: bool
     searched: bool
-    wrong: tuple[tuple[float, float], ...] = ()
+    missing: tuple[Interval, ...] = ()
     layout: Layout | None = None
 
     @property
     def settled(self) -> bool:
         """Whether there is nothing to search for: the friction law holds, and that is known."""
-        return self.consistent and (self.slip_error < inf or self.violation <= _DOUBTFUL)
+        known = self.slip_error < inf or self.violation <= _DOUBTFUL
+        return self.consistent and known and not self.missing
 
 
 def solve_partial_slip(
@@ -209,7 +211,10 @@ class _Search:
         found += searched
         if not found:  # slip about to start, thinner than its own conditioning
             return _no_slip(self.drive, self.stick, self.beta, self.friction)
-        return min(found, key=lambda outcome: outcome.violation)
+        best = min(found, key=lambda outcome: outcome.violation)
+        if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
+            best = replace(best, zones_error=max(best.zones_error, 1.0))
+        return best
 
     def _one_disk(
         self, guess: float | None, near: tuple[float, float] | None = None
@@ -231,31 +236,49 @@ class _Search:
         return result
 
     def _searched(self, first: PartialSlip | None) -> list[PartialSlip]:
-        """Solve on the zones of the active set; nothing if it finds nothing new."""
+        """Solve on further zones, until the friction law holds on some."""
+        outcomes: list[PartialSlip] = []
+        for layout in self._layouts(first):
+            while layout is not None:
+                outcome = self._on(layout)
+                layout = None
+                if outcome is not None:
+                    outcomes.append(outcome)
+                    if outcome.settled:
+                        return outcomes
+                    layout = _mended(outcome)
+        return outcomes
+
+    def _layouts(self, first: PartialSlip | None) -> Iterator[Layout | None]:
+        """Guess zones: where one disk lacks stick, then what the active set finds."""
+        if first is not None:
+            yield _mended(first)
         from spectral_contact.contact.zone_search import search_zones
 
-        begin = perf_counter()
         radius = None if first is None else first.zones[0].outer
         layout = search_zones(self.drive, self.stick, self.beta, self.friction, radius)
-        if layout.states == (0, 1) and first is not None:
-            # stick zones thinner than the cells: the wrong sense of slip shows where
-            disk = Radius(first.zones[0].outer, first.zones[0].outer_from_edge)
-            layout = Layout((disk.logit,), (0, 1)).with_stick(first.wrong)
-            if len(layout.states) == 2:
-                return []
+        if first is None or layout.states != (0, 1):
+            yield layout
+
+    def _on(self, layout: Layout) -> PartialSlip | None:
+        """Return the solution on zones like these, if there is one."""
+        begin = perf_counter()
         if layout.states == (0, 1):
             try:
-                return [self._one_disk(layout.logits[0])]
+                return self._one_disk(layout.logits[0])
             except NoStickDiskError:
-                return []
+                return None
         if layout.states == (0,) or len(layout.states) > _MOST_ZONES:
-            return []
+            return None
         try:
             refinement = self._zones(layout)
-        except np.linalg.LinAlgError:  # a zone about to vanish: its ends coincide
-            return []
+        except (
+            np.linalg.LinAlgError,
+            ArithmeticError,
+        ):  # a zone about to vanish: its ends coincide
+            return None
         zones: ZonesSolution = self.record(ZONE_SEARCH, refinement, begin)
-        return [_zones_outcome(self.drive, zones, self.beta, self.friction)]
+        return _zones_outcome(self.drive, zones, self.beta, self.friction)
 
     def _zones(self, layout: Layout) -> Refinement[ZonesSolution]:
         """Solve on zones like these."""
@@ -293,6 +316,14 @@ class _Search:
             return None
         self.record(ZONE_SEARCH, refinement, begin)
         return outcome
+
+
+def _mended(outcome: PartialSlip) -> Layout | None:
+    """Return the zones of a solution with the stick that is missing, if any is."""
+    if outcome.layout is None or not outcome.missing:
+        return None
+    layout = outcome.layout.with_stick(outcome.missing)
+    return layout if len(layout.states) > len(outcome.layout.states) else None
 
 
 def _no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> PartialSlip:
@@ -384,7 +415,7 @@ def _one_disk_outcome(
         violation,
         consistent,
         False,
-        wrong_intervals(annulus, samples[0]),
+        missing_stick(annulus, samples[0], largest),
         Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
     )
 
@@ -434,5 +465,10 @@ def _zones_outcome(
         # zones whose ends say nothing of the sense are not taken for granted
         obeys(excess, error, wrong / largest, slip_error + min(loose, 0.5)),
         True,
-        layout=solved.layout,
+        tuple(
+            interval
+            for zone, sample in zip(solved.slipping, samples, strict=True)
+            for interval in missing_stick(zone.annulus, sample, largest)
+        ),
+        solved.layout,
     )
