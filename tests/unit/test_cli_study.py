@@ -121,6 +121,8 @@ def test_a_solver_without_resolutions_is_called_with_the_accuracies(capsys, aske
         (["convergence", "--solver", "no.such:f", "--resolutions", "1"], "ModuleNotFoundError"),
         (["convergence", "--resolutions", "0"], "--resolutions = 0: must be finite and > 0"),
         (["convergence", "--resolutions", "many"], "'many' is not a number"),
+        (["convergence", "--resolutions", "1_0"], "'1_0' is not a number"),
+        (["convergence", "--resolutions", "1e400"], "not within the range of a double"),
         (["convergence", "--quantity", "wear"], "--quantities = 'wear': must be among"),
         (["convergence", *FRICTIONLESS, "--quantity", "traction"], "--quantities = 'traction'"),
         (["convergence", "--output", "x.npz"], "x.npz: the suffix must be one of .json, .csv"),

@@ -105,6 +105,10 @@ def test_slices_are_curves_and_maps():
     [
         (("--friction", "0.1:x:3"), "argument --friction: 'x' is not a number"),
         (("--friction", "0.1:0.3"), "argument --friction: '0.1:0.3' is not LOW:HIGH:COUNT[:log]"),
+        (("--friction", "0.1:1e999:3"), "'1e999' is not within the range of a double"),
+        (("--friction", "0.1:0.3:1_0"), "'1_0' is not a whole number"),
+        (("--s", "0.5,\u0660"), "argument --s: '\u0660' is not a number"),
+        (("--at", "friction=1e-400"), "'1e-400' is not within the range of a double"),
         (("--friction", "0.1:0.3:0"), "'0.1:0.3:0' is not LOW:HIGH:COUNT[:log]"),
         (("--friction", "0.1:inf:3"), "'0.1:inf:3' is not LOW:HIGH:COUNT[:log]"),
         (("--friction", "0.1:0.3:3:cubic"), "is not LOW:HIGH:COUNT[:log]"),
