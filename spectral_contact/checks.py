@@ -6,17 +6,38 @@ Booleans, complex numbers, strings, `decimal.Decimal`, and arrays or lists, 0-d 
 refused: an array where a number belongs is a mistake more often than a wish.
 """
 
+import difflib
 import math
 import numbers
-from typing import Any, NoReturn
+from collections.abc import Callable, Iterable, Mapping, Sized
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["exactly_one", "flag", "lengths", "radii", "real", "reals", "tolerance", "whole"]
+__all__ = [
+    "exactly_one",
+    "finite",
+    "flag",
+    "function",
+    "instance",
+    "lengths",
+    "listed",
+    "names",
+    "one_of",
+    "radii",
+    "real",
+    "reals",
+    "scalar",
+    "suggestion",
+    "tolerance",
+    "values_at",
+    "whole",
+]
 
+_T = TypeVar("_T")
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
 
@@ -103,6 +124,107 @@ def flag(parameter: str, value: object) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         raise SceneError(parameter, value, "True or False")
     return bool(value)
+
+
+def instance(parameter: str, value: object, kind: type[_T]) -> _T:
+    """Return an object of a class.
+
+    Raises
+    ------
+    SceneError
+        If it is of another.
+    """
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise SceneError(parameter, value, f"{article} {kind.__name__}")
+    return value
+
+
+def function(parameter: str, value: object, of: str) -> Callable[..., Any]:
+    """Return what can be called; ``of`` says with what, for the error.
+
+    Raises
+    ------
+    SceneError
+        If it cannot.
+    """
+    if not callable(value):
+        raise SceneError(parameter, value, f"a callable of {of}")
+    return value
+
+
+def listed(parameter: str, values: object, of: str) -> list[Any]:
+    """Return what has several values as a list; what has no length may have no end.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    values : iterable with a length
+        But no text, and no mapping.
+    of : str
+        Of what the list must be, for the error.
+
+    Raises
+    ------
+    SceneError
+        For anything else.
+    """
+    try:
+        if isinstance(values, Sized) and not isinstance(values, (str, bytes, bytearray, Mapping)):
+            return list(values)  # type: ignore[call-overload, no-any-return]
+    except Exception as error:  # an array without dimensions, or whatever a broken one raises
+        raise SceneError(parameter, values, f"a list of {of}") from error
+    raise SceneError(parameter, values, f"a list of {of}")
+
+
+def one_of(parameter: str, value: object, known: Iterable[str], allowed: str = "") -> str:
+    """Return a name if it is known; the error suggests the one that may have been meant.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    value : object
+        What the user passed.
+    known : iterable of str
+    allowed : str
+        What the error says must be; by default it lists what is known.
+
+    Raises
+    ------
+    SceneError
+        If it is another, or no text.
+    """
+    there = tuple(known)
+    if not isinstance(value, str) or value not in there:
+        allowed = allowed or f"out of {', '.join(there) or 'nothing: there is none'}"
+        raise SceneError(parameter, value, allowed + suggestion(value, there))
+    return value
+
+
+def names(parameter: str, values: object, known: Iterable[str]) -> tuple[str, ...]:
+    """Return one known name or several as a tuple.
+
+    Raises
+    ------
+    SceneError
+        If there is none, or one is not known.
+    """
+    there = tuple(known)
+    several = [values] if isinstance(values, str) else listed(parameter, values, "names")
+    if not several:
+        raise SceneError(parameter, values, f"at least one of {', '.join(there)}")
+    return tuple(one_of(parameter, name, there) for name in several)
+
+
+def suggestion(value: object, known: Iterable[str]) -> str:
+    """Return "; did you mean ...?" if a text is like something that is known, else nothing."""
+    meant = {one.lower(): one for one in known}
+    text = value.strip().lower().replace("-", "_") if isinstance(value, str) else ""
+    for near in difflib.get_close_matches(text[:80], meant, 1):
+        return f"; did you mean {meant[near]}?"
+    return ""
 
 
 def exactly_one(first: str, first_value: object, second: str, second_value: object) -> None:
@@ -218,6 +340,54 @@ def reals(
     if array.dtype.kind not in "fiu":
         _refuse_type(parameter, values, allowed)
     return array.astype(np.promote_types(array.dtype, np.float64), copy=False)
+
+
+def finite(parameter: str, values: Any, *, dimensions: int) -> NDArray[np.float64]:
+    """Return finite numbers as an array of doubles of so many dimensions.
+
+    Raises
+    ------
+    SceneError
+        If a value is no real number, not finite, or masked, or the shape is another.
+    """
+    given = reals(parameter, values, "finite")
+    if given.ndim != dimensions:
+        raise SceneError(parameter, values, f"an array of {dimensions} dimensions")
+    with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+        array = _as_doubles(given)
+    if not np.isfinite(array).all():
+        raise SceneError(parameter, given[~np.isfinite(array)][0], "finite")
+    return array
+
+
+def scalar(parameter: str, value: object) -> float:
+    """Return a real number that something else has computed; it may be infinite or NaN.
+
+    Raises
+    ------
+    SceneError
+        If it is none, or several.
+    """
+    number = reals(parameter, value, "one")
+    if number.ndim:
+        raise SceneError(parameter, value, "one real number")
+    with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+        return float(number)
+
+
+def values_at(parameter: str, field: Callable[..., Any], places: NDArray[Any]) -> NDArray[Any]:
+    """Return what a user's function says at many places, as doubles; they may be infinite or NaN.
+
+    Raises
+    ------
+    SceneError
+        If that is not one real number for each place, or one for all.
+    """
+    values = reals(parameter, field(places), "for each place")
+    if values.shape not in ((), places.shape):
+        raise SceneError(parameter, values, f"{places.size} values, one for each place")
+    with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+        return _as_doubles(np.broadcast_to(values, places.shape))
 
 
 def _becomes_a_number(values: Any) -> bool:

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact import checks
-from spectral_contact.errors import SceneError
 from spectral_contact.paper.onset import slip_onset
 from spectral_contact.radii import Radii
 from spectral_contact.scene import Scene
@@ -86,6 +85,7 @@ class PaperFigure:
 
     def keys_of(self, scene: Scene) -> Array:
         """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
+        checks.instance("scene", scene, Scene)
         parameters = _parameters(scene)
         if not self.radial:
             return np.array([parameters])
@@ -115,7 +115,7 @@ class FigureData:
     table: Array
 
     def __post_init__(self) -> None:
-        self.table.flags.writeable = False
+        checks.instance("table", self.table, np.ndarray).flags.writeable = False
 
     def __getitem__(self, name: str) -> Array:
         """Return a column.
@@ -126,19 +126,30 @@ class FigureData:
             If there is no such column.
         """
         columns = self.figure.columns
-        if name not in columns:
-            raise SceneError("column", name, f"out of {', '.join(columns)}")
-        return self.table[:, columns.index(name)]
+        return self.table[:, columns.index(checks.one_of("column", name, columns))]
 
     def curves(self, *names: str) -> Iterator[tuple[tuple[float, ...], FigureData]]:
-        """Yield the runs of rows that agree in some columns: their values there, and the rows."""
-        values = list(zip(*(self[name].tolist() for name in names), strict=True))
+        """Yield the runs of rows that agree in some columns: their values there, and the rows.
+
+        Raises
+        ------
+        SceneError
+            If there is no such column.
+        """
+        known = [checks.one_of("names", name, self.figure.columns) for name in names]
+        values = list(zip(*(self[name].tolist() for name in known), strict=True))
         for value, rows in groupby(range(len(values)), key=values.__getitem__):
             yield value, replace(self, table=self.table[list(rows)])
 
     def largest_error(self, name: str) -> float:
-        """Return the largest estimate of the relative error of a value that is known at all."""
-        errors = self[f"{name}_error"]
+        """Return the largest estimate of the relative error of a value that is known at all.
+
+        Raises
+        ------
+        SceneError
+            If there is no such value.
+        """
+        errors = self[f"{checks.one_of('name', name, self.figure.values)}_error"]
         return float(errors[np.isfinite(errors)].max())
 
 
@@ -168,7 +179,7 @@ def figure_data(name: str, rtol: float = 1e-9) -> FigureData:
     return FigureData(figure, rtol, np.concatenate(rows))
 
 
-def paper_figure(name: str) -> PaperFigure:
+def paper_figure(name: str, parameter: str = "name") -> PaperFigure:
     """Return what a figure shows.
 
     Raises
@@ -176,9 +187,7 @@ def paper_figure(name: str) -> PaperFigure:
     SceneError
         For a name out of `FIGURES`.
     """
-    if not isinstance(name, str) or name not in FIGURES:
-        raise SceneError("figures", name, f"out of {', '.join(FIGURES)}")
-    return _figures()[name]
+    return _figures()[checks.one_of(parameter, name, FIGURES)]
 
 
 # --- what is measured of a scene ------------------------------------------------------------------
