@@ -220,11 +220,15 @@ def names(parameter: str, values: object, known: Iterable[str]) -> tuple[str, ..
 
 def suggestion(value: object, known: Iterable[str]) -> str:
     """Return "; did you mean ...?" if a text is like something that is known, else nothing."""
-    meant = {one.lower(): one for one in known}
-    text = value.strip().lower().replace("-", "_") if isinstance(value, str) else ""
-    for near in difflib.get_close_matches(text[:80], meant, 1):
+    meant = {_plain(one): one for one in known}
+    text = _plain(value[:80]) if isinstance(value, str) else ""
+    for near in difflib.get_close_matches(text, meant, 1):
         return f"; did you mean {meant[near]}?"
     return ""
+
+
+def _plain(name: str) -> str:
+    return name.strip().lower().replace("-", "_")
 
 
 def exactly_one(first: str, first_value: object, second: str, second_value: object) -> None:
@@ -342,17 +346,28 @@ def reals(
     return array.astype(np.promote_types(array.dtype, np.float64), copy=False)
 
 
-def finite(parameter: str, values: Any, *, dimensions: int) -> NDArray[np.float64]:
-    """Return finite numbers as an array of doubles of so many dimensions.
+def finite(parameter: str, values: Any, *, one_will_do: bool = False) -> NDArray[np.float64]:
+    """Return a list of finite numbers as an array of doubles.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    values : array_like
+        With one dimension.
+    one_will_do : bool
+        Whether a number stands for a list of one.
 
     Raises
     ------
     SceneError
-        If a value is no real number, not finite, or masked, or the shape is another.
+        If a value is no real number, not finite, or masked, or it is no list.
     """
     given = reals(parameter, values, "finite")
-    if given.ndim != dimensions:
-        raise SceneError(parameter, values, f"an array of {dimensions} dimensions")
+    if one_will_do and given.ndim == 0:
+        given = given[None]
+    if given.ndim != 1:
+        raise SceneError(parameter, values, "a list of numbers")
     with np.errstate(over="ignore"):  # a long double may be beyond the doubles
         array = _as_doubles(given)
     if not np.isfinite(array).all():

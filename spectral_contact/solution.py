@@ -335,7 +335,7 @@ class PhysicalSolution:
     solution: Solution
 
     def __post_init__(self) -> None:
-        if self.solution.scene.physical is None:
+        if checks.instance("solution", self.solution, Solution).scene.physical is None:
             raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
 
     @property

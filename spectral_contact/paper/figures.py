@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact import checks
+from spectral_contact.errors import SceneError
 from spectral_contact.paper.onset import slip_onset
 from spectral_contact.radii import Radii
 from spectral_contact.scene import Scene
@@ -94,7 +95,7 @@ class PaperFigure:
 
     def rows_of(self, scene: Scene, rtol: float) -> Array:
         """Compute the rows of a scene, shape (rows, len(columns))."""
-        return np.hstack([self.keys_of(scene), self.measure(scene, rtol)])
+        return np.hstack([self.keys_of(scene), self.measure(scene, checks.tolerance(rtol))])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,7 +116,13 @@ class FigureData:
     table: Array
 
     def __post_init__(self) -> None:
-        checks.instance("table", self.table, np.ndarray).flags.writeable = False
+        checks.instance("figure", self.figure, PaperFigure)
+        checks.tolerance(self.rtol)
+        numbers = checks.reals("table", checks.instance("table", self.table, np.ndarray), "or NaN")
+        if numbers.shape[1:] != (len(self.figure.columns),):
+            allowed = f"of {len(self.figure.columns)} columns, as the figure is"
+            raise SceneError("table", self.table, allowed)
+        self.table.flags.writeable = False
 
     def __getitem__(self, name: str) -> Array:
         """Return a column.

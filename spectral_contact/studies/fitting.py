@@ -110,7 +110,9 @@ class Rate:
             If they are not real numbers above 0.
         """
         slope = self.value if self.kind == "algebraic" else math.log(self.value)
-        numbers = np.asarray(reals("unknowns", unknowns, "> 0"), dtype=np.float64)
+        given = reals("unknowns", unknowns, "> 0")
+        with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+            numbers = given.astype(np.float64)
         if not (numbers > 0.0).all():
             raise SceneError("unknowns", unknowns, "> 0")
         with np.errstate(all="ignore"):  # errors may be beyond the doubles
@@ -157,7 +159,7 @@ def fit_line(x: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Line:
     from scipy.special import stdtrit
 
     share = _confidence(confidence)
-    abscissae, values = finite("x", x, dimensions=1), finite("y", y, dimensions=1)
+    abscissae, values = finite("x", x), finite("y", y)
     if len(abscissae) != len(values) or len(values) < _FEWEST:
         raise SceneError("x, y", (x, y), f"two lists of the same length, at least {_FEWEST}")
     if len(set(abscissae.tolist())) < 2:

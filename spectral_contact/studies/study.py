@@ -18,7 +18,7 @@ from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.solvers import Solver, solver_name
 from spectral_contact.studies.store import Store
 from spectral_contact.studies.timing import Stopwatch, times_of
-from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_of
+from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_named, truth_of
 
 __all__ = ["convergence", "work_precision"]
 
@@ -171,7 +171,7 @@ def work_precision(
     flag("progress", progress)
     called = _solvers(solvers, goals)
     found = [
-        truth_of(scene, truth, progress=progress)
+        truth_named("truths", scene, truth, progress)
         for scene, truth in zip(solved, given, strict=True)
     ]
     cases = [_Case(name, *one, true) for true in found for name, one in called.items()]

@@ -86,11 +86,11 @@ class Timing:
         Raises
         ------
         SceneError
-            If there is none, or one is not finite.
+            If there is none, or one is below 0 or not finite.
         """
-        taken = finite("seconds", seconds, dimensions=1)
-        if not taken.size:
-            raise SceneError("seconds", seconds, "at least one time")
+        taken = finite("seconds", seconds)
+        if not taken.size or taken.min() < 0.0:
+            raise SceneError("seconds", seconds, "at least one time, and none below 0")
         lower, median, upper = (float(q) for q in np.percentile(taken, (25, 50, 75)))
         return cls(median, lower, upper, len(seconds))
 

@@ -15,7 +15,7 @@ from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.testing.checks import field_of
 
-__all__ = ["QUANTITIES", "Truth", "chosen", "estimate_of", "truth_of"]
+__all__ = ["QUANTITIES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
 
 Array = NDArray[np.float64]
 
@@ -152,6 +152,11 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
     NotComputedError
         If `reference` does not solve the scene; give the truth then.
     """
+    return truth_named("truth", scene, truth, progress)
+
+
+def truth_named(name: str, scene: Scene, truth: Any, progress: bool) -> Truth:
+    """Return the truth about a scene; an error calls what is given by its name."""
     instance("scene", scene, Scene)
     flag("progress", progress)
     source = "given"
@@ -159,20 +164,20 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
         source, truth = _best(scene, progress)
     own = getattr(truth, "scene", scene)
     if isinstance(own, Scene) and not _same_problem(own, scene):
-        raise SceneError("truth", own, f"that of {scene}")
+        raise SceneError(name, own, f"that of {scene}")
     if isinstance(truth, Truth):
         return replace(truth, scene=scene)
     if source == "given":
         source = f"{type(truth).__name__}, given"
-    points, fields = _fields(truth, scene)
-    scalars = _scalars(truth, scene)
+    points, fields = _fields(truth, name)
+    scalars = _scalars(truth, scene, name)
     if "pressure" in fields and points[-1] == 0.0 and math.isfinite(fields["pressure"][-1]):
         scalars["edge_pressure"] = float(fields["pressure"][-1])
     found = Truth(scene, source, scalars, points, fields, {})
     if not found.quantities:
-        raise SceneError("truth", truth, f"an object with one of {', '.join(QUANTITIES)}")
-    for name in found.quantities:
-        found.error[name] = estimate_of(truth, name) or 0.0
+        raise SceneError(name, truth, f"an object with one of {', '.join(QUANTITIES)}")
+    for quantity in found.quantities:
+        found.error[quantity] = estimate_of(truth, quantity) or 0.0
     return found
 
 
@@ -226,7 +231,7 @@ def _best(scene: Scene, progress: bool) -> tuple[str, Any]:
     return f"reference, {_DIGITS} digits", reference(scene, _DIGITS, progress=progress)
 
 
-def _scalars(truth: Any, scene: Scene) -> dict[str, float]:
+def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
     """Return the scalars that are finite and not given by definition."""
     values = {}
     for name in _SCALARS:
@@ -236,13 +241,13 @@ def _scalars(truth: Any, scene: Scene) -> dict[str, float]:
             value = getattr(truth, name, None)
         except NotComputedError:
             continue
-        number = 0.0 if value is None else scalar(f"truth.{name}", value)
+        number = 0.0 if value is None else scalar(f"{owner}.{name}", value)
         if number != 0.0 and math.isfinite(number):
             values[name] = number
     return values
 
 
-def _fields(truth: Any, scene: Scene) -> tuple[Array, dict[str, Array]]:
+def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:
     """Return the points and the fields there."""
     fields = {}
     listed = getattr(truth, "points", None)
@@ -256,7 +261,7 @@ def _fields(truth: Any, scene: Scene) -> tuple[Array, dict[str, Array]]:
             if not hasattr(truth, name):
                 continue
             try:
-                fields[name] = field_of(truth, name, "truth")(points)
+                fields[name] = field_of(truth, name, owner)(points)
             except NotComputedError:
                 continue
     return points, {name: values for name, values in fields.items() if values.any()}
