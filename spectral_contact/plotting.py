@@ -81,15 +81,19 @@ def check(plan: Plan) -> None:
     require()
 
 
-def require() -> None:
-    """Check, before the work, that there is matplotlib.
+def require() -> Any:
+    """Return matplotlib; called before the work, which its absence would cost.
 
     Raises
     ------
     MissingDependencyError
         If it is not installed.
     """
-    _matplotlib()
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise MissingDependencyError("matplotlib", "plot") from error
+    return matplotlib
 
 
 def plot_solution(solution: Solution) -> Figure:
@@ -162,7 +166,7 @@ def plot_coefficients(solution: Solution) -> Figure:
         If matplotlib is not installed.
     """
     instance("solution", solution, Solution)
-    _matplotlib()
+    require()
     series = [*_pressure_series(solution), *_traction_series(solution)]
     if not series:
         raise NotComputedError("a series with coefficients", _why_no_series(solution))
@@ -190,7 +194,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     MissingDependencyError
         If matplotlib is not installed.
     """
-    _matplotlib()
+    require()
     from matplotlib.figure import Figure
 
     instance("figure", figure, Figure)
@@ -208,14 +212,6 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         raise SolutionFileError(path, reason) from error
 
 
-def _matplotlib() -> Any:
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise MissingDependencyError("matplotlib", "plot") from error
-    return matplotlib
-
-
 @contextmanager
 def style() -> Iterator[None]:
     """Draw in the style of all figures of the library while the context lasts.
@@ -225,7 +221,7 @@ def style() -> Iterator[None]:
     MissingDependencyError
         If matplotlib is not installed.
     """
-    with _matplotlib().rc_context(_STYLE):
+    with require().rc_context(_STYLE):
         yield
 
 
@@ -361,18 +357,11 @@ def _estimates(solution: Solution) -> list[tuple[str, float]]:
 def _draw_errors(axes: Axes, solution: Solution) -> None:
     estimates = _estimates(solution)
     floor = 3e-17
+    marker: dict[str, Any] = {"color": _BLUE, "markersize": 5.0, "clip_on": False, "zorder": 3.0}
     for row, (name, error) in enumerate(estimates):
         exact = error <= floor
-        axes.plot(
-            [floor if exact else error],
-            [row],
-            "o",
-            color=_BLUE,
-            markerfacecolor="white" if exact else _BLUE,
-            markersize=5.0,
-            clip_on=False,
-            zorder=3.0,
-        )
+        place, face = (floor, "white") if exact else (error, _BLUE)
+        axes.plot([place], [row], "o", markerfacecolor=face, **marker)
         if exact:
             text = "none" if name == "violation" else "exact"
             axes.annotate(text, (floor, row), (8, 0), textcoords="offset points", va="center")

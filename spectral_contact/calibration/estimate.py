@@ -255,5 +255,5 @@ def _measurements(data: Measurement | Sequence[Measurement]) -> tuple[Measuremen
 def _names(free: str | Sequence[str]) -> tuple[str, ...]:
     listed = names("free", free, PARAMETERS)
     if len(set(listed)) < len(listed):
-        raise SceneError("free", free, "names that are different")
+        raise SceneError("free", free, f"one or more of {', '.join(PARAMETERS)}, each once")
     return listed
