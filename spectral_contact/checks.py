@@ -1,4 +1,4 @@
-"""Checks of what the user passes in: the value as the library wants it, or a `SceneError`.
+"""Checks of the numbers that a user passes in: as the library wants them, or a `SceneError`.
 
 A *real number* here is a Python ``float`` or ``int``, a NumPy floating or integer scalar, or any
 other `numbers.Real` (`fractions.Fraction`, ``mpmath.mpf``), rounded to the nearest double.
@@ -6,11 +6,10 @@ Booleans, complex numbers, strings, `decimal.Decimal`, and arrays or lists, 0-d 
 refused: an array where a number belongs is a mistake more often than a wish.
 """
 
-import difflib
 import math
 import numbers
-from collections.abc import Callable, Iterable, Mapping, Sized
-from typing import Any, NoReturn, TypeVar
+from collections.abc import Callable
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,23 +20,16 @@ __all__ = [
     "exactly_one",
     "finite",
     "flag",
-    "function",
-    "instance",
     "lengths",
-    "listed",
-    "names",
-    "one_of",
     "radii",
     "real",
     "reals",
     "scalar",
-    "suggestion",
     "tolerance",
     "values_at",
     "whole",
 ]
 
-_T = TypeVar("_T")
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
 
@@ -126,111 +118,6 @@ def flag(parameter: str, value: object) -> bool:
     return bool(value)
 
 
-def instance(parameter: str, value: object, kind: type[_T]) -> _T:
-    """Return an object of a class.
-
-    Raises
-    ------
-    SceneError
-        If it is of another.
-    """
-    if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise SceneError(parameter, value, f"{article} {kind.__name__}")
-    return value
-
-
-def function(parameter: str, value: object, of: str) -> Callable[..., Any]:
-    """Return what can be called; ``of`` says with what, for the error.
-
-    Raises
-    ------
-    SceneError
-        If it cannot.
-    """
-    if not callable(value):
-        raise SceneError(parameter, value, f"a callable of {of}")
-    return value
-
-
-def listed(parameter: str, values: object, of: str) -> list[Any]:
-    """Return what has several values as a list; what has no length may have no end.
-
-    Parameters
-    ----------
-    parameter : str
-        The name that an error bears.
-    values : iterable with a length
-        But no text, and no mapping.
-    of : str
-        Of what the list must be, for the error.
-
-    Raises
-    ------
-    SceneError
-        For anything else.
-    """
-    try:
-        if isinstance(values, Sized) and not isinstance(values, (str, bytes, bytearray, Mapping)):
-            return list(values)  # type: ignore[call-overload, no-any-return]
-    except Exception as error:  # an array without dimensions, or whatever a broken one raises
-        raise SceneError(parameter, values, f"a list of {of}") from error
-    raise SceneError(parameter, values, f"a list of {of}")
-
-
-def one_of(parameter: str, value: object, known: Iterable[str], allowed: str = "") -> str:
-    """Return a name if it is known; the error suggests the one that may have been meant.
-
-    Parameters
-    ----------
-    parameter : str
-        The name that an error bears.
-    value : object
-        What the user passed.
-    known : iterable of str
-    allowed : str
-        What the error says must be; by default it lists what is known.
-
-    Raises
-    ------
-    SceneError
-        If it is another, or no text.
-    """
-    there = tuple(known)
-    if not isinstance(value, str) or value not in there:
-        allowed = allowed or f"out of {', '.join(there) or 'nothing: there is none'}"
-        raise SceneError(parameter, value, allowed + suggestion(value, there))
-    return value
-
-
-def names(parameter: str, values: object, known: Iterable[str]) -> tuple[str, ...]:
-    """Return one known name or several as a tuple.
-
-    Raises
-    ------
-    SceneError
-        If there is none, or one is not known.
-    """
-    there = tuple(known)
-    several = [values] if isinstance(values, str) else listed(parameter, values, "names")
-    if not several:
-        raise SceneError(parameter, values, f"at least one of {', '.join(there)}")
-    return tuple(one_of(parameter, name, there) for name in several)
-
-
-def suggestion(value: object, known: Iterable[str]) -> str:
-    """Return "; did you mean ...?" if a text is like something that is known, else nothing."""
-    meant = {_plain(one): one for one in known}
-    text = _plain(value[:80]) if isinstance(value, str) else ""
-    for near in difflib.get_close_matches(text, meant, 1):
-        return f"; did you mean {meant[near]}?"
-    return ""
-
-
-def _plain(name: str) -> str:
-    return name.strip().lower().replace("-", "_")
-
-
 def exactly_one(first: str, first_value: object, second: str, second_value: object) -> None:
     """Check that one of two parameters is given and the other is None.
 
@@ -309,7 +196,13 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
 
 
 def reals(
-    parameter: str, values: Any, allowed: str, *, low: float = -math.inf, high: float = math.inf
+    parameter: str,
+    values: Any,
+    allowed: str,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    anything: bool = False,
 ) -> NDArray[np.floating[Any]]:
     """Return real numbers as an array of doubles, or of long doubles if such were given.
 
@@ -324,6 +217,8 @@ def reals(
     low, high : float
         The ends of the interval. They are checked of numbers that NumPy does not know
         (`fractions.Fraction`, mpmath's); of others the caller does it.
+    anything : bool
+        Whether these, too, may be infinite or NaN.
 
     Raises
     ------
@@ -339,7 +234,12 @@ def reals(
     if array.dtype.kind == "O":
         # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
         limits: dict[str, Any] = {"allowed": allowed, "low": low, "high": high}
-        doubles = [real(parameter, value, **limits) for value in array.flat]
+        doubles = [
+            _nearest_double(parameter, value, allowed)
+            if anything
+            else real(parameter, value, **limits)
+            for value in array.flat
+        ]
         return np.array(doubles, dtype=np.float64).reshape(array.shape)
     if array.dtype.kind not in "fiu":
         _refuse_type(parameter, values, allowed)
@@ -383,7 +283,7 @@ def scalar(parameter: str, value: object) -> float:
     SceneError
         If it is none, or several.
     """
-    number = reals(parameter, value, "one")
+    number = reals(parameter, value, "one", anything=True)
     if number.ndim:
         raise SceneError(parameter, value, "one real number")
     with np.errstate(over="ignore"):  # a long double may be beyond the doubles
@@ -398,7 +298,7 @@ def values_at(parameter: str, field: Callable[..., Any], places: NDArray[Any]) -
     SceneError
         If that is not one real number for each place, or one for all.
     """
-    values = reals(parameter, field(places), "for each place")
+    values = reals(parameter, field(places), "for each place", anything=True)
     if values.shape not in ((), places.shape):
         raise SceneError(parameter, values, f"{places.size} values, one for each place")
     with np.errstate(over="ignore"):  # a long double may be beyond the doubles

@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 import spectral_contact
 from spectral_contact import cli_study, cli_sweep, plotting
-from spectral_contact.checks import suggestion
+from spectral_contact.choices import suggestion
 from spectral_contact.cli_options import friction, joined, number, whole
 from spectral_contact.errors import (
     ConvergenceError,

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import function, listed, real, values_at
+from spectral_contact.checks import real, values_at
+from spectral_contact.choices import function, listed
 from spectral_contact.kernels import normal_kernel, tangential_kernel
 
 __all__ = ["load", "normal_displacement", "shear_lift", "tangential_displacement"]

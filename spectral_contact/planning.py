@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from spectral_contact.checks import instance, one_of
-from spectral_contact.errors import SceneError
+from spectral_contact.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     COUPLING,
@@ -92,16 +91,7 @@ def asked_quantities(quantities: Iterable[str] | None) -> frozenset[str]:
     """
     if quantities is None:
         return _ALL
-    if isinstance(quantities, str):
-        raise SceneError("quantities", quantities, "a list of names, not one string")
-    try:
-        names = iter(quantities)
-    except Exception:  # not a list, or a broken one
-        raise SceneError("quantities", quantities, "a list of names") from None
-    asked = set()
-    for name in names:  # one by one, for an iterator may be endless
-        asked.add(one_of("quantities", name, QUANTITIES))
-    return frozenset(asked)
+    return frozenset(names("quantities", quantities, QUANTITIES))
 
 
 def _affected(scene: Scene) -> frozenset[str]:

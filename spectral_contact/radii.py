@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import function, instance, values_at, whole
+from spectral_contact.checks import values_at, whole
+from spectral_contact.choices import function, instance
 from spectral_contact.errors import SceneError
 from spectral_contact.solution import Solution, Zone
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
-from spectral_contact.checks import instance, one_of
+from spectral_contact.choices import instance, one_of
 from spectral_contact.fields import Radius
 
 __all__ = [

@@ -73,7 +73,6 @@ class Hang(BaseException):
 @contextmanager
 def limited(found: list[str]) -> Iterator[None]:
     """Note warnings, also those that someone swallows, and end what takes too long."""
-
     begin, worked = perf_counter(), process_time()
 
     def stop(*_: object) -> None:

@@ -17,7 +17,8 @@ from spectral_contact.calibration.measurements import (
 )
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
 from spectral_contact.calibration.setting import PARAMETERS, Setting
-from spectral_contact.checks import instance, names, real, whole
+from spectral_contact.checks import real, whole
+from spectral_contact.choices import instance, names
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.scene import Scene
 
@@ -253,7 +254,7 @@ def _measurements(data: Measurement | Sequence[Measurement]) -> tuple[Measuremen
 
 
 def _names(free: str | Sequence[str]) -> tuple[str, ...]:
-    listed = names("free", free, PARAMETERS)
-    if len(set(listed)) < len(listed):
+    listed = names("free", [free] if isinstance(free, str) else free, PARAMETERS)
+    if not listed or len(set(listed)) < len(listed):
         raise SceneError("free", free, f"one or more of {', '.join(PARAMETERS)}, each once")
     return listed

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
-from spectral_contact.checks import finite, instance, one_of, real
+from spectral_contact.checks import finite, real
+from spectral_contact.choices import instance, one_of
 from spectral_contact.equations import load as moment
 from spectral_contact.errors import SceneError
 

@@ -11,7 +11,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact import checks
+from spectral_contact import checks, choices
 from spectral_contact.errors import SceneError
 from spectral_contact.paper.onset import slip_onset
 from spectral_contact.radii import Radii
@@ -86,7 +86,7 @@ class PaperFigure:
 
     def keys_of(self, scene: Scene) -> Array:
         """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
-        checks.instance("scene", scene, Scene)
+        choices.instance("scene", scene, Scene)
         parameters = _parameters(scene)
         if not self.radial:
             return np.array([parameters])
@@ -116,9 +116,9 @@ class FigureData:
     table: Array
 
     def __post_init__(self) -> None:
-        checks.instance("figure", self.figure, PaperFigure)
+        choices.instance("figure", self.figure, PaperFigure)
         checks.tolerance(self.rtol)
-        numbers = checks.reals("table", checks.instance("table", self.table, np.ndarray), "or NaN")
+        numbers = checks.reals("table", choices.instance("table", self.table, np.ndarray), "or NaN")
         if numbers.shape[1:] != (len(self.figure.columns),):
             allowed = f"of {len(self.figure.columns)} columns, as the figure is"
             raise SceneError("table", self.table, allowed)
@@ -133,7 +133,7 @@ class FigureData:
             If there is no such column.
         """
         columns = self.figure.columns
-        return self.table[:, columns.index(checks.one_of("column", name, columns))]
+        return self.table[:, columns.index(choices.one_of("column", name, columns))]
 
     def curves(self, *names: str) -> Iterator[tuple[tuple[float, ...], FigureData]]:
         """Yield the runs of rows that agree in some columns: their values there, and the rows.
@@ -143,7 +143,7 @@ class FigureData:
         SceneError
             If there is no such column.
         """
-        known = [checks.one_of("names", name, self.figure.columns) for name in names]
+        known = [choices.one_of("names", name, self.figure.columns) for name in names]
         values = list(zip(*(self[name].tolist() for name in known), strict=True))
         for value, rows in groupby(range(len(values)), key=values.__getitem__):
             yield value, replace(self, table=self.table[list(rows)])
@@ -156,7 +156,7 @@ class FigureData:
         SceneError
             If there is no such value.
         """
-        errors = self[f"{checks.one_of('name', name, self.figure.values)}_error"]
+        errors = self[f"{choices.one_of('name', name, self.figure.values)}_error"]
         return float(errors[np.isfinite(errors)].max())
 
 
@@ -194,7 +194,7 @@ def paper_figure(name: str, parameter: str = "name") -> PaperFigure:
     SceneError
         For a name out of `FIGURES`.
     """
-    return _figures()[checks.one_of(parameter, name, FIGURES)]
+    return _figures()[choices.one_of(parameter, name, FIGURES)]
 
 
 # --- what is measured of a scene ------------------------------------------------------------------

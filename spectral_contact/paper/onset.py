@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spectral_contact.checks import instance
+from spectral_contact.choices import instance
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solver import solve

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from spectral_contact import checks, plotting
+from spectral_contact import checks, choices, plotting
 from spectral_contact.documents import path_text, reported
 from spectral_contact.paper.figures import FIGURES, FigureData, PaperFigure, paper_figure
 from spectral_contact.paper.pictures import check, draw
@@ -86,7 +86,7 @@ def reproduce(
     if checks.flag("pictures", pictures):
         check()
     if progress is not None:
-        checks.function("progress", progress, "a step and a share")
+        choices.function("progress", progress, "a step and a share")
     folder = Path(path_text(folder))
     with reported(str(folder), "cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -115,7 +115,7 @@ def reproduce(
 
 
 def _wanted(figures: Iterable[str]) -> list[PaperFigure]:
-    names = dict.fromkeys(checks.names("figures", figures, FIGURES))
+    names = dict.fromkeys(choices.names("figures", figures, FIGURES))
     return [paper_figure(name) for name in names]
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from spectral_contact.checks import instance, real
+from spectral_contact.checks import real
+from spectral_contact.choices import instance
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from spectral_contact.checks import flag, function, instance, listed, real
+from spectral_contact.checks import flag, real
+from spectral_contact.choices import function, instance, listed
 from spectral_contact.errors import SceneError
 from spectral_contact.progress import ProgressLine
 from spectral_contact.scene import Scene
@@ -254,9 +255,13 @@ class _Study:
         wanted = [name for name in self.wanted if name in case.truth.quantities]
         solution, times, failure = None, None, ""
         errors: dict[str, float] = {}
+        estimates: dict[str, float] = {}
         try:
             solution = case.solver(scene, resolution)
             errors = case.truth.errors(solution, wanted)
+            for name in errors:
+                estimate = estimate_of(solution, name)
+                estimates |= {} if estimate is None else {name: estimate}
         except Exception as error:  # a user's solver may raise anything
             failure = _said(error)
         lacking = [name for name in wanted if name not in errors]
@@ -271,11 +276,6 @@ class _Study:
         unknowns = _counted(solution, "unknowns")
         if unknowns is None and isinstance(resolution, int):
             unknowns = resolution
-        estimates = {
-            name: estimate
-            for name in errors
-            if (estimate := estimate_of(solution, name)) is not None
-        }
         return Point(
             case.name,
             scene,

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import flag, instance, names, scalar
+from spectral_contact.checks import flag, scalar
+from spectral_contact.choices import instance, names
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.testing.checks import field_of
@@ -197,7 +198,10 @@ def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[s
     """
     if quantities is None:
         return tuple(q for q in QUANTITIES if any(q in truth.quantities for truth in truths))
-    asked = names("quantities", quantities, QUANTITIES)
+    given = [quantities] if isinstance(quantities, str) else quantities
+    asked = names("quantities", given, QUANTITIES)
+    if not asked:
+        raise SceneError("quantities", quantities, f"some of {', '.join(QUANTITIES)}")
     for name in asked:
         for truth in truths:
             if name not in truth.quantities:

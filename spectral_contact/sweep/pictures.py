@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import instance, one_of, real
+from spectral_contact.checks import real
+from spectral_contact.choices import instance, one_of
 from spectral_contact.errors import SceneError
 from spectral_contact.plotting import style
 from spectral_contact.sweep.dataset import needed

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import flag, instance, listed, real, scalar, values_at
+from spectral_contact.checks import flag, real, scalar, values_at
+from spectral_contact.choices import instance, listed
 from spectral_contact.equations import (
     load,
     normal_displacement,

@@ -11,7 +11,8 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from spectral_contact.checks import instance, real
+from spectral_contact.checks import real
+from spectral_contact.choices import instance
 from spectral_contact.errors import MissingDependencyError, SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solver import solve

@@ -250,6 +250,20 @@ def test_bad_requests_are_refused_before_any_work(change, named):
         convergence(**request)
 
 
+@pytest.mark.parametrize("estimate", ["none", True, 1j, [0.1]])
+def test_an_estimate_that_is_no_number_is_a_failure(estimate):
+    solution = SimpleNamespace(approach=0.25, error=SimpleNamespace(approach=estimate))
+    study = convergence(lambda scene, count: solution, NORMAL, [8], LIMIT, stopwatch=None)
+    assert study.points[0].errors == {"approach": 0.0}
+    assert study.points[0].failure.startswith("SceneError: error.approach = ")
+
+
+def test_truths_may_be_infinite_at_the_edge():
+    true = truth_of(Scene(0.1), reference(Scene(0.1), 15))
+    assert true.fields["pressure"][-1] == math.inf
+    assert true.errors(solve(Scene(0.1)), ["pressure"])["pressure"] < 1e-14
+
+
 @pytest.mark.parametrize("value", [True, "0.25", 0.25 + 0j, [0.25], np.datetime64("NaT"), object()])
 def test_what_is_no_number_is_a_failure_and_no_error(value):
     found = [
