@@ -186,7 +186,7 @@ def figure_data(name: str, rtol: float = 1e-9) -> FigureData:
     return FigureData(figure, rtol, np.concatenate(rows))
 
 
-def paper_figure(name: str, parameter: str = "name") -> PaperFigure:
+def paper_figure(name: str) -> PaperFigure:
     """Return what a figure shows.
 
     Raises
@@ -194,7 +194,7 @@ def paper_figure(name: str, parameter: str = "name") -> PaperFigure:
     SceneError
         For a name out of `FIGURES`.
     """
-    return _figures()[choices.one_of(parameter, name, FIGURES)]
+    return _figures()[choices.one_of("name", name, FIGURES)]
 
 
 # --- what is measured of a scene ------------------------------------------------------------------
