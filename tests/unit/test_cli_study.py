@@ -123,7 +123,7 @@ def test_a_solver_without_resolutions_is_called_with_the_accuracies(capsys, aske
         (["convergence", "--resolutions", "many"], "'many' is not a number"),
         (["convergence", "--resolutions", "1_0"], "'1_0' is not a number"),
         (["convergence", "--resolutions", "1e400"], "not within the range of a double"),
-        (["convergence", "--quantity", "wear"], "--quantities = 'wear': must be among"),
+        (["convergence", "--quantity", "wear"], "--quantities = 'wear': must be out of"),
         (["convergence", *FRICTIONLESS, "--quantity", "traction"], "--quantities = 'traction'"),
         (["convergence", "--output", "x.npz"], "x.npz: the suffix must be one of .json, .csv"),
         (["convergence", "--plot", "x.gif"], "x.gif: the suffix"),
