@@ -1,4 +1,4 @@
-"""Checks of what the user passes in: the value as the library wants it, or a `SceneError`.
+"""Checks of the numbers that a user passes in: as the library wants them, or a `SceneError`.
 
 A *real number* here is a Python ``float`` or ``int``, a NumPy floating or integer scalar, or any
 other `numbers.Real` (`fractions.Fraction`, ``mpmath.mpf``), rounded to the nearest double.
@@ -8,6 +8,7 @@ refused: an array where a number belongs is a mistake more often than a wish.
 
 import math
 import numbers
+from collections.abc import Callable
 from typing import Any, NoReturn
 
 import numpy as np
@@ -15,7 +16,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["exactly_one", "flag", "lengths", "radii", "real", "reals", "tolerance", "whole"]
+__all__ = [
+    "exactly_one",
+    "finite",
+    "flag",
+    "lengths",
+    "radii",
+    "real",
+    "reals",
+    "scalar",
+    "tolerance",
+    "values_at",
+    "whole",
+]
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
@@ -183,7 +196,13 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
 
 
 def reals(
-    parameter: str, values: Any, allowed: str, *, low: float = -math.inf, high: float = math.inf
+    parameter: str,
+    values: Any,
+    allowed: str,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    anything: bool = False,
 ) -> NDArray[np.floating[Any]]:
     """Return real numbers as an array of doubles, or of long doubles if such were given.
 
@@ -198,6 +217,8 @@ def reals(
     low, high : float
         The ends of the interval. They are checked of numbers that NumPy does not know
         (`fractions.Fraction`, mpmath's); of others the caller does it.
+    anything : bool
+        Whether these, too, may be infinite or NaN.
 
     Raises
     ------
@@ -213,11 +234,75 @@ def reals(
     if array.dtype.kind == "O":
         # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
         limits: dict[str, Any] = {"allowed": allowed, "low": low, "high": high}
-        doubles = [real(parameter, value, **limits) for value in array.flat]
+        doubles = [
+            _nearest_double(parameter, value, allowed)
+            if anything
+            else real(parameter, value, **limits)
+            for value in array.flat
+        ]
         return np.array(doubles, dtype=np.float64).reshape(array.shape)
     if array.dtype.kind not in "fiu":
         _refuse_type(parameter, values, allowed)
     return array.astype(np.promote_types(array.dtype, np.float64), copy=False)
+
+
+def finite(parameter: str, values: Any, *, one_will_do: bool = False) -> NDArray[np.float64]:
+    """Return a list of finite numbers as an array of doubles.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    values : array_like
+        With one dimension.
+    one_will_do : bool
+        Whether a number stands for a list of one.
+
+    Raises
+    ------
+    SceneError
+        If a value is no real number, not finite, or masked, or it is no list.
+    """
+    given = reals(parameter, values, "finite")
+    if one_will_do and given.ndim == 0:
+        given = given[None]
+    if given.ndim != 1:
+        raise SceneError(parameter, values, "a list of numbers")
+    with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+        array = _as_doubles(given)
+    if not np.isfinite(array).all():
+        raise SceneError(parameter, given[~np.isfinite(array)][0], "finite")
+    return array
+
+
+def scalar(parameter: str, value: object) -> float:
+    """Return a real number that something else has computed; it may be infinite or NaN.
+
+    Raises
+    ------
+    SceneError
+        If it is none, or several.
+    """
+    number = reals(parameter, value, "one", anything=True)
+    if number.ndim:
+        raise SceneError(parameter, value, "one real number")
+    with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+        return float(number)
+
+
+def values_at(parameter: str, field: Callable[..., Any], places: NDArray[Any]) -> NDArray[Any]:
+    """Return what a user's function says at many places, as doubles; they may be infinite or NaN.
+
+    Raises
+    ------
+    SceneError
+        If that is not one real number for each place, or one for all.
+    """
+    values = reals(parameter, field(places), "for each place", anything=True)
+    if values.shape not in ((), places.shape):
+        raise SceneError(parameter, values, f"{places.size} values, one for each place")
+    with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+        return _as_doubles(np.broadcast_to(values, places.shape))
 
 
 def _becomes_a_number(values: Any) -> bool:

@@ -4,25 +4,50 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Sequence
+from typing import Final
 
-__all__ = ["friction", "joined", "number", "whole"]
+__all__ = ["friction", "joined", "number", "resolution", "whole"]
+
+# Narrower than float() and int(), which take 1_000 and the digits of every script.
+_DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
+_NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
+_WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 
 
 def number(text: str) -> float:
-    """Return a number."""
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    """Return a number; decimals beyond the doubles are refused, as in Python's interface."""
+    stripped = text.strip(" ")
+    if _NO_DECIMAL.fullmatch(stripped):
+        return float(stripped)
+    if not _DECIMAL.fullmatch(stripped):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
+    value = float(stripped)
+    # exact, whatever the exponent: a decimal is zero if all digits before it are
+    is_zero = not set("123456789") & set(stripped.lower().partition("e")[0])
+    if math.isinf(value) or (value == 0.0) != is_zero:
+        raise argparse.ArgumentTypeError(f"{text!r} is not within the range of a double")
+    return value
 
 
 def whole(text: str) -> int:
     """Return a whole number."""
+    stripped = text.strip(" ")
     try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+        if _WHOLE.fullmatch(stripped):
+            return int(stripped)
+    except ValueError:  # more digits than Python converts
+        pass
+    raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+
+
+def resolution(text: str) -> float:
+    """Return a number, a whole one as an int: that is how a solver is called."""
+    try:
+        return whole(text)
+    except argparse.ArgumentTypeError:
+        return number(text)
 
 
 def friction(text: str) -> float | None:
@@ -47,7 +72,6 @@ def joined(argv: Sequence[str]) -> list[str]:
 
 
 def _negative(text: str) -> bool:
-    try:
-        return text.startswith("-") and not math.isnan(float(text))
-    except ValueError:
-        return False
+    stripped = text.strip(" ")
+    is_number = _DECIMAL.fullmatch(stripped) or _NO_DECIMAL.fullmatch(stripped)
+    return text.startswith("-") and bool(is_number)

@@ -8,6 +8,7 @@ import sys
 from typing import Any, Final
 
 from spectral_contact import plotting
+from spectral_contact.cli_options import resolution
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.studies import (
@@ -45,7 +46,7 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
         )
         group.add_argument(
             "--resolutions",
-            type=_number,
+            type=resolution,
             nargs="+",
             metavar="N",
             help="what the solver is called with (default, of this library: 1e-2 to 1e-12)",
@@ -62,7 +63,7 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
         )
         group.add_argument(
             "--accuracies",
-            type=_number,
+            type=resolution,
             nargs="+",
             default=_ACCURACIES,
             metavar="E",
@@ -148,20 +149,8 @@ def _asked(quantities: list[str] | None) -> tuple[str, ...] | None:
     return tuple({"pressure" if name == "edge_pressure" else name: None for name in quantities})
 
 
-def _number(text: str) -> float:
-    """Return a whole number as an int, as resolutions are."""
-    try:
-        return int(text)
-    except ValueError:
-        pass
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-
-
 def _numbers(text: str) -> list[float]:
     try:
-        return [_number(part) for part in text.split(",")]
+        return [resolution(part) for part in text.split(",")]
     except argparse.ArgumentTypeError:
         raise SceneError("solver", f"...={text}", "followed by numbers: =10,20,40") from None

@@ -180,16 +180,13 @@ def _values(text: str) -> list[float]:
     low, *rest = text.split(":")
     if not rest:
         return [number(part) for part in text.split(",")]
-    try:
-        high, count = number(rest[0]), int(rest[1])
-        scale = rest[2] if rest[2:] else "linear"
-    except (IndexError, ValueError):
-        raise argparse.ArgumentTypeError(f"{text!r} is not LOW:HIGH:COUNT[:log]") from None
-    start = number(low)
-    known = len(rest) <= 3 and scale in ("linear", "log") and count > 0
-    if not known or not math.isfinite(high - start):
-        raise argparse.ArgumentTypeError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
-    if scale == "linear":
+    refusal = argparse.ArgumentTypeError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
+    if len(rest) == 1 or rest[2:] not in ([], ["linear"], ["log"]):
+        raise refusal
+    start, high, count = number(low), number(rest[0]), whole(rest[1])
+    if count < 1 or not math.isfinite(high - start):
+        raise refusal
+    if rest[2:] != ["log"]:
         return list(map(float, np.linspace(start, high, count)))
     if min(start, high) <= 0.0:
         raise argparse.ArgumentTypeError(f"{text!r}: equal ratios need positive ends")

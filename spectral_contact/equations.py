@@ -7,17 +7,22 @@ where a field is not smooth. Fields are functions of the distance from the edge,
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.checks import real, values_at
+from spectral_contact.choices import function, listed
 from spectral_contact.kernels import normal_kernel, tangential_kernel
 
 __all__ = ["load", "normal_displacement", "shear_lift", "tangential_displacement"]
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
+_FINITE: dict[str, Any] = {"allowed": "finite"}
 Integrand = Callable[[Array, Array], Array]
 
 #: Step and reach of the tanh-sinh rule; the last points lie 1e-200 from the ends.
@@ -39,10 +44,18 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
         Distance of the disk's rim from the edge.
     breaks : sequence of float
         Distances from the edge at which the field is not smooth.
+
+    Raises
+    ------
+    SceneError
+        For an argument that is not as said, or values of the field that are no real numbers.
     """
+    field = _field("pressure", pressure)
+    inside = real("inside", inside, allowed="in [0, 1)", low=0.0, high=1.0, high_open=True)
+    breaks = _cuts(breaks)
 
     def integrand(d: Array, s: Array) -> Array:
-        return pressure(d) * s
+        return field(d) * s
 
     cuts = sorted({inside, 1.0, *(b for b in breaks if inside < b < 1.0)})
     return sum(_integral(integrand, near, far) for near, far in pairwise(cuts))
@@ -59,8 +72,14 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
         The field point, in (0, 1).
     breaks : sequence of float
         Distances from the edge at which the field is not smooth.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
     """
-    return _potential(pressure, normal_kernel, from_edge, breaks)
+    place, breaks = _place(from_edge), _cuts(breaks)
+    return _potential(_field("pressure", pressure), normal_kernel, place, breaks)
 
 
 def tangential_displacement(
@@ -88,9 +107,15 @@ def tangential_displacement(
     outward, inward : float
         What the traction moves the surface outward by, and the pressure inward; the layer adds
         ``beta q``.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
     """
-    outward = _potential(traction, tangential_kernel, from_edge, breaks)
-    inward = kappa * load(pressure, inside=from_edge, breaks=breaks) / (1.0 - from_edge)
+    place, breaks, coupling = _place(from_edge), _cuts(breaks), real("kappa", kappa, **_FINITE)
+    outward = _potential(_field("traction", traction), tangential_kernel, place, breaks)
+    inward = coupling * load(pressure, inside=place, breaks=breaks) / (1.0 - place)
     return outward, inward
 
 
@@ -109,19 +134,41 @@ def shear_lift(
         The field point, in (0, 1].
     breaks : sequence of float
         Distances from the edge at which the field is not smooth.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
     """
-    cuts = sorted({0.0, from_edge, *(b for b in breaks if 0.0 < b < from_edge)})
-    return kappa * sum(_integral(lambda d, _: traction(d), *pair) for pair in pairwise(cuts))
+    field, coupling = _field("traction", traction), real("kappa", kappa, **_FINITE)
+    place = real("from_edge", from_edge, allowed="in (0, 1]", low=0.0, high=1.0, low_open=True)
+    cuts = sorted({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
+    return coupling * sum(_integral(lambda d, _: field(d), *pair) for pair in pairwise(cuts))
 
 
-def _integral(function: Integrand, near: float, far: float) -> float:
+def _field(parameter: str, field: object) -> Field:
+    """Return a field that is a real number everywhere."""
+    return partial(values_at, parameter, function(parameter, field, "distances from the edge"))
+
+
+def _place(from_edge: object) -> float:
+    limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
+    return real("from_edge", from_edge, allowed="in (0, 1)", **limits)
+
+
+def _cuts(breaks: object) -> list[float]:
+    return [real("breaks", one, **_FINITE) for one in listed("breaks", breaks, "numbers")]
+
+
+def _integral(integrand: Integrand, near: float, far: float) -> float:
     """Integrate a function of (distance from the edge, s) between two distances."""
     width = far - near
     left, right = width * _LEFT, width * _RIGHT
     d = np.where(left < right, near + left, far - right)
     # at the centre the distance cannot resolve s, what is left of the interval can
     s = np.where(right < left, right, 1.0 - d) if far == 1.0 else 1.0 - d
-    return width * float(_WEIGHT @ function(d, s))
+    with np.errstate(over="ignore", invalid="ignore"):  # a field may be anything
+        return width * float(_WEIGHT @ integrand(d, s))
 
 
 def _potential(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from spectral_contact.errors import SceneError
+from spectral_contact.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     COUPLING,
@@ -51,8 +51,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     SceneError
         For a name that is no quantity.
     """
-    if not isinstance(scene, Scene):
-        raise SceneError("scene", scene, "a Scene")
+    instance("scene", scene, Scene)
     asked, friction = asked_quantities(quantities), scene.friction
     kind = (
         friction if friction in (None, 0.0, math.inf) else "finite",
@@ -92,18 +91,7 @@ def asked_quantities(quantities: Iterable[str] | None) -> frozenset[str]:
     """
     if quantities is None:
         return _ALL
-    if isinstance(quantities, str):
-        raise SceneError("quantities", quantities, "a list of names, not one string")
-    try:
-        names = iter(quantities)
-    except TypeError:
-        raise SceneError("quantities", quantities, "a list of names") from None
-    asked = set()
-    for name in names:  # one by one, for an iterator may be endless
-        if not isinstance(name, str) or name not in QUANTITIES:
-            raise SceneError("quantities", name, "out of " + ", ".join(QUANTITIES))
-        asked.add(name)
-    return frozenset(asked)
+    return frozenset(names("quantities", quantities, QUANTITIES))
 
 
 def _affected(scene: Scene) -> frozenset[str]:

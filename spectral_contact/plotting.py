@@ -5,6 +5,7 @@ Figures are made through the object interface, never through pyplot: no window, 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -14,12 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.errors import (
-    MissingDependencyError,
-    NotComputedError,
-    SceneError,
-    SolutionFileError,
-)
+from spectral_contact.choices import instance
+from spectral_contact.documents import path_text
+from spectral_contact.errors import MissingDependencyError, NotComputedError, SolutionFileError
 from spectral_contact.fields import AnnulusSeries, DiskSeries, LogSeries, ZonalField
 from spectral_contact.radii import Radii, graded_radii, known_zones, layer_depth
 from spectral_contact.scene import Scene
@@ -69,26 +67,33 @@ def check(plan: Plan) -> None:
 
     Raises
     ------
+    SceneError
+        If it is no Plan.
     NotComputedError
         If neither pressure nor traction will be there.
     MissingDependencyError
         If matplotlib is not installed.
     """
+    instance("plan", plan, Plan)
     if not {"pressure", "traction"}.intersection(plan.quantities):
         reason = dict(plan.missing)["pressure"]
         raise NotComputedError("a field to plot (pressure or traction)", reason)
     require()
 
 
-def require() -> None:
-    """Check, before the work, that there is matplotlib.
+def require() -> Any:
+    """Return matplotlib; called before the work, which its absence would cost.
 
     Raises
     ------
     MissingDependencyError
         If it is not installed.
     """
-    _matplotlib()
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise MissingDependencyError("matplotlib", "plot") from error
+    return matplotlib
 
 
 def plot_solution(solution: Solution) -> Figure:
@@ -116,7 +121,7 @@ def plot_solution(solution: Solution) -> Figure:
     MissingDependencyError
         If matplotlib is not installed.
     """
-    _must_be_solution(solution)
+    instance("solution", solution, Solution)
     check(solution.plan)
     radii = graded_radii(solution, 600)
     rows = _field_rows(solution, radii)
@@ -160,8 +165,8 @@ def plot_coefficients(solution: Solution) -> Figure:
     MissingDependencyError
         If matplotlib is not installed.
     """
-    _must_be_solution(solution)
-    _matplotlib()
+    instance("solution", solution, Solution)
+    require()
     series = [*_pressure_series(solution), *_traction_series(solution)]
     if not series:
         raise NotComputedError("a series with coefficients", _why_no_series(solution))
@@ -177,38 +182,34 @@ def plot_coefficients(solution: Solution) -> Figure:
     return figure
 
 
-def save(figure: Figure, path: str) -> None:
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a figure; the suffix, one of `FORMATS`, decides the format.
 
     Raises
     ------
+    SceneError
+        If it is no figure of matplotlib.
     SolutionFileError
         For another suffix, or a path that cannot be written.
+    MissingDependencyError
+        If matplotlib is not installed.
     """
+    require()
+    from matplotlib.figure import Figure
+
+    instance("figure", figure, Figure)
+    path = path_text(path)
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
-        raise SolutionFileError(str(path), f"the suffix must be one of {', '.join(FORMATS)}")
+        raise SolutionFileError(path, f"the suffix must be one of {', '.join(FORMATS)}")
     # without the date, the same figure gives the same file
     date = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     try:
         with style():
             figure.savefig(path, format=suffix[1:], dpi=150, metadata=date.get(suffix))
-    except OSError as error:
-        reason = f"cannot be written: {error.strerror or error}"
-        raise SolutionFileError(str(path), reason) from error
-
-
-def _must_be_solution(value: object) -> None:
-    if not isinstance(value, Solution):
-        raise SceneError("solution", value, "a Solution")
-
-
-def _matplotlib() -> Any:
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise MissingDependencyError("matplotlib", "plot") from error
-    return matplotlib
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        reason = f"cannot be written: {getattr(error, 'strerror', None) or error}"
+        raise SolutionFileError(path, reason) from error
 
 
 @contextmanager
@@ -220,12 +221,19 @@ def style() -> Iterator[None]:
     MissingDependencyError
         If matplotlib is not installed.
     """
-    with _matplotlib().rc_context(_STYLE):
+    with require().rc_context(_STYLE):
         yield
 
 
 def scene_title(scene: Scene) -> str:
-    """Return the parameters of a scene in the symbols of the theory, as a title of a figure."""
+    """Return the parameters of a scene in the symbols of the theory, as a title of a figure.
+
+    Raises
+    ------
+    SceneError
+        If it is no Scene.
+    """
+    instance("scene", scene, Scene)
     friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
     if scene.friction == np.inf:
         friction = "full stick"
@@ -349,18 +357,11 @@ def _estimates(solution: Solution) -> list[tuple[str, float]]:
 def _draw_errors(axes: Axes, solution: Solution) -> None:
     estimates = _estimates(solution)
     floor = 3e-17
+    marker: dict[str, Any] = {"color": _BLUE, "markersize": 5.0, "clip_on": False, "zorder": 3.0}
     for row, (name, error) in enumerate(estimates):
         exact = error <= floor
-        axes.plot(
-            [floor if exact else error],
-            [row],
-            "o",
-            color=_BLUE,
-            markerfacecolor="white" if exact else _BLUE,
-            markersize=5.0,
-            clip_on=False,
-            zorder=3.0,
-        )
+        place, face = (floor, "white") if exact else (error, _BLUE)
+        axes.plot([place], [row], "o", markerfacecolor=face, **marker)
         if exact:
             text = "none" if name == "violation" else "exact"
             axes.annotate(text, (floor, row), (8, 0), textcoords="offset points", va="center")

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.checks import values_at, whole
+from spectral_contact.choices import function, instance
+from spectral_contact.errors import SceneError
 from spectral_contact.solution import Solution, Zone
 
 __all__ = ["Radii", "graded_radii", "known_zones", "layer_depth"]
 
 Array = NDArray[np.float64]
+_MOST: Final = 10_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,8 +46,17 @@ class Radii:
         return np.concatenate([1.0 - self.inner, self.outer])
 
     def evaluate(self, field: Callable[..., Any]) -> Array:
-        """Evaluate `Solution.pressure`, `traction` or `slip` at all radii."""
-        return np.concatenate([field(self.inner), field(from_edge=self.outer)])
+        """Evaluate `Solution.pressure`, `traction` or `slip` at all radii.
+
+        Raises
+        ------
+        SceneError
+            If the field is no function, or its values are not a real number for each radius.
+        """
+        function("field", field, "radii, or distances from_edge")
+        inner = values_at("field", field, self.inner)
+        outer = values_at("field", lambda places: field(from_edge=places), self.outer)
+        return np.concatenate([inner, outer])
 
 
 def graded_radii(solution: Solution, count: int = 200) -> Radii:
@@ -60,7 +73,15 @@ def graded_radii(solution: Solution, count: int = 200) -> Radii:
     -------
     Radii
         From s = 0 to s = 1, both included, with every zone boundary.
+
+    Raises
+    ------
+    SceneError
+        If it is no Solution, or the count is not a whole number in [1, 1e7].
     """
+    instance("solution", solution, Solution)
+    if whole("count", count, 1) > _MOST:
+        raise SceneError("count", count, f"at most {_MOST:,}")
     even = max(count // 4, 2)
     inner = [np.linspace(0.0, 0.5, even, endpoint=False)]
     layer = np.geomspace(layer_depth(solution), 0.1, max(count // 2, 2))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+from spectral_contact.choices import instance, one_of
 from spectral_contact.fields import Radius
 
 __all__ = [
@@ -126,7 +127,16 @@ class Zone:
 
     @classmethod
     def between(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
-        """Return the zone between two radii."""
+        """Return the zone between two radii.
+
+        Raises
+        ------
+        SceneError
+            If the kind is not stick or slip, or an end is no `Radius`.
+        """
+        one_of("kind", kind, ("stick", "slip"))
+        for name, end in (("inner", inner), ("outer", outer)):
+            instance(name, end, Radius)
         return cls(kind, inner.value, outer.value, inner.from_edge, outer.from_edge)
 
 

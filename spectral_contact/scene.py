@@ -357,8 +357,8 @@ class Scene:
                 )
 
 
-def _poisson_ratio(value: object) -> float:
-    return real("poisson_ratio", value, allowed="in (-1, 0.5]", low=-1.0, high=0.5, low_open=True)
+def _poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
+    return real(name, value, allowed="in (-1, 0.5]", low=-1.0, high=0.5, low_open=True)
 
 
 def _positive(name: str, value: object) -> float:
@@ -366,7 +366,7 @@ def _positive(name: str, value: object) -> float:
 
 
 def _four_one_minus_square(nu: object) -> Fraction:
-    return 4 * (1 - Fraction(_poisson_ratio(nu)) ** 2)
+    return 4 * (1 - Fraction(_poisson_ratio(nu, "nu")) ** 2)
 
 
 def _dimensionless(name: str, compliance: float, formula: str, unit: Fraction) -> float:

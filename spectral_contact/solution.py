@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spectral_contact import checks
+from spectral_contact import checks, choices
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import DiskSeries, PressureField, ZonalField
 from spectral_contact.records import (
@@ -335,7 +335,7 @@ class PhysicalSolution:
     solution: Solution
 
     def __post_init__(self) -> None:
-        if self.solution.scene.physical is None:
+        if choices.instance("solution", self.solution, Solution).scene.physical is None:
             raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
 
     @property

@@ -194,6 +194,8 @@ NUMBER_OPTIONS = (*SCENE_OPTIONS, *SI_OPTIONS, "--approach", "--rtol", "--max-un
 OPTIONS = (*NUMBER_OPTIONS, "--quantities", "--output", "--plot")
 SI = ("--youngs-modulus=2.1e11", "--radius=0.013")
 NO_NUMBERS = ("abc", "", " ", "1,5", "0x10", "1e", "--1", "1 2", "0.1.2", "½", "1j", "nope", "1\n2")
+#: Python takes these for numbers; the last two are beyond the doubles.
+NO_NUMBERS += ("1_000", "١", "１", "1\u2009", "1e999", "-1e-400")
 
 
 def argument(rng: Rng) -> str:

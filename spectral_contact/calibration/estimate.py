@@ -18,6 +18,7 @@ from spectral_contact.calibration.measurements import (
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
 from spectral_contact.calibration.setting import PARAMETERS, Setting
 from spectral_contact.checks import real, whole
+from spectral_contact.choices import instance, names
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.scene import Scene
 
@@ -85,8 +86,7 @@ def fit(
     normal_compliance           0.50247  0.49718 to 0.50781
     chi square 0.2539 at 1 degrees of freedom, p = 0.61
     """
-    if not isinstance(scene, Scene):
-        raise SceneError("scene", scene, "a Scene")
+    instance("scene", scene, Scene)
     problem = _Problem(
         scene,
         _measurements(data),
@@ -217,15 +217,15 @@ class _Problem:
         lengths = np.linalg.norm(jacobian, axis=0)
         flat = (lengths < 1.0 / _LARGEST_ERROR) | (active != 0)
         if flat.any():
-            names = [name for name, one in zip(self.free, flat, strict=True) if one]
-            self._refuse(names, "hardly change with", x)
+            still = [name for name, one in zip(self.free, flat, strict=True) if one]
+            self._refuse(still, "hardly change with", x)
         _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
         noise = 10.0 * self.setting.rtol ** (2.0 / 3.0)  # that of the differences
         root = right.T / singular / lengths[:, None] if singular[-1] > noise else None
         if root is None or (np.linalg.norm(root, axis=1) > _LARGEST_ERROR).any():
             mixed = np.abs(right[-1]) > 0.1
-            names = [name for name, one in zip(self.free, mixed, strict=True) if one]
-            self._refuse(names, "do not tell apart", x)
+            alike = [name for name, one in zip(self.free, mixed, strict=True) if one]
+            self._refuse(alike, "do not tell apart", x)
         assert root is not None
         return np.asarray(root @ root.T)
 
@@ -254,11 +254,7 @@ def _measurements(data: Measurement | Sequence[Measurement]) -> tuple[Measuremen
 
 
 def _names(free: str | Sequence[str]) -> tuple[str, ...]:
-    listed = (free,) if isinstance(free, str) else free
-    allowed = f"one or more of {', '.join(PARAMETERS)}, each once"
-    if not isinstance(listed, (list, tuple)) or not listed:
-        raise SceneError("free", free, allowed)
-    for name in listed:
-        if name not in PARAMETERS or listed.count(name) > 1:
-            raise SceneError("free", name, allowed)
-    return tuple(listed)
+    listed = names("free", [free] if isinstance(free, str) else free, PARAMETERS)
+    if not listed or len(set(listed)) < len(listed):
+        raise SceneError("free", free, f"one or more of {', '.join(PARAMETERS)}, each once")
+    return listed

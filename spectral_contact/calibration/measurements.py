@@ -6,7 +6,7 @@ Units are those of the scene that is fitted, see `Setting`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -14,13 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
-from spectral_contact.checks import real
+from spectral_contact.checks import finite, real
+from spectral_contact.choices import instance, one_of
 from spectral_contact.equations import load as moment
 from spectral_contact.errors import SceneError
 
 __all__ = ["ApproachData", "Data", "PressureData", "StickRadiusData"]
 
 Array = NDArray[np.float64]
+
+
+_ABOVE_ZERO: dict[str, Any] = {"allowed": "finite and > 0", "low": 0.0, "low_open": True}
 
 
 class Data(Protocol):
@@ -101,13 +105,15 @@ class ApproachData:
 
     def predict(self, setting: Setting, layer: Layer) -> Array:
         """Return δ = 4(1 − ν²)P/(aE)·δ*, equation (3.4)."""
+        _check(setting, layer)
         return self._scaled(
             setting, lambda a: setting.solve(a, layer, "approach").approach, lambda a: 1.0 / a
         )
 
     def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
         """Return ∂δ/∂ln α, exactly, from dδ*/dα* = 2π∫p*²s ds."""
-        alpha = layer[name]
+        _check(setting, layer)
+        alpha = layer[one_of("name", name, self.depends_on)]
         assert alpha is not None
 
         def energy(a: float) -> float:
@@ -174,8 +180,8 @@ class PressureData:
             r=places,
             pressure=values,
             sigma=_positive("sigma", sigma, len(values)),
-            radius=_optional("radius", radius, 1),
-            load=_optional("load", load, 1),
+            radius=_one("radius", radius),
+            load=_one("load", load),
         )
 
     @property
@@ -191,6 +197,7 @@ class PressureData:
         SceneError
             If a place is outside the punch, or at the edge of a smooth surface.
         """
+        _check(setting, layer)
         [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
         if max(self.r) > a:
             raise SceneError("r", max(self.r), f"in [0, {a:g}], the radius of the punch")
@@ -268,6 +275,7 @@ class StickRadiusData:
         SceneError
             If neither the data nor the layer have friction.
         """
+        _check(setting, layer)
         if self.friction is None and layer["friction"] is None:
             raise SceneError("friction", None, "given, in the data or in the scene")
         count = len(self.stick_radius)
@@ -285,12 +293,26 @@ class StickRadiusData:
         return _slope_by_differences(self, setting, layer, name)
 
 
+def _check(setting: object, layer: object) -> None:
+    """Check what a prediction is asked for.
+
+    Raises
+    ------
+    SceneError
+        If it is no `Setting`, or no mapping of all `PARAMETERS`.
+    """
+    instance("setting", setting, Setting)
+    if not isinstance(layer, Mapping) or not set(PARAMETERS) <= set(layer):
+        raise SceneError("layer", layer, f"a mapping of {', '.join(PARAMETERS)}")
+
+
 def _slope_by_differences(data: Data, setting: Setting, layer: Layer, name: str) -> Array:
     """Return the derivative of a prediction by the logarithm of a parameter, by differences.
 
     The step h balances the errors of the two solves, rtol/h, against h²/6: (3 rtol)^{1/3}.
     """
-    value = layer[name]
+    _check(setting, layer)
+    value = layer[one_of("name", name, data.depends_on)]
     assert value is not None
     step = math.cbrt(3.0 * setting.rtol)
     low, high = (
@@ -312,26 +334,23 @@ def _put(data: object, **values: object) -> None:
 
 def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
     """Return one or more finite numbers as a tuple."""
-    listed = _listed(values)
-    if not listed:
+    array = finite(name, values, one_will_do=True)
+    if not array.size:
         raise SceneError(name, values, "at least one number")
-    return tuple(real(name, value, allowed="finite") for value in listed)
+    return tuple(array.tolist())
 
 
 def _positive(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
     """Return one positive number, or `count` of them, as a tuple."""
-    listed = _listed(values)
+    listed = _finite(name, values)
     if len(listed) not in (1, count):
         raise SceneError(name, values, f"one number, or {count} as the values measured are")
-    allowed = "finite and > 0"
-    return tuple(real(name, value, allowed=allowed, low=0.0, low_open=True) for value in listed)
+    return tuple(real(name, value, **_ABOVE_ZERO) for value in listed)
+
+
+def _one(name: str, value: object) -> tuple[float] | None:
+    return None if value is None else (real(name, value, **_ABOVE_ZERO),)
 
 
 def _optional(name: str, values: ArrayLike | None, count: int) -> tuple[float, ...] | None:
     return None if values is None else _positive(name, values, count)
-
-
-def _listed(values: Any) -> list[Any]:
-    if isinstance(values, (str, bytes)) or np.ndim(values) != 1:
-        return [values]  # one number, or what `real` refuses
-    return list(values)

@@ -11,7 +11,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact import checks
+from spectral_contact import checks, choices
 from spectral_contact.errors import SceneError
 from spectral_contact.paper.onset import slip_onset
 from spectral_contact.radii import Radii
@@ -86,6 +86,7 @@ class PaperFigure:
 
     def keys_of(self, scene: Scene) -> Array:
         """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
+        choices.instance("scene", scene, Scene)
         parameters = _parameters(scene)
         if not self.radial:
             return np.array([parameters])
@@ -94,7 +95,7 @@ class PaperFigure:
 
     def rows_of(self, scene: Scene, rtol: float) -> Array:
         """Compute the rows of a scene, shape (rows, len(columns))."""
-        return np.hstack([self.keys_of(scene), self.measure(scene, rtol)])
+        return np.hstack([self.keys_of(scene), self.measure(scene, checks.tolerance(rtol))])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,6 +116,12 @@ class FigureData:
     table: Array
 
     def __post_init__(self) -> None:
+        choices.instance("figure", self.figure, PaperFigure)
+        checks.tolerance(self.rtol)
+        numbers = checks.reals("table", choices.instance("table", self.table, np.ndarray), "or NaN")
+        if numbers.shape[1:] != (len(self.figure.columns),):
+            allowed = f"of {len(self.figure.columns)} columns, as the figure is"
+            raise SceneError("table", self.table, allowed)
         self.table.flags.writeable = False
 
     def __getitem__(self, name: str) -> Array:
@@ -126,19 +133,30 @@ class FigureData:
             If there is no such column.
         """
         columns = self.figure.columns
-        if name not in columns:
-            raise SceneError("column", name, f"out of {', '.join(columns)}")
-        return self.table[:, columns.index(name)]
+        return self.table[:, columns.index(choices.one_of("column", name, columns))]
 
     def curves(self, *names: str) -> Iterator[tuple[tuple[float, ...], FigureData]]:
-        """Yield the runs of rows that agree in some columns: their values there, and the rows."""
-        values = list(zip(*(self[name].tolist() for name in names), strict=True))
+        """Yield the runs of rows that agree in some columns: their values there, and the rows.
+
+        Raises
+        ------
+        SceneError
+            If there is no such column.
+        """
+        known = [choices.one_of("names", name, self.figure.columns) for name in names]
+        values = list(zip(*(self[name].tolist() for name in known), strict=True))
         for value, rows in groupby(range(len(values)), key=values.__getitem__):
             yield value, replace(self, table=self.table[list(rows)])
 
     def largest_error(self, name: str) -> float:
-        """Return the largest estimate of the relative error of a value that is known at all."""
-        errors = self[f"{name}_error"]
+        """Return the largest estimate of the relative error of a value that is known at all.
+
+        Raises
+        ------
+        SceneError
+            If there is no such value.
+        """
+        errors = self[f"{choices.one_of('name', name, self.figure.values)}_error"]
         return float(errors[np.isfinite(errors)].max())
 
 
@@ -176,9 +194,7 @@ def paper_figure(name: str) -> PaperFigure:
     SceneError
         For a name out of `FIGURES`.
     """
-    if not isinstance(name, str) or name not in FIGURES:
-        raise SceneError("figures", name, f"out of {', '.join(FIGURES)}")
-    return _figures()[name]
+    return _figures()[choices.one_of("name", name, FIGURES)]
 
 
 # --- what is measured of a scene ------------------------------------------------------------------

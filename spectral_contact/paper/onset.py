@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from spectral_contact.choices import instance
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solver import solve
@@ -70,6 +71,7 @@ def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
     SceneError
         For a scene whose critical friction is 0 or infinite, or an argument out of its range.
     """
+    instance("scene", scene, Scene)
     full = Scene(
         scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, friction=inf
     )

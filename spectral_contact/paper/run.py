@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from spectral_contact import checks, plotting
-from spectral_contact.documents import reported
-from spectral_contact.errors import SceneError
+from spectral_contact import checks, choices, plotting
+from spectral_contact.documents import path_text, reported
 from spectral_contact.paper.figures import FIGURES, FigureData, PaperFigure, paper_figure
 from spectral_contact.paper.pictures import check, draw
 from spectral_contact.paper.statements import Statement, statements, statements_table
@@ -84,9 +83,11 @@ def reproduce(
     """
     wanted = _wanted(figures)
     rtol = checks.tolerance(rtol)
-    if pictures:
+    if checks.flag("pictures", pictures):
         check()
-    folder = Path(folder)
+    if progress is not None:
+        choices.function("progress", progress, "a step and a share")
+    folder = Path(path_text(folder))
     with reported(str(folder), "cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
     tell = _Steps(progress, 1 + sum(len(one.scenes) + 1 for one in wanted))
@@ -114,13 +115,8 @@ def reproduce(
 
 
 def _wanted(figures: Iterable[str]) -> list[PaperFigure]:
-    if isinstance(figures, str):
-        raise SceneError("figures", figures, "a list of names, not one string")
-    try:
-        names = list(figures)
-    except TypeError:
-        raise SceneError("figures", figures, "a list of names") from None
-    return [paper_figure(name) for name in dict.fromkeys(names)]
+    names = dict.fromkeys(choices.names("figures", figures, FIGURES))
+    return [paper_figure(name) for name in names]
 
 
 def _content(data: FigureData, kept: int) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import spectral_contact
 from spectral_contact import checks
-from spectral_contact.documents import Refused, reported
+from spectral_contact.documents import Refused, read_file, reported
 from spectral_contact.paper.figures import FigureData, PaperFigure, paper_figure
 
 __all__ = ["complete_csv", "read_csv"]
@@ -43,8 +43,9 @@ def read_csv(path: str | os.PathLike[str], name: str, rtol: float = 1e-9) -> Fig
         If the file cannot be read, is not whole, or is of another figure, version or tolerance.
     """
     figure, rtol = paper_figure(name), checks.tolerance(rtol)
-    with reported(str(path), "cannot be read"):
-        blocks, _ = _whole_blocks(Path(path).read_bytes(), figure, rtol)
+    source, content = read_file(path)
+    with reported(source, "cannot be read"):
+        blocks, _ = _whole_blocks(content, figure, rtol)
         if len(blocks) < len(figure.scenes):
             raise Refused(f"is not the whole figure {name} of this version at rtol = {rtol!r}")
     return FigureData(figure, rtol, np.concatenate(blocks))

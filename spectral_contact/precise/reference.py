@@ -77,6 +77,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
+    checks.flag("progress", progress)
     begin = perf_counter()
     tell = ProgressLine(progress)
     tell("zones, in double precision", 0.0)

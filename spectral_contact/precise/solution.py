@@ -95,11 +95,12 @@ class ReferenceSolution:
         checks.exactly_one("s", s, "from_edge", from_edge)
         mp = self._run.fixed.mp
         name, given = ("s", s) if from_edge is None else ("from_edge", from_edge)
+        checks.reals(name, given, "in [0, 1]", low=0.0, high=1.0)
         values = np.asarray(given, dtype=object)
         exact = []
         for value in values.flat:
             checks.real(name, value, allowed="in [0, 1]", low=0.0, high=1.0)
-            exact.append(mp.mpf(value))
+            exact.append(_exact(mp, value))
             if not 0 <= exact[-1] <= 1:
                 raise SceneError(name, value, "in [0, 1]")
         numbers = np.array(exact, dtype=object)
@@ -108,3 +109,11 @@ class ReferenceSolution:
         result = np.empty(len(exact), dtype=object)
         result[:] = [+mp.mpf(v) for v in found]
         return result[0] if values.ndim == 0 else result.reshape(values.shape)
+
+
+def _exact(mp: Any, value: Any) -> Any:
+    """Return a real number as it is, those of NumPy's types among them."""
+    if isinstance(value, np.floating):
+        numerator, denominator = value.as_integer_ratio()
+        return mp.mpf(numerator) / denominator
+    return mp.mpf(int(value) if isinstance(value, np.integer) else value)

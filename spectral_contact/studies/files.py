@@ -23,6 +23,7 @@ from spectral_contact.documents import (
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.report import scene_text
 from spectral_contact.scene import Scene
+from spectral_contact.studies.fitting import Rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
@@ -93,8 +94,12 @@ def point_row(point: Point) -> dict[str, Any]:
     row = asdict(point)
     row["scene"] = point.scene.to_dict()
     for name in ("errors", "estimates"):
-        row[name] = {k: v if math.isfinite(v) else "inf" for k, v in row[name].items()}
+        row[name] = {k: _number(v) for k, v in row[name].items()}
     return row
+
+
+def _number(value: float) -> float | str:
+    return value if math.isfinite(value) else "inf"
 
 
 def point_from_row(row: Any) -> Point:
@@ -135,8 +140,14 @@ def _json(study: Study) -> str:
         body[name] = value
     if isinstance(study, Convergence):
         rates = study.rates.items()
-        body["rates"] = {name: None if rate is None else asdict(rate) for name, rate in rates}
+        body["rates"] = {name: None if rate is None else _rate(rate) for name, rate in rates}
     return json.dumps(body, indent=1, allow_nan=False) + "\n"
+
+
+def _rate(rate: Rate) -> dict[str, Any]:
+    low, high = rate.interval
+    ends = [_number(low), _number(high)]
+    return {**asdict(rate), "value": _number(rate.value), "interval": ends}
 
 
 def _study(body: Any) -> Study:

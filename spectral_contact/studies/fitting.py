@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spectral_contact.checks import finite, real, reals
+from spectral_contact.choices import listed
 from spectral_contact.errors import SceneError
 
 __all__ = ["Line", "Rate", "fit_line", "fit_rate"]
@@ -19,6 +21,8 @@ Array = NDArray[np.float64]
 #: Errors this small are rounding, whatever they are.
 _ROUNDING = 10.0 * 2.0**-52
 _FEWEST, _FEWEST_ON_PLATEAU = 3, 2
+#: More unknowns than any solver has, and few enough to take squares of.
+_MOST: Final = 1e15
 #: Scatter of ln(error) that is not taken for structure: 5 per cent.
 _SCATTER = 0.05
 #: Models of ln(error) as a line, by what it is a line in.
@@ -75,8 +79,8 @@ class Rate:
         below what the truth can tell, and the plateau at the end.
     residuals : dict
         Root mean square of the deviations of ln(error) on these points, for every kind.
-    factor : float
-        Of the law: error = factor * ``N**-value`` and so on.
+    log_factor : float
+        Logarithm of the factor of the law: error = factor * ``N**-value`` and so on.
     """
 
     kind: str
@@ -85,7 +89,12 @@ class Rate:
     confidence: float
     used: tuple[int, ...]
     residuals: dict[str, float]
-    factor: float
+    log_factor: float
+
+    @property
+    def factor(self) -> float:
+        """The factor of the law; infinite beyond the doubles."""
+        return _exp(self.log_factor)
 
     @property
     def rivals(self) -> tuple[str, ...]:
@@ -94,10 +103,21 @@ class Rate:
         return tuple(k for k, left in self.residuals.items() if k != self.kind and left < least)
 
     def at(self, unknowns: ArrayLike) -> Array:
-        """Return the error that the law gives for numbers of unknowns."""
+        """Return the error that the law gives for numbers of unknowns.
+
+        Raises
+        ------
+        SceneError
+            If they are not real numbers above 0.
+        """
         slope = self.value if self.kind == "algebraic" else math.log(self.value)
-        numbers = np.asarray(unknowns, dtype=float)
-        errors: Array = self.factor * np.exp(-slope * _MODELS[self.kind](numbers))
+        given = reals("unknowns", unknowns, "> 0")
+        with np.errstate(over="ignore"):  # a long double may be beyond the doubles
+            numbers = given.astype(np.float64)
+        if not (numbers > 0.0).all():
+            raise SceneError("unknowns", unknowns, "> 0")
+        with np.errstate(all="ignore"):  # errors may be beyond the doubles
+            errors: Array = np.exp(self.log_factor - slope * _MODELS[self.kind](numbers))
         return errors
 
     def __str__(self) -> str:
@@ -127,7 +147,8 @@ def fit_line(x: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Line:
     Raises
     ------
     SceneError
-        For fewer points, or values that are not finite.
+        For fewer points, values that are not finite real numbers, or a line that is beyond the
+        doubles.
 
     Examples
     --------
@@ -138,25 +159,31 @@ def fit_line(x: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Line:
     # scipy.special takes long to import, and errors without a rate need none of it
     from scipy.special import stdtrit
 
-    if not 0.0 < confidence < 1.0:
-        raise SceneError("confidence", confidence, "in (0, 1)")
-    abscissae, values = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    if abscissae.shape != values.shape or abscissae.ndim != 1 or len(abscissae) < _FEWEST:
+    share = _confidence(confidence)
+    abscissae, values = finite("x", x), finite("y", y)
+    if len(abscissae) != len(values) or len(values) < _FEWEST:
         raise SceneError("x, y", (x, y), f"two lists of the same length, at least {_FEWEST}")
-    if not (np.isfinite(abscissae).all() and np.isfinite(values).all()) or np.ptp(abscissae) == 0.0:
-        raise SceneError("x, y", (x, y), "finite, with at least two different x")
-    slope, intercept, squares = _least_squares(abscissae, values)
+    if len(set(abscissae.tolist())) < 2:
+        raise SceneError("x", x, "of at least two different values")
+    # powers of two off: no square is beyond the doubles, and no bit is another
+    scaled_x, power_x = _scaled(abscissae)
+    scaled_y, power_y = _scaled(values)
+    slope, intercept, squares = _least_squares(scaled_x, scaled_y)
     freedom = len(values) - 2
-    spread = np.sum((abscissae - abscissae.mean()) ** 2)
-    half = stdtrit(freedom, 0.5 + confidence / 2.0) * math.sqrt(squares / freedom / spread)
-    return Line(
-        slope,
-        intercept,
-        (slope - half, slope + half),
-        confidence,
-        math.sqrt(squares / len(values)),
-        len(values),
-    )
+    spread = np.sum((scaled_x - scaled_x.mean()) ** 2)
+    half = float(stdtrit(freedom, 0.5 + share / 2.0)) * math.sqrt(squares / freedom / spread)
+    turn = power_y - power_x
+    try:
+        return Line(
+            math.ldexp(slope, turn),
+            math.ldexp(intercept, power_y),
+            (math.ldexp(slope - half, turn), math.ldexp(slope + half, turn)),
+            share,
+            math.ldexp(math.sqrt(squares / len(values)), power_y),
+            len(values),
+        )
+    except OverflowError as error:
+        raise SceneError("x, y", (x, y), "of a slope within the range of a double") from error
 
 
 def fit_rate(
@@ -191,7 +218,9 @@ def fit_rate(
     Raises
     ------
     SceneError
-        If the lists have different lengths, or `confidence` is out of range.
+        If the lists have different lengths, or hold anything else than None and real numbers:
+        unknowns below 1e15, and errors that are not negative; or if `floor` or `confidence` are
+        out of range.
 
     Examples
     --------
@@ -201,31 +230,64 @@ def fit_rate(
     >>> print(fit_rate([4, 8, 12, 16, 20, 24], [1e-2, 1e-5, 1e-8, 1e-11, 3e-13, 4e-13]).used)
     (0, 1, 2, 3)
     """
-    if len(unknowns) != len(errors):
+    share = _confidence(confidence)
+    least = real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True)
+    counts = _optional("unknowns", unknowns, _MOST)
+    found = _optional("errors", errors, math.inf)
+    if len(counts) != len(found):
         raise SceneError("unknowns, errors", (unknowns, errors), "lists of the same length")
-    kept = _above(unknowns, errors, max(floor, _ROUNDING))
+    kept = _above(counts, found, max(least, _ROUNDING))
     if len(kept) < _FEWEST or len({n for _, n, _ in kept}) < 2:
         return None
     numbers = np.array([n for _, n, _ in kept], dtype=float)
     logs = np.log([e for _, _, e in kept])
     count = _before_plateau(numbers, logs)
     numbers, logs = numbers[:count], logs[:count]
-    lines = {kind: fit_line(scale(numbers), logs, confidence) for kind, scale in _MODELS.items()}
+    lines = {kind: fit_line(scale(numbers), logs, share) for kind, scale in _MODELS.items()}
     kind = min(lines, key=lambda name: lines[name].residual)
     line = lines[kind]
     values = tuple(-slope for slope in (line.slope, *reversed(line.interval)))
     if kind != "algebraic":
-        values = tuple(math.exp(value) for value in values)
+        values = tuple(map(_exp, values))
     value, low, high = values
     return Rate(
         kind,
         value,
         (low, high),
-        confidence,
+        share,
         tuple(i for i, _, _ in kept[:count]),
         {name: one.residual for name, one in lines.items()},
-        math.exp(line.intercept),
+        line.intercept,
     )
+
+
+def _confidence(value: object) -> float:
+    limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
+    return real("confidence", value, allowed="in (0, 1)", **limits)
+
+
+def _optional(parameter: str, values: object, high: float) -> list[float | None]:
+    """Return numbers of [0, high], and None where there is none."""
+    allowed = ">= 0 or None" if high == math.inf else f"in [0, {high:g}] or None"
+    return [
+        None
+        if value is None
+        else real(parameter, value, allowed=allowed, low=0.0, high=high, infinite_ok=True)
+        for value in listed(parameter, values, "numbers")
+    ]
+
+
+def _exp(value: float) -> float:
+    try:
+        return math.exp(value)
+    except OverflowError:
+        return math.inf
+
+
+def _scaled(values: Array) -> tuple[Array, int]:
+    """Return values of at most 1, and the power of two by which they are smaller."""
+    power = int(np.frexp(values)[1].max(initial=-1074, where=values != 0.0))
+    return np.ldexp(values, -power), power
 
 
 def _above(

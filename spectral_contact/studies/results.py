@@ -7,10 +7,14 @@ import os
 from dataclasses import dataclass
 from typing import Any, cast
 
+from spectral_contact.checks import flag, real
+from spectral_contact.choices import instance, one_of
+from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.timing import Stopwatch, Times
+from spectral_contact.studies.truth import QUANTITIES
 
 __all__ = ["Convergence", "Point", "Study", "WorkPrecision"]
 
@@ -55,7 +59,14 @@ class Point:
     failure: str = ""
 
     def seconds_per_digit(self, quantity: str) -> float | None:
-        """Return the warm time [s] for each right digit; None without a time, or a digit."""
+        """Return the warm time [s] for each right digit; None without a time, or a digit.
+
+        Raises
+        ------
+        SceneError
+            If there is no such quantity.
+        """
+        one_of("quantity", quantity, QUANTITIES)
         error = self.errors.get(quantity, math.inf)
         if self.times is None or not error < 0.1:
             return None
@@ -105,6 +116,7 @@ class _Result:
         """
         from spectral_contact.studies import pictures
 
+        flag("cold", cold)
         return pictures.drawn(cast("Study", self), path, cold)
 
     def __str__(self) -> str:
@@ -142,7 +154,14 @@ class Convergence(_Result):
     machine: Machine
 
     def rate(self, quantity: str, confidence: float = 0.95) -> Rate | None:
-        """Return the fitted rate of one error; None if too few points show it: see `fit_rate`."""
+        """Return the fitted rate of one error; None if too few points show it: see `fit_rate`.
+
+        Raises
+        ------
+        SceneError
+            If the quantity is not of the study, or the confidence not in (0, 1).
+        """
+        one_of("quantity", quantity, self.quantities)
         return fit_rate(
             [point.unknowns for point in self.points],
             [point.errors.get(quantity) for point in self.points],
@@ -185,7 +204,16 @@ class WorkPrecision(_Result):
     machine: Machine
 
     def of(self, solver: str, scene: Scene) -> tuple[Point, ...]:
-        """Return the points of one solver on one scene, in the order of the resolutions."""
+        """Return the points of one solver on one scene, in the order of the resolutions.
+
+        Raises
+        ------
+        SceneError
+            If the study has no such solver or scene.
+        """
+        one_of("solver", solver, self.solvers)
+        if instance("scene", scene, Scene) not in self.scenes:
+            raise SceneError("scene", scene, "a scene of the study")
         return tuple(p for p in self.points if p.solver == solver and p.scene == scene)
 
     def reached(
@@ -206,7 +234,15 @@ class WorkPrecision(_Result):
         -------
         float or None
             The least median; None if the accuracy was not reached, or there are no such times.
+
+        Raises
+        ------
+        SceneError
+            If the study has no such solver, scene or quantity, or the accuracy is no real number.
         """
+        one_of("quantity", quantity, self.quantities)
+        accuracy = real("accuracy", accuracy, allowed=">= 0", low=0.0, infinite_ok=True)
+        flag("cold", cold)
         times = []
         for point in self.of(solver, scene):
             if point.times is not None and point.errors.get(quantity, math.inf) <= accuracy:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
+from spectral_contact.checks import real
+from spectral_contact.choices import instance
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -43,7 +45,8 @@ class OwnSolver:
 
     def __call__(self, scene: Scene, rtol: float) -> Solution:
         """Solve a scene to a tolerance."""
-        return solve(scene, min(rtol, _LOOSEST), self.quantities, strict=False)
+        asked = real("rtol", rtol, allowed=">= 1e-13", low=1e-13, infinite_ok=True)
+        return solve(scene, min(asked, _LOOSEST), self.quantities, strict=False)
 
 
 def named_solver(name: str) -> Solver:
@@ -59,7 +62,7 @@ def named_solver(name: str) -> Solver:
     SceneError
         If there is no such module or callable in it.
     """
-    module, colon, path = name.partition(":")
+    module, colon, path = instance("name", name, str).partition(":")
     if not (module and colon and path):
         raise SceneError("solver", name, "written module:function")
     try:

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from spectral_contact.checks import real
+from spectral_contact.checks import flag, real
+from spectral_contact.choices import function, instance, listed
 from spectral_contact.errors import SceneError
 from spectral_contact.progress import ProgressLine
 from spectral_contact.scene import Scene
@@ -18,11 +19,12 @@ from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.solvers import Solver, solver_name
 from spectral_contact.studies.store import Store
 from spectral_contact.studies.timing import Stopwatch, times_of
-from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_of
+from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_named, truth_of
 
 __all__ = ["convergence", "work_precision"]
 
 _STOPWATCH: Final = Stopwatch()
+_OF_SCENES: Final = "a scene and a resolution"
 
 
 def convergence(
@@ -91,8 +93,13 @@ def convergence(
     True
     """
     asked = _resolutions("resolutions", resolutions)
-    true = truth_of(scene, truth, progress=progress)
-    case = _Case(name or solver_name(solver), _callable(solver), asked, true)
+    if name is not None:
+        instance("name", name, str)
+    if stopwatch is not None:
+        instance("stopwatch", stopwatch, Stopwatch)
+    called = function("solver", solver, _OF_SCENES)
+    true = truth_of(scene, truth, progress=flag("progress", progress))
+    case = _Case(name or solver_name(called), called, asked, true)
     with ProgressLine(progress) as tell:
         run = _Study("convergence", [case], quantities, stopwatch, store, tell)
         points = tuple(
@@ -154,18 +161,19 @@ def work_precision(
         If the store cannot be written, is damaged, or belongs to another study.
     """
     goals = tuple(sorted(_resolutions("accuracies", accuracies, high=1.0), reverse=True))
-    listed = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
-    given = (None,) * len(listed) if truths is None else tuple(truths)
-    if not listed or len(set(listed)) < len(listed):
+    several = [scenes] if isinstance(scenes, Scene) else listed("scenes", scenes, "scenes")
+    solved = tuple(instance("scenes", scene, Scene) for scene in several)
+    given = [None] * len(solved) if truths is None else listed("truths", truths, "truths")
+    if not solved or len(set(solved)) < len(solved):
         raise SceneError("scenes", scenes, "at least one, and all different")
-    if len(given) != len(listed):
-        raise SceneError("truths", truths, f"as many as there are scenes, {len(listed)}")
-    if not isinstance(stopwatch, Stopwatch):
-        raise SceneError("stopwatch", stopwatch, "a Stopwatch")
+    if len(given) != len(solved):
+        raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
+    instance("stopwatch", stopwatch, Stopwatch)
+    flag("progress", progress)
     called = _solvers(solvers, goals)
     found = [
-        truth_of(scene, truth, progress=progress)
-        for scene, truth in zip(listed, given, strict=True)
+        truth_named("truths", scene, truth, progress)
+        for scene, truth in zip(solved, given, strict=True)
     ]
     cases = [_Case(name, *one, true) for true in found for name, one in called.items()]
     points: list[Point] = []
@@ -181,7 +189,7 @@ def work_precision(
         tell("", 1.0)
     return WorkPrecision(
         tuple(called),
-        listed,
+        solved,
         tuple(true.source for true in found),
         goals,
         run.shown(points),
@@ -247,9 +255,13 @@ class _Study:
         wanted = [name for name in self.wanted if name in case.truth.quantities]
         solution, times, failure = None, None, ""
         errors: dict[str, float] = {}
+        estimates: dict[str, float] = {}
         try:
             solution = case.solver(scene, resolution)
             errors = case.truth.errors(solution, wanted)
+            for name in errors:
+                estimate = estimate_of(solution, name)
+                estimates |= {} if estimate is None else {name: estimate}
         except Exception as error:  # a user's solver may raise anything
             failure = _said(error)
         lacking = [name for name in wanted if name not in errors]
@@ -264,11 +276,6 @@ class _Study:
         unknowns = _counted(solution, "unknowns")
         if unknowns is None and isinstance(resolution, int):
             unknowns = resolution
-        estimates = {
-            name: estimate
-            for name in errors
-            if (estimate := estimate_of(solution, name)) is not None
-        }
         return Point(
             case.name,
             scene,
@@ -290,7 +297,7 @@ def _counted(solution: Any, name: str) -> int | None:
     """Return a count of a solution, or of its work."""
     for owner in (solution, getattr(solution, "work", None)):
         value = getattr(owner, name, None)
-        if isinstance(value, numbers.Integral):
+        if isinstance(value, numbers.Integral) and not isinstance(value, bool):
             return int(value)
     return None
 
@@ -299,24 +306,13 @@ def _resolutions(parameter: str, values: Any, high: float = math.inf) -> tuple[f
     """Return numbers that are positive and different, whole ones as ints."""
     allowed = "finite and > 0" if high == math.inf else f"in (0, {high:g})"
     limits: dict[str, Any] = {"low": 0.0, "low_open": True, "high": high, "high_open": True}
-    try:
-        listed = list(values)
-    except TypeError:
-        listed = []
     found: list[float] = []
-    for value in listed:
+    for value in listed(parameter, values, "numbers"):
         number = real(parameter, value, allowed=allowed, **limits)
         found.append(int(value) if isinstance(value, numbers.Integral) else number)
     if not found or len(set(found)) < len(found):
         raise SceneError(parameter, values, "a list of numbers, all different")
     return tuple(found)
-
-
-def _callable(solver: Any) -> Solver:
-    if not callable(solver):
-        raise SceneError("solver", solver, "a callable of a scene and a resolution")
-    found: Solver = solver
-    return found
 
 
 def _solvers(solvers: Any, goals: tuple[float, ...]) -> dict[str, tuple[Solver, tuple[float, ...]]]:
@@ -325,8 +321,9 @@ def _solvers(solvers: Any, goals: tuple[float, ...]) -> dict[str, tuple[Solver, 
         raise SceneError("solvers", solvers, "a mapping of names to solvers")
     found = {}
     for name, one in solvers.items():
-        if isinstance(one, tuple) and len(one) == 2:
-            found[str(name)] = _callable(one[0]), _resolutions("resolutions", one[1])
-        else:
-            found[str(name)] = _callable(one), goals
+        instance("solvers", name, str)
+        pair = isinstance(one, tuple) and len(one) == 2
+        solver, resolutions = one if pair else (one, goals)
+        called = function("solvers", solver, _OF_SCENES)
+        found[name] = called, _resolutions("solvers", resolutions) if pair else goals
     return found

@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from spectral_contact.checks import real, whole
+from spectral_contact.checks import finite, real, whole
+from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.threads import THREADS, one_thread
 
@@ -80,8 +81,17 @@ class Timing:
 
     @classmethod
     def of(cls, seconds: Sequence[float]) -> Timing:
-        """Return median and quartiles of times."""
-        lower, median, upper = (float(q) for q in np.percentile(seconds, (25, 50, 75)))
+        """Return median and quartiles of times.
+
+        Raises
+        ------
+        SceneError
+            If there is none, or one is below 0 or not finite.
+        """
+        taken = finite("seconds", seconds)
+        if not taken.size or taken.min() < 0.0:
+            raise SceneError("seconds", seconds, "at least one time, and none below 0")
+        lower, median, upper = (float(q) for q in np.percentile(taken, (25, 50, 75)))
         return cls(median, lower, upper, len(seconds))
 
 

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.checks import flag, scalar
+from spectral_contact.choices import instance, names
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.testing.checks import field_of
 
-__all__ = ["QUANTITIES", "Truth", "chosen", "estimate_of", "truth_of"]
+__all__ = ["QUANTITIES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
 
 Array = NDArray[np.float64]
 
@@ -90,10 +92,15 @@ class Truth:
         Returns
         -------
         dict
-            By quantity; what the solution lacks is missing, what is no number is infinite.
+            By quantity; what the solution lacks is missing, NaN is infinite.
+
+        Raises
+        ------
+        SceneError
+            For a quantity that is not known, or a value of the solution that is no real number.
         """
         found = {}
-        for name in wanted:
+        for name in names("wanted", wanted, self.quantities):
             try:
                 error = self._error(solution, name)
             except NotComputedError:
@@ -109,7 +116,8 @@ class Truth:
         if value is None:
             return None
         if name in _SCALARS:
-            return abs(float(value) - self.scalars[name]) / abs(self.scalars[name])
+            number, exact = scalar(f"solution.{name}", value), self.scalars[name]
+            return abs(number - exact) / abs(exact)
         if name == "edge_pressure":
             edge = float(field_of(solution, attribute)(np.zeros(1))[0])
             return abs(edge - self.scalars[name]) / self.scalars[name]
@@ -145,34 +153,39 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
     NotComputedError
         If `reference` does not solve the scene; give the truth then.
     """
-    if not isinstance(scene, Scene):
-        raise SceneError("scene", scene, "a Scene")
+    return truth_named("truth", scene, truth, progress)
+
+
+def truth_named(name: str, scene: Scene, truth: Any, progress: bool) -> Truth:
+    """Return the truth about a scene; an error calls what is given by its name."""
+    instance("scene", scene, Scene)
+    flag("progress", progress)
     source = "given"
     if truth is None:
         source, truth = _best(scene, progress)
     own = getattr(truth, "scene", scene)
     if isinstance(own, Scene) and not _same_problem(own, scene):
-        raise SceneError("truth", own, f"that of {scene}")
+        raise SceneError(name, own, f"that of {scene}")
     if isinstance(truth, Truth):
         return replace(truth, scene=scene)
     if source == "given":
         source = f"{type(truth).__name__}, given"
-    points, fields = _fields(truth, scene)
-    scalars = _scalars(truth, scene)
+    points, fields = _fields(truth, name)
+    scalars = _scalars(truth, scene, name)
     if "pressure" in fields and points[-1] == 0.0 and math.isfinite(fields["pressure"][-1]):
         scalars["edge_pressure"] = float(fields["pressure"][-1])
     found = Truth(scene, source, scalars, points, fields, {})
     if not found.quantities:
-        raise SceneError("truth", truth, f"an object with one of {', '.join(QUANTITIES)}")
-    for name in found.quantities:
-        found.error[name] = estimate_of(truth, name) or 0.0
+        raise SceneError(name, truth, f"an object with one of {', '.join(QUANTITIES)}")
+    for quantity in found.quantities:
+        found.error[quantity] = estimate_of(truth, quantity) or 0.0
     return found
 
 
 def estimate_of(solution: Any, name: str) -> float | None:
     """Return what a solution says of the relative error of a quantity; None if nothing."""
     estimate = getattr(getattr(solution, "error", None), _attribute(name), None)
-    return None if estimate is None else float(estimate)
+    return None if estimate is None else scalar(f"error.{_attribute(name)}", estimate)
 
 
 def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:
@@ -185,17 +198,16 @@ def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[s
     """
     if quantities is None:
         return tuple(q for q in QUANTITIES if any(q in truth.quantities for truth in truths))
-    names = (quantities,) if isinstance(quantities, str) else tuple(quantities)
-    if not names:
-        raise SceneError("quantities", names, f"some of {', '.join(QUANTITIES)}")
-    for name in names:
-        if name not in QUANTITIES:
-            raise SceneError("quantities", name, f"among {', '.join(QUANTITIES)}")
+    given = [quantities] if isinstance(quantities, str) else quantities
+    asked = names("quantities", given, QUANTITIES)
+    if not asked:
+        raise SceneError("quantities", quantities, f"some of {', '.join(QUANTITIES)}")
+    for name in asked:
         for truth in truths:
             if name not in truth.quantities:
                 known = ", ".join(truth.quantities)
                 raise SceneError("quantities", name, f"among what the truth has here: {known}")
-    return tuple(name for name in QUANTITIES if name in names)
+    return tuple(name for name in QUANTITIES if name in asked)
 
 
 def _attribute(name: str) -> str:
@@ -223,7 +235,7 @@ def _best(scene: Scene, progress: bool) -> tuple[str, Any]:
     return f"reference, {_DIGITS} digits", reference(scene, _DIGITS, progress=progress)
 
 
-def _scalars(truth: Any, scene: Scene) -> dict[str, float]:
+def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
     """Return the scalars that are finite and not given by definition."""
     values = {}
     for name in _SCALARS:
@@ -233,12 +245,13 @@ def _scalars(truth: Any, scene: Scene) -> dict[str, float]:
             value = getattr(truth, name, None)
         except NotComputedError:
             continue
-        if value is not None and float(value) != 0.0 and math.isfinite(value):
-            values[name] = float(value)
+        number = 0.0 if value is None else scalar(f"{owner}.{name}", value)
+        if number != 0.0 and math.isfinite(number):
+            values[name] = number
     return values
 
 
-def _fields(truth: Any, scene: Scene) -> tuple[Array, dict[str, Array]]:
+def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:
     """Return the points and the fields there."""
     fields = {}
     listed = getattr(truth, "points", None)
@@ -249,8 +262,10 @@ def _fields(truth: Any, scene: Scene) -> tuple[Array, dict[str, Array]]:
     else:
         points = _PLACES
         for name in _FIELDS:
+            if not hasattr(truth, name):
+                continue
             try:
-                fields[name] = field_of(truth, name)(points)
-            except (SceneError, NotComputedError):  # it has no such field
+                fields[name] = field_of(truth, name, owner)(points)
+            except NotComputedError:
                 continue
     return points, {name: values for name, values in fields.items() if values.any()}

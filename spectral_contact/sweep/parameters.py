@@ -147,8 +147,8 @@ def grid(base: Scene, axes: Mapping[str, Any]) -> Parameters:
     return Parameters(_row(base), given)
 
 
-def listed(scenes: Iterable[Scene]) -> Parameters:
-    """Return the scenes of a list.
+def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> Parameters:
+    """Return the scenes of a list, with changes to all of them.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def listed(scenes: Iterable[Scene]) -> Parameters:
     for number, scene in enumerate(scenes):
         if not isinstance(scene, Scene):
             raise SceneError(f"scenes[{number}]", scene, "a Scene")
-        rows.append(_row(scene))
+        rows.append(_row(replace(scene, **changes) if changes else scene))
     if not rows:
         raise SceneError("scenes", [], "at least one Scene")
     return Parameters((math.nan,) * len(PARAMETERS), {}, np.array(rows).T.copy())

@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.checks import real
+from spectral_contact.choices import instance, one_of
 from spectral_contact.errors import SceneError
 from spectral_contact.plotting import style
+from spectral_contact.sweep.dataset import needed
 
 if TYPE_CHECKING:
     import xarray
@@ -44,33 +47,44 @@ def plot_slice(
     Raises
     ------
     SceneError
-        For a variable or a dimension that there is not, or if not one or two are left.
+        If it is no dataset; for a variable or a dimension that there is not, a place that is no
+        real number, or if not one or two dimensions are left.
     MissingDependencyError
         If matplotlib is not installed (extra: plot).
     """
-    names = [name for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
-    if quantity not in names:
-        raise SceneError("quantity", quantity, f"out of {', '.join(map(str, names))}")
-    part = dataset[quantity]
-    for name, value in (at or {}).items():
-        if name not in part.dims:
-            raise SceneError("at", name, f"a dimension: {', '.join(map(str, part.dims)) or 'none'}")
+    instance("dataset", dataset, needed().Dataset)
+    names = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
+    part = dataset[one_of("quantity", quantity, names)]
+    cut = _places(at, [str(name) for name in part.dims])
+    for name, value in cut.items():
         part = part.sel({name: _nearest(part[name].values, value)})
     left = [str(name) for name in part.dims if part.sizes[name] > 1]
     # full stick, friction infinite, has no place on an axis
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
     if len(left) not in (1, 2):
         said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
-        raise SceneError("at", dict(at or {}), said)
+        raise SceneError("at", cut, said)
     with style():
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(5.6, 4.2), layout="constrained")
         axes = figure.add_subplot()
         (_curve if len(left) == 1 else _map)(axes, part, left)
-        cuts = [f"{name} = {float(part[name]):.4g}" for name in (at or {})]
+        cuts = [f"{name} = {float(part[name]):.4g}" for name in cut]
         axes.set_title(", ".join(cuts).replace("_", " "), fontsize="medium")
     return figure
+
+
+def _places(at: Any, dims: list[str]) -> dict[str, float]:
+    """Return where dimensions are cut."""
+    if not isinstance(at, Mapping | None):
+        raise SceneError("at", at, "a mapping of names to numbers")
+    return {
+        one_of("at", name, dims, f"a dimension: {', '.join(dims) or 'none'}"): real(
+            f"at, {name}", value, allowed="a number", infinite_ok=True
+        )
+        for name, value in (at or {}).items()
+    }
 
 
 def _nearest(values: NDArray[Any], wanted: float) -> Any:

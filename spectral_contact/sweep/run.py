@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 from collections.abc import Iterable
 from concurrent.futures import Executor
@@ -64,7 +65,8 @@ def sweep(
         The scene whose parameters vary, or a list.
     poisson_ratio, normal_compliance, tangential_compliance, friction : array_like, optional
         The values that a parameter takes, dimensionless as in `Scene`; the grid has every
-        combination. Not with a list of scenes. A scene with SI data lets its friction vary alone.
+        combination, and a list of scenes takes none. A single number is that of all scenes, in
+        the place of their own, and no dimension. With SI data friction alone can be given.
     quantities : iterable of str, optional
         What to compute, out of `QUANTITIES`; approach, stick radius, total shear, edge ratio and
         critical friction are the default. What is not asked for is not computed.
@@ -122,6 +124,7 @@ def sweep(
     )
     parameters = _parameters(scenes, axes)
     request = requested(quantities, rtol, max_unknowns, s, from_edge)
+    checks.flag("progress", progress)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
     request = replace(request, shared=parameters.pairs >= _MANY)
@@ -146,15 +149,20 @@ def _chunk(parameters: Parameters, request: Request) -> int:
 
 def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:
     """Return the scenes that are meant."""
+    alone: dict[str, Any] = {
+        name: one for name, one in axes.items() if isinstance(one, numbers.Real)
+    }
+    axes = {name: one for name, one in axes.items() if name not in alone}
     if isinstance(scenes, Scene):
-        return grid(scenes, axes)
+        return grid(replace(scenes, **alone), axes)
     given = [name for name, values in axes.items() if values is not None]
     if given:
         raise SceneError(given[0], axes[given[0]], "None with a list of scenes")
     try:
-        return listed(scenes)
-    except TypeError:  # it is not iterable
+        several = iter(scenes)
+    except Exception:  # not a list, or a broken one
         raise SceneError("scenes", scenes, "a Scene or a list of them") from None
+    return listed(several, alone)
 
 
 class _Run:

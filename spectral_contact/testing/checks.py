@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import real
+from spectral_contact.checks import flag, real, scalar, values_at
+from spectral_contact.choices import instance, listed
 from spectral_contact.equations import (
     load,
     normal_displacement,
@@ -135,16 +136,16 @@ def check_solution(
     >>> check_solution(solve(scene), scene, 1e-10).passed
     True
     """
+    instance("scene", scene, Scene)
+    flag("strict", strict)
     rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
     cuts = [
         real("breaks", b, allowed="in (0, 1)", low=0.0, high=1.0, low_open=True, high_open=True)
-        for b in breaks
+        for b in listed("breaks", breaks, "numbers")
     ]
-    cuts += [
-        float(zone.outer_from_edge)
-        for zone in getattr(solution, "zones", ())
-        if 0.0 < zone.outer_from_edge < 1.0
-    ]
+    zones = listed("solution.zones", getattr(solution, "zones", ()), "zones")
+    ends = [scalar("solution.zones", getattr(zone, "outer_from_edge", None)) for zone in zones]
+    cuts += [end for end in ends if 0.0 < end < 1.0]
     # cuts by decades keep the layers at the edge apart from the bulk
     finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
     cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0]
@@ -159,7 +160,7 @@ def check_solution(
     return report
 
 
-def field_of(solution: Any, name: str) -> Field:
+def field_of(solution: Any, name: str, owner: str = "solution") -> Field:
     """Return a field of any solution as a function of the distance from the edge.
 
     Parameters
@@ -168,6 +169,8 @@ def field_of(solution: Any, name: str) -> Field:
         With a method of that name, which takes radii ``s``, or distances ``from_edge``.
     name : str
         ``"pressure"`` or ``"traction"``.
+    owner : str
+        What the solution is called in an error.
 
     Returns
     -------
@@ -181,17 +184,24 @@ def field_of(solution: Any, name: str) -> Field:
     """
     method = getattr(solution, name, None)
     if not callable(method):
-        raise SceneError("solution", solution, f"an object with a method {name}(s)")
+        raise SceneError(owner, solution, f"an object with a method {name}(s)")
     try:
         by_edge = "from_edge" in inspect.signature(method).parameters
     except (TypeError, ValueError):  # a callable without a signature
         by_edge = False
 
     def field(d: Array) -> Array:
-        values = method(from_edge=d) if by_edge else method(1.0 - d)
-        return np.asarray(values, dtype=float)
+        if by_edge:
+            return values_at(f"{owner}.{name}", lambda places: method(from_edge=places), d)
+        return values_at(f"{owner}.{name}", lambda places: method(1.0 - places), d)
 
     return field
+
+
+def _number(solution: Any, name: str, default: float) -> float:
+    """Return a number of any solution, the default if there is none."""
+    value = getattr(solution, name, None)
+    return default if value is None else scalar(f"solution.{name}", value)
 
 
 def _worst(name: str, errors: Array, allowed: float, places: Array) -> Check:
@@ -219,8 +229,8 @@ def _normal_checks(
         under -= np.array(lifts)
         # what the smooth pressure does on the lift; 1 - sqrt(1 - s^2), without cancellation
         excess -= scene.kappa * load(lambda d: _smooth_share(traction, d), breaks=cuts)
-    approach = float(getattr(solution, "approach", np.mean(under)))
-    opening = getattr(solution, "opening", None) or 0.0
+    approach = _number(solution, "approach", float(np.mean(under)))
+    opening = _number(solution, "opening", 0.0)
     negative = np.where(opening > _PLACES, 0.0, np.maximum(-p, 0.0)) / np.mean(np.abs(p))
     return [
         _worst("pressure is not negative", negative, 0.0, _PLACES),
@@ -273,6 +283,6 @@ def _friction_checks(
         checks.insert(0, _worst("traction within friction", beyond, 2.0 * rtol, places))
     if hasattr(solution, "total_shear"):
         shear = 2.0 * pi * load(traction, breaks=cuts)
-        error = abs(float(solution.total_shear) - shear) / max(abs(shear), 1e-300)
+        error = abs(_number(solution, "total_shear", 0.0) - shear) / max(abs(shear), 1e-300)
         checks.append(Check("total shear is that of the traction", error if shear else 0.0, rtol))
     return checks

@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from spectral_contact.errors import MissingDependencyError
+from spectral_contact.checks import real
+from spectral_contact.choices import instance
+from spectral_contact.errors import MissingDependencyError, SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solver import solve
 
@@ -37,8 +39,19 @@ __all__ = [
 
 
 def powers_of_ten(low: float, high: float) -> SearchStrategy[float]:
-    """Return numbers from ``10**low`` to ``10**high``, evenly by their logarithm."""
-    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+    """Return numbers from ``10**low`` to ``10**high``, evenly by their logarithm.
+
+    Raises
+    ------
+    SceneError
+        If the exponents are not real numbers in [-300, 300], or not in their order.
+    """
+    limits: dict[str, Any] = {"low": -300.0, "high": 300.0}
+    lowest = real("low", low, allowed="in [-300, 300]", **limits)
+    highest = real("high", high, allowed="in [-300, 300]", **limits)
+    if lowest > highest:
+        raise SceneError("low, high", (low, high), "in their order")
+    return st.floats(lowest, highest).map(lambda exponent: 10.0**exponent)
 
 
 def compliances() -> SearchStrategy[float]:
@@ -56,15 +69,24 @@ def frictionless_scenes() -> SearchStrategy[Scene]:
     return st.builds(Scene, poisson_ratios(), compliances())
 
 
-@st.composite
-def scenes(draw: DrawFn, friction: SearchStrategy[float | None]) -> Scene:
+def scenes(friction: SearchStrategy[float | None]) -> SearchStrategy[Scene]:
     """Return scenes with any compliances.
 
     Parameters
     ----------
     friction : strategy
         Of the coefficient of friction.
+
+    Raises
+    ------
+    SceneError
+        If it is no strategy.
     """
+    return _scenes(instance("friction", friction, st.SearchStrategy))
+
+
+@st.composite
+def _scenes(draw: DrawFn, friction: SearchStrategy[float | None]) -> Scene:
     alpha, beta = draw(compliances()), draw(compliances())
     assume(not (0.0 < beta < 1e-9 and alpha < beta / 10.0))
     return Scene(draw(poisson_ratios()), alpha, beta, draw(friction))

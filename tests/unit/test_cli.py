@@ -11,6 +11,7 @@ import pytest
 import spectral_contact
 from spectral_contact import ErrorEstimates, Scene, Solution, cli, solve
 from spectral_contact.cli import main
+from spectral_contact.cli_options import number
 
 STEEL = ("--youngs-modulus", "2.1e11", "--poisson-ratio", "0.3", "--radius", "0.013")
 STEEL_SCENE = {"youngs_modulus": 2.1e11, "poisson_ratio": 0.3, "radius": 0.013}
@@ -76,6 +77,11 @@ def test_every_scene_parameter_is_an_option(capsys, solved, friction, expected):
     status, _, _ = run(capsys, *options, "1e-3", "--friction", friction, *QUICK)
     assert status == 0
     assert solved[0][0][0] == Scene(-0.25, 3.0, 1e-3, expected)
+
+
+@pytest.mark.parametrize("text", ["0e-999", " 0.000 ", "+.0E7", "-0."])
+def test_a_decimal_that_is_zero_is_one(text):
+    assert number(text) == 0.0
 
 
 @pytest.mark.parametrize("text", ["-1e-3", "-.5", "-5E-1"])
@@ -274,6 +280,16 @@ def test_a_plot(capsys, tmp_path):
         (["--friction", "-0.1"], "--friction: '-0.1' must be >= 0"),
         (["--friction", "nan"], "--friction: 'nan' must be >= 0"),
         (["--friction", "some"], "'some' is not a number"),
+        (["--friction", "1e999"], "--friction: '1e999' is not within the range of a double"),
+        (["--normal-compliance", "1e-400"], "'1e-400' is not within the range of a double"),
+        (["--normal-compliance", "-1e-400"], "'-1e-400' is not within the range of a double"),
+        (["--rtol", f"1e-{'9' * 30}"], "is not within the range of a double"),
+        (["--rtol", "1_0e-4"], "--rtol: '1_0e-4' is not a number"),
+        (["--rtol", "\u0661e-3"], "is not a number"),  # an Arabic digit
+        (["--rtol", "\u20091e-3"], "is not a number"),
+        (["--max-unknowns", "1_000"], "'1_000' is not a whole number"),
+        (["--max-unknowns", "\u0661"], "is not a whole number"),
+        (["--max-unknowns", "9" * 5000], "is not a whole number"),
         (["--rtol", "1"], "--rtol = 1.0"),
         (["--rtol", "1e-13"], "--rtol = 1e-13"),
         (["--rtol"], "--rtol"),
@@ -282,7 +298,9 @@ def test_a_plot(capsys, tmp_path):
         (["--max-unknowns", "0"], "--max-unknowns = 0"),
         (["--max-unknowns", "1.5"], "'1.5' is not a whole number"),
         (["--colour", "red"], "--colour"),
-        (["--rto", "1e-3"], "--rto"),
+        (["--rto", "1e-3"], "unrecognized arguments: --rto 1e-3; did you mean --rtol? (see "),
+        (["--quantites=approach"], "; did you mean --quantities? (see "),
+        (["--quantities", "aproach"], "critical_friction; did you mean approach?"),
         (["more"], "more"),
         (["--radius", "1"], "SI input needs --youngs-modulus"),
         (["--load", "1"], "SI input needs --youngs-modulus and --radius"),

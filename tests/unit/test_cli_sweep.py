@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact import Scene, cli_sweep, solve
+from spectral_contact import Scene, SceneError, cli_sweep, solve
 from spectral_contact.cli import main
 from spectral_contact.sweep import plot_slice, sweep
 
@@ -100,11 +100,48 @@ def test_slices_are_curves_and_maps():
     assert np.allclose(corners[:, 0, 1], 10.0 ** np.array([-4.5, -1.5, 1.5]), rtol=1e-12)
 
 
+@pytest.fixture(scope="module")
+def swept():
+    asked = {"quantities": ["approach"]}
+    return sweep(Scene(0.3, 0.5, 0.5, 0.1), normal_compliance=[0.1, 1.0], friction=[0.1], **asked)
+
+
+@pytest.mark.parametrize("value", [1, None, {}, "x"])
+def test_a_slice_is_of_a_dataset(value):
+    with pytest.raises(SceneError, match=r"^dataset = .*: must be a Dataset$"):
+        plot_slice(value, "approach")
+
+
+@pytest.mark.parametrize("value", [math.nan, True, 0.1 + 0j, "0.1", None, [0.1], np.array(0.1)])
+def test_a_slice_is_cut_at_a_number(swept, value):
+    with pytest.raises(SceneError, match=r"^at, friction = "):
+        plot_slice(swept, "approach", {"friction": value})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("aproach",), "quantity = 'aproach': must be out of approach, .*did you mean approach"),
+        ((1,), "quantity = 1"),
+        (("approach", {"fricton": 0.1}), "at = 'fricton': .*did you mean friction"),
+        (("approach", 1), "at = 1: must be a mapping"),
+        (("approach", {1: 1}), "at = 1"),
+    ],
+)
+def test_a_slice_is_of_what_there_is(swept, arguments, said):
+    with pytest.raises(SceneError, match=f"^{said}"):
+        plot_slice(swept, *arguments)
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         (("--friction", "0.1:x:3"), "argument --friction: 'x' is not a number"),
         (("--friction", "0.1:0.3"), "argument --friction: '0.1:0.3' is not LOW:HIGH:COUNT[:log]"),
+        (("--friction", "0.1:1e999:3"), "'1e999' is not within the range of a double"),
+        (("--friction", "0.1:0.3:1_0"), "'1_0' is not a whole number"),
+        (("--s", "0.5,\u0660"), "argument --s: '\u0660' is not a number"),
+        (("--at", "friction=1e-400"), "'1e-400' is not within the range of a double"),
         (("--friction", "0.1:0.3:0"), "'0.1:0.3:0' is not LOW:HIGH:COUNT[:log]"),
         (("--friction", "0.1:inf:3"), "'0.1:inf:3' is not LOW:HIGH:COUNT[:log]"),
         (("--friction", "0.1:0.3:3:cubic"), "is not LOW:HIGH:COUNT[:log]"),

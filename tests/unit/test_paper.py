@@ -123,7 +123,7 @@ def test_figures_say_which_parameters_are_the_papers(name):
 
 @pytest.mark.parametrize("name", ["1", 2, None, ["2"]])
 def test_unknown_figures_are_refused(name):
-    with pytest.raises(SceneError, match=r"figures = .*: must be out of 2, 3, 4, 5, 6, onset"):
+    with pytest.raises(SceneError, match=r"name = .*: must be out of 2, 3, 4, 5, 6, onset"):
         figure_data(name)
 
 

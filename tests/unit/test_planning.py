@@ -132,6 +132,17 @@ def test_only_a_frictionless_scene_lacks_quantities():
         assert lacking == ({"slip", "edge_ratio", "critical_friction"} if without else set()), name
 
 
+@pytest.mark.parametrize("name", ["aproach", "APPROACH", " approach", "approaches"])
+def test_a_wrong_name_gets_a_suggestion(name):
+    with pytest.raises(SceneError, match=r"critical_friction; did you mean approach\?$"):
+        plan(SCENES["Coulomb"], [name])
+
+
+def test_a_name_that_is_like_nothing_gets_none():
+    with pytest.raises(SceneError, match=r"critical_friction$"):
+        plan(SCENES["Coulomb"], ["wear"])
+
+
 def test_order_and_repetition_of_the_quantities_do_not_matter():
     scene = SCENES["Coulomb"]
     expected = plan(scene, ("approach", "zones"))

@@ -270,6 +270,30 @@ def test_unwritable_files_and_unknown_suffixes(slipping, tmp_path):
         plotting.save(figure, str(tmp_path / "missing" / "x.png"))
 
 
+@pytest.mark.parametrize("value", [1, None, "x", object()])
+def test_what_is_no_figure_or_path_is_named(slipping, tmp_path, value):
+    with pytest.raises(SceneError, match=r"^figure = .*: must be a Figure$"):
+        plotting.save(value, str(tmp_path / "x.png"))
+    figure = plotting.plot_coefficients(slipping)
+    with pytest.raises(SolutionFileError, match="suffix" if value == "x" else "not a path"):
+        plotting.save(figure, value)
+    with pytest.raises(SolutionFileError, match="cannot be written"):
+        plotting.save(figure, "\x00.png")
+    for call in (plotting.graded_radii, plotting.plot_solution, plotting.plot_coefficients):
+        with pytest.raises(SceneError, match=r"^solution = .*: must be a Solution$"):
+            call(value)
+    with pytest.raises(SceneError, match=r"^scene = .*: must be a Scene$"):
+        plotting.scene_title(value)
+    with pytest.raises(SceneError, match=r"^plan = .*: must be a Plan$"):
+        plotting.check(value)
+
+
+@pytest.mark.parametrize("count", [0, True, 2.0, "3", 10**9])
+def test_a_count_of_radii_is_a_whole_number(slipping, count):
+    with pytest.raises(SceneError, match=r"^count = "):
+        plotting.graded_radii(slipping, count)
+
+
 def test_without_matplotlib_the_error_names_the_extra(slipping, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     for plot in (plotting.plot_solution, plotting.plot_coefficients):

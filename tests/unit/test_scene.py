@@ -565,7 +565,7 @@ def test_poisson_ratio_of_the_scales_is_checked(nu):
         lambda: BY_LOAD.displacement_scale(1.0, nu),
         lambda: BY_LOAD.dimensionless_compliances(nu),
     ):
-        with pytest.raises(SceneError, match=r"^poisson_ratio = "):
+        with pytest.raises(SceneError, match=r"^nu = "):
             call()
 
 

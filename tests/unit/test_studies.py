@@ -1,5 +1,6 @@
 """Studies: what a solver must have, whose truth it is, what is measured, what is printed."""
 
+import itertools
 import math
 from functools import partial
 from types import SimpleNamespace
@@ -230,7 +231,13 @@ def test_a_quantity_that_is_asked_for_must_be_there():
         ({"quantities": ["wear"]}, "quantities = 'wear'"),
         ({"quantities": []}, "quantities"),
         ({"quantities": ["traction"]}, "among what the truth has here"),
+        ({"quantities": ["aproach"]}, "did you mean approach?"),
+        ({"quantities": 1}, "quantities = 1"),
         ({"solver": 3}, "solver = 3"),
+        ({"stopwatch": 1}, "stopwatch = 1: must be a Stopwatch"),
+        ({"name": 1}, "name = 1"),
+        ({"progress": "no"}, "progress = 'no'"),
+        ({"resolutions": itertools.count(1)}, "resolutions"),
         ({"scene": None}, "scene"),
     ],
 )
@@ -241,6 +248,50 @@ def test_bad_requests_are_refused_before_any_work(change, named):
     request = {"solver": never, "scene": NORMAL, "resolutions": [8], **change}
     with pytest.raises(SceneError, match=named):
         convergence(**request)
+
+
+@pytest.mark.parametrize("estimate", ["none", True, 1j, [0.1]])
+def test_an_estimate_that_is_no_number_is_a_failure(estimate):
+    solution = SimpleNamespace(approach=0.25, error=SimpleNamespace(approach=estimate))
+    study = convergence(lambda scene, count: solution, NORMAL, [8], LIMIT, stopwatch=None)
+    assert study.points[0].errors == {"approach": 0.0}
+    assert study.points[0].failure.startswith("SceneError: error.approach = ")
+
+
+def test_truths_may_be_infinite_at_the_edge():
+    true = truth_of(Scene(0.1), reference(Scene(0.1), 15))
+    assert true.fields["pressure"][-1] == math.inf
+    assert true.errors(solve(Scene(0.1)), ["pressure"])["pressure"] < 1e-14
+
+
+@pytest.mark.parametrize("value", [True, "0.25", 0.25 + 0j, [0.25], np.datetime64("NaT"), object()])
+def test_what_is_no_number_is_a_failure_and_no_error(value):
+    found = [
+        convergence(lambda scene, count, one=one: one, NORMAL, [8], LIMIT, stopwatch=None)
+        for one in (
+            SimpleNamespace(approach=value),
+            SimpleNamespace(pressure=lambda s: value),
+        )
+    ]
+    for study, name in zip(found, ("approach", "pressure"), strict=True):
+        [point] = study.points
+        assert point.errors == {}
+        assert point.failure.startswith(f"SceneError: solution.{name} = ")
+    with pytest.raises(SceneError, match=r"truth\.approach = "):
+        truth_of(NORMAL, SimpleNamespace(approach=value))
+
+
+def test_a_study_is_asked_for_what_it_has():
+    study = convergence(decaying, NORMAL, [8, 16, 32], LIMIT, stopwatch=None)
+    with pytest.raises(SceneError, match=r"quantity = 'aproach'.*did you mean approach"):
+        study.rate("aproach")
+    with pytest.raises(SceneError, match=r"quantity = 'aproach'.*did you mean approach"):
+        study.points[0].seconds_per_digit("aproach")
+    compared = work_precision({"mine": decaying}, NORMAL, [0.5], [LIMIT], stopwatch=QUICK)
+    with pytest.raises(SceneError, match=r"solver = 'Mine'.*did you mean mine"):
+        compared.of("Mine", NORMAL)
+    with pytest.raises(SceneError, match=r"scene = .*: must be a scene of the study"):
+        compared.of("mine", Scene(0.2))
 
 
 def test_a_study_as_text():
@@ -327,8 +378,16 @@ def test_failures_are_listed():
     [
         ({"solvers": {}}, "solvers"),
         ({"solvers": [decaying]}, "solvers"),
-        ({"solvers": {"a": 3}}, "solver = 3"),
-        ({"solvers": {"a": (decaying, [])}}, "resolutions"),
+        ({"solvers": {"a": 3}}, "solvers = 3"),
+        ({"solvers": {1: decaying}}, "solvers = 1"),
+        ({"solvers": {"a": (decaying, [])}}, "solvers"),
+        ({"solvers": {"a": (decaying, itertools.count(1))}}, "solvers"),
+        ({"scenes": 1}, "scenes = 1"),
+        ({"scenes": [[NORMAL]]}, "scenes"),
+        ({"truths": 1}, "truths = 1"),
+        ({"quantities": 1}, "quantities = 1"),
+        ({"stopwatch": 1}, "stopwatch = 1"),
+        ({"progress": 1}, "progress = 1"),
         ({"scenes": []}, "scenes"),
         ({"scenes": [NORMAL, NORMAL]}, "scenes"),
         ({"accuracies": [1.0]}, "accuracies = 1.0"),

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import peers
@@ -292,3 +293,20 @@ def test_a_killed_run_loses_one_point(tmp_path):
     again = study(solver, store=store)
     assert solver.calls == [64]
     assert again == study()
+
+
+def test_a_rate_beyond_the_doubles_is_stored(tmp_path):
+    found = study(resolutions=[1, 2, 3], solver=peers.Decaying)
+    wild = [1e200, 1e130, 1e-13]
+    points = tuple(
+        replace(point, unknowns=k + 1, errors={"approach": error})
+        for k, (point, error) in enumerate(zip(found.points, wild, strict=True))
+    )
+    found = replace(found, points=points)
+    rate = found.rate("approach")
+    assert rate.interval[1] == math.inf
+    found.save(tmp_path / "x.json")
+    assert load(tmp_path / "x.json") == found
+    stored = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+    assert stored["rates"]["approach"]["interval"][1] == "inf"
+    assert str(found)

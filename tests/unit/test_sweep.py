@@ -139,7 +139,10 @@ def test_what_is_not_asked_for_is_not_computed():
     [
         ({"friction": [0.1, -0.2]}, "friction = -0.2: must be >= 0"),
         ({"friction": [0.1, math.nan]}, "friction = nan: must be >= 0"),
-        ({"friction": 0.1}, "friction = 0.1: must be a list of at least one number"),
+        ({"friction": -0.1}, "friction = -0.1: must be >= 0"),
+        ({"friction": True}, "friction = True: must be a real number"),
+        ({"friction": "0.1"}, "friction = '0.1': must be a real number, a list of real numbers"),
+        ({"friction": np.array(0.1)}, "friction = array(0.1): must be a list of at least one"),
         ({"friction": []}, "friction = []: must be a list of at least one number"),
         ({"friction": [[0.1]]}, "friction = [[0.1]]: must be a list of at least one number"),
         ({"friction": ["a"]}, "friction = ['a']: must be a real number, a list of real numbers"),
@@ -147,6 +150,8 @@ def test_what_is_not_asked_for_is_not_computed():
         ({"normal_compliance": [1.0, 1e-15]}, "normal_compliance = 1e-15: must be 0 or in"),
         ({"poisson_ratio": [0.3, 0.6]}, "poisson_ratio = 0.6: must be in (-1, 0.5]"),
         ({"quantities": ["stick"]}, "quantities = 'stick': must be out of approach"),
+        ({"quantities": ["aproach"]}, "quantities = 'aproach': must be out of approach"),
+        ({"progress": 1}, "progress = 1: must be True or False"),
         ({"quantities": "approach"}, "quantities = 'approach': must be a list of names"),
         ({"quantities": []}, "quantities = []: must be at least one name"),
         ({"quantities": ["slip"]}, "s, from_edge = (None, None): must be given for the slip"),
@@ -179,6 +184,16 @@ def test_bad_scenes_are_named(scenes, arguments, message):
     with pytest.raises(SceneError) as caught:
         sweep(scenes, **arguments)
     assert str(caught.value).startswith(message)
+
+
+def test_a_single_number_is_that_of_all_scenes():
+    asked = {"quantities": ["approach", "stick_radius"]}
+    found = sweep(BASE, normal_compliance=[0.1, 0.5], friction=0.05, **asked)
+    assert found.sizes == {"normal_compliance": 2}
+    assert found.friction == 0.05
+    assert found.identical(sweep(Scene(0.3, 0.5, 0.5, 0.05), normal_compliance=[0.1, 0.5], **asked))
+    several = sweep([BASE, Scene(0.3, 0.5, 0.5)], friction=0.05, **asked)
+    assert several.identical(sweep([Scene(0.3, 0.5, 0.5, 0.05)] * 2, **asked))
 
 
 @pytest.mark.parametrize("as_list", [True, False])

@@ -1,6 +1,7 @@
 """The checks for any solver: they pass what is right, and fail each wrong thing by itself."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -131,6 +132,31 @@ def test_impossible_tolerances(rtol):
 def test_impossible_breaks(place):
     with pytest.raises(SceneError, match=r"breaks = .*: must be .*in \(0, 1\)"):
         check_solution(solve(PARTIAL, 1e-3), PARTIAL, 1e-3, breaks=[place])
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"scene": 1}, "scene = 1: must be a Scene"),
+        ({"breaks": 1}, "breaks = 1: must be a list of numbers"),
+        ({"strict": 1}, "strict = 1"),
+        ({"pressure": lambda d: "0.5"}, "solution.pressure = '0.5'"),
+        ({"pressure": lambda d: np.ones(3)}, "solution.pressure = array"),
+        ({"traction": lambda d: 1j * d}, "solution.traction"),
+        ({"approach": True}, "solution.approach = True"),
+        ({"zones": 1}, "solution.zones = 1"),
+    ],
+)
+def test_bad_input_is_named(change, named):
+    [[name, value]] = change.items()
+    asked = {"scene": PARTIAL, "rtol": 1e-3}
+    found = Fields(PARTIAL)
+    if name in ("scene", "breaks", "strict"):
+        asked[name] = value
+    else:  # without from_edge, fields are functions of s
+        setattr(found, name, value)
+    with pytest.raises(SceneError, match=f"^{re.escape(named)}"):
+        check_solution(found, **asked)
 
 
 def test_a_solution_needs_its_fields():
