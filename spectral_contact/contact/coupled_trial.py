@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import series_of
 from spectral_contact.spectral.sliding import SlidingDisk
 from spectral_contact.spectral.sliding_factor import SlidingFactored
+from spectral_contact.threads import cached_property
 
 __all__ = ["CoupledTrial"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
@@ -94,6 +95,10 @@ class BoundedCache(Generic[K, V]):
         with self._lock:
             self._entries.clear()
 
+    def renew_lock(self) -> None:
+        """Forget who works here; for a process that was forked, where nobody else does."""
+        self._lock = threading.RLock()
+
     def __len__(self) -> int:
         return len(self._entries)
 
@@ -139,3 +144,13 @@ def clear_caches() -> None:
     """Empty every cache of the library; the next solve assembles anew."""
     for cache in list(_ALL):
         cache.clear()
+
+
+def _renew_locks() -> None:
+    """Let a forked process work, though a thread of its parent held locks."""
+    for cache in list(_ALL):
+        cache.renew_lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_renew_locks)

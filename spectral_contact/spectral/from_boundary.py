@@ -8,7 +8,6 @@ apart the kernel has one. At the edge integrals are taken as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_values,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.threads import cached_property
 
 __all__ = ["Charges", "NodeRule", "Seen", "half_integrals", "inner_integrals", "node_rule"]
 

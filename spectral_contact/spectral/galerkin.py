@@ -16,7 +16,6 @@ where nothing cancels, restores it (corrected seminormal equations).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -33,6 +32,7 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.panels import LogPanels, Nodes
 from spectral_contact.spectral.samples import Samples
+from spectral_contact.threads import cached_property
 
 __all__ = [
     "Change",

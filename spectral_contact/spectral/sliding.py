@@ -20,8 +20,6 @@ it makes the traction continuous. That it is what p makes it is the condition of
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +33,7 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.panels import LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.transforms import transforms
+from spectral_contact.threads import cached_property
 
 __all__ = ["SlidingDisk"]
 

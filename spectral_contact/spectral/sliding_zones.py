@@ -11,8 +11,6 @@ condition of its boundary.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +27,7 @@ from spectral_contact.spectral.from_boundary import (
 from spectral_contact.spectral.panels import LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.zone_parts import Part, zone_parts
+from spectral_contact.threads import cached_property
 
 __all__ = ["SlidingZones"]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
@@ -11,6 +9,7 @@ from scipy.linalg import lu_factor, lu_solve
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.sliding_factor import shed_changes
 from spectral_contact.spectral.sliding_zones import SlidingZones
+from spectral_contact.threads import cached_property
 
 __all__ = ["ZonesFactored"]
 
