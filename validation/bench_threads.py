@@ -4,7 +4,7 @@ Run as ``python validation/bench_threads.py``; writes validation/results/bench_t
 Both ways take turns in one process whose BLAS has as many threads as the machine has processors;
 caches are filled. Load is two processes that do nothing else than work. Times are wall-clock
 medians. The load average at the start says whether "quiet" was true. The price of the hold is
-measured by itself, as the first to hold BLAS and inside another hold.
+measured by itself, in processor time, as the first to hold BLAS and inside another hold.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from statistics import median
-from time import perf_counter, sleep
+from time import perf_counter, sleep, thread_time
 from unittest import mock
 
 import numpy as np
@@ -95,15 +95,17 @@ def pairs(scene: Scene) -> tuple[list[float], list[float]]:
 
 
 def price() -> dict[str, float]:
-    """Return what the hold costs in microseconds: the least of several means."""
+    """Return what the hold costs in microseconds of processor time: the least of several means."""
 
-    def entries() -> None:
+    def mean() -> float:
+        begin = thread_time()
         for _ in range(ENTRIES):
             with one_thread():
                 pass
+        return 1e6 * (thread_time() - begin) / ENTRIES
 
     def least() -> float:
-        return 1e6 * min(seconds(entries) for _ in range(TRIES)) / ENTRIES
+        return min(mean() for _ in range(TRIES))
 
     first = least()
     with one_thread():
@@ -126,7 +128,7 @@ def row(name: str, parameters: tuple[float, ...], coupling: bool, busy: int) -> 
 
 def main() -> None:
     """Measure, print and store."""
-    before = os.getloadavg()[0]
+    before, cost = os.getloadavg()[0], price()
     rows = []
     for busy in (0, BUSY):
         with load(busy):
@@ -145,7 +147,7 @@ def main() -> None:
             if one["user_api"] == "blas"
         ],
         "load_before": before,
-        "price": price(),
+        "price": cost,
         "rows": rows,
     }
     (RESULTS / "bench_threads.json").write_text(json.dumps(record, indent=1) + "\n")
