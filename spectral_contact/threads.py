@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any, Final, TypeVar
 
+from threadpoolctl import ThreadpoolController
+
 __all__ = ["THREADS", "cached_property", "look_for_blas", "one_thread"]
 
 T = TypeVar("T")
@@ -81,7 +83,6 @@ class _Hold:
     def look(self) -> None:
         """Find the BLAS libraries of this process; NumPy and SciPy often bring one each."""
         import scipy.linalg  # noqa: F401  (its library has to be there to be found)
-        from threadpoolctl import ThreadpoolController
 
         with self._lock:
             found = ThreadpoolController().select(user_api="blas").lib_controllers

@@ -21,7 +21,9 @@ import json
 import platform
 import resource
 import sys
+from math import inf
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import scipy
@@ -95,12 +97,14 @@ def main() -> None:
     """Measure, print and store."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=SCENES)
-    count = parser.parse_args().scenes
-    rows = [row(0)]
-    for number in range(count):
-        solved(number)
-        if (number + 1) % STEP == 0:
-            rows.append(row(number + 1))
+    parser.add_argument("--minutes", type=float, default=inf, help="no hundred begins after these")
+    options = parser.parse_args()
+    rows, count, begin = [row(0)], 0, perf_counter()
+    while count < options.scenes and perf_counter() - begin < 60.0 * options.minutes:
+        for number in range(count, count + STEP):
+            solved(number)
+        count += STEP
+        rows.append(row(count))
     gc.collect()
     rows.append(row(count, "cycles collected"))
     clear_caches()
