@@ -22,12 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from spectral_contact.spectral.abel import (
-    deeper_blocks,
-    deeper_tail,
-    outer,
-    outer_blocks,
-)
+from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.panels import LogPanels, Nodes
@@ -57,9 +52,7 @@ _HARMLESS = 1e-3
 _OPERATORS: BoundedCache[LogPanels, DiskOperators] = BoundedCache("disk operators", 12)
 # A space knows its operator, which knows its disk. Were it known to them too, what a cache forgets
 # would stay until the collector of cycles comes by: hundreds of megabytes, measured.
-_PROJECTED: BoundedCache[tuple[DiskOperators, str], GalerkinOperator] = BoundedCache(
-    "Galerkin operators", 24
-)
+_KERNELS: BoundedCache[tuple[DiskOperators, str], GalerkinOperator] = BoundedCache("kernels", 24)
 _SPACES: BoundedCache[tuple[GalerkinOperator, tuple[int, ...]], Space] = BoundedCache(
     "Galerkin spaces", 96
 )
@@ -144,19 +137,16 @@ class DiskOperators:
     @property
     def normal(self) -> GalerkinOperator:
         """Projection of K1 with the mass matrix ``<phi, psi> = int phi psi s ds`` (cached)."""
-        return _PROJECTED.get((self, "normal"), self._normal)
+        return _KERNELS.get((self, "normal"), lambda: self._projected(1.0, (0.5, 0.0)))
 
     @property
     def tangential(self) -> GalerkinOperator:
         """Projection of K2 for ``q = s u``, mass matrix ``int u v s**3 ds`` (cached)."""
-        return _PROJECTED.get((self, "tangential"), self._tangential)
+        rest = self.nodes.rest
+        return _KERNELS.get((self, "tangential"), lambda: self._projected(rest, (0.5, -0.5)))
 
-    def _normal(self) -> GalerkinOperator:
-        return GalerkinOperator(self, self.nodes.weights / np.pi, (0.5, 0.0))
-
-    def _tangential(self) -> GalerkinOperator:
-        weights = self.nodes.weights * self.nodes.rest / np.pi
-        return GalerkinOperator(self, weights, (0.5, -0.5))
+    def _projected(self, density: Array | float, measure: tuple[float, float]) -> GalerkinOperator:
+        return GalerkinOperator(self, self.nodes.weights * density / np.pi, measure)
 
     @cached_property
     def half_integral(self) -> Array:

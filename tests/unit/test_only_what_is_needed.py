@@ -46,14 +46,13 @@ def imported_by(scene, rtol=1e-6, quantities=None):
 def assembled(monkeypatch):
     """Names of the operators assembled, in order, from empty caches on."""
     names = []
-    for name in ("normal", "tangential"):
-        original = vars(galerkin.DiskOperators)[f"_{name}"]
+    original = galerkin.DiskOperators._projected
 
-        def spy(disk, original=original, name=name):
-            names.append(name)
-            return original(disk)
+    def spy(disk, density, measure):
+        names.append("tangential" if measure[1] else "normal")
+        return original(disk, density, measure)
 
-        monkeypatch.setattr(galerkin.DiskOperators, f"_{name}", spy)
+    monkeypatch.setattr(galerkin.DiskOperators, "_projected", spy)
     clear_caches()
     yield names
     clear_caches()
