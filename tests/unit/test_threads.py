@@ -1,16 +1,19 @@
 """BLAS held to one thread and given back; forks while threads work."""
 
 import os
+import re
 import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+import spectral_contact
 from spectral_contact import ConvergenceError, Scene, cli, solve
 from spectral_contact.precise import reference
 from spectral_contact.run import Run
@@ -262,6 +265,17 @@ def test_a_fork_while_threads_work():
         "parent {2}",
         *["solve 0"] * 5,
     ]
+
+
+def test_no_module_has_cached_properties_with_locks():
+    """Those of functools have one before Python 3.12, which a fork may copy while it is held."""
+    package = Path(spectral_contact.__file__).parent
+    found = [
+        path.name
+        for path in package.rglob("*.py")
+        if re.search(r"from functools import .*\bcached_property\b", path.read_text("utf-8"))
+    ]
+    assert found == []
 
 
 def test_the_first_solve_of_a_process_is_held():
