@@ -32,6 +32,7 @@ from spectral_contact.report import FIELDS, report, write_csv
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES, Plan, Solution
 from spectral_contact.solver import solve
+from spectral_contact.threads import one_thread
 
 __all__ = ["main"]
 
@@ -64,7 +65,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     try:
         arguments = _parser().parse_args(joined(sys.argv[1:] if argv is None else argv))
-        arguments.run(arguments)
+        with one_thread():
+            arguments.run(arguments)
         sys.stdout.flush()
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)

@@ -12,6 +12,7 @@ from spectral_contact.run import Run
 from spectral_contact.scene import Scene
 from spectral_contact.sharing import Shared
 from spectral_contact.solution import Plan, Solution
+from spectral_contact.threads import one_thread
 
 __all__ = ["Continuation", "checked_tolerance", "solve"]
 
@@ -64,7 +65,8 @@ def solve(
     strict = checks.flag("strict", strict)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     run = _run(scene, todo, rtol, max_unknowns, Shared())
-    solution = run.solution()
+    with one_thread():
+        solution = run.solution()
     if strict and not solution.converged:
         worst = max(run.bounded_errors(), default=math.nan)
         raise ConvergenceError(
@@ -117,7 +119,8 @@ class Continuation:
     def solve(self, scene: Scene) -> Solution:
         """Return the solution of the next scene, converged or not."""
         todo = plan(scene, self._quantities)
-        return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
+        with one_thread():
+            return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
 
 
 def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared) -> Run:

@@ -1,13 +1,23 @@
-"""How many threads BLAS has: one is best for systems of this size, and for many processes."""
+"""BLAS held to one thread while the library works, and what threads and forks may not break.
+
+One thread is best for systems of this size, and for many processes. The number of threads belongs
+to the process, or to each of its threads, as the BLAS library has it; what is held is given back.
+"""
 
 from __future__ import annotations
 
+import functools
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any, Final
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from typing import Any, Final, TypeVar
 
-__all__ = ["THREADS", "keep_one_thread", "one_thread"]
+from threadpoolctl import ThreadpoolController
+
+__all__ = ["THREADS", "cached_property", "look_for_blas", "one_thread"]
+
+T = TypeVar("T")
 
 #: The environment variables that BLAS libraries read when they are loaded.
 THREADS: Final = (
@@ -19,22 +29,140 @@ THREADS: Final = (
 )
 
 
+class cached_property(functools.cached_property[T]):
+    """As of functools, without the lock that it has before Python 3.12.
+
+    A process that is forked while another thread holds the lock could never take it.
+    """
+
+    def __init__(self, func: Callable[[Any], T]) -> None:
+        super().__init__(func)
+        self.lock = nullcontext()
+
+
+class _Library:
+    """A BLAS library: how to ask for its number of threads, and how to set it.
+
+    Parameters
+    ----------
+    found : threadpoolctl.LibController
+    """
+
+    def __init__(self, found: Any) -> None:
+        openblas = found.internal_api == "openblas"
+        openmp = openblas and found.threading_layer == "openmp"
+        self.number: Callable[[], int | None] = found.get_num_threads
+        self.set: Callable[[int], object] = found.set_num_threads
+        #: Whether each thread has a number of its own.
+        self.by_thread: bool = openmp or found.internal_api == "mkl"
+        if openblas and not openmp:
+            # newer threadpoolctl lets one thread alone set it, and ignores others silently
+            ask = next(name for name in found.check_symbols if hasattr(found.dynlib, name))
+            self.set = found.dynlib[ask.replace("get_num", "set_num")]
+
+
+class _Mine(threading.local):
+    """What one thread holds: how many times over, and what its own numbers were."""
+
+    depth = 0
+
+    def __init__(self) -> None:
+        self.before: list[tuple[_Library, int]] = []
+
+
+class _Hold:
+    """BLAS at one thread from the first thread that comes to the last one that goes."""
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self._libraries: list[_Library] | None = None
+        self._mine = _Mine()
+        self._inside = 0
+        self._before: list[tuple[_Library, int]] = []
+
+    def look(self) -> None:
+        """Find the BLAS libraries of this process; NumPy and SciPy often bring one each."""
+        import scipy.linalg  # noqa: F401  (its library has to be there to be found)
+
+        with self._lock:
+            found = ThreadpoolController().select(user_api="blas").lib_controllers
+            self._libraries = [_Library(one) for one in found]
+
+    def enter(self) -> bool:
+        """Put BLAS to one thread, if it is not; return whether there is a library that obeys."""
+        if self._libraries is None:
+            self.look()
+        libraries, mine = self._libraries or [], self._mine
+        if mine.depth == 0:
+            with self._lock:
+                for library in libraries:
+                    number = library.number()
+                    if number is not None and number > 1:
+                        (mine.before if library.by_thread else self._before).append(
+                            (library, number)
+                        )
+                        library.set(1)
+                self._inside += 1
+        mine.depth += 1
+        return bool(libraries)
+
+    def leave(self) -> None:
+        """Give back the numbers of this thread, and those of the process with the last thread."""
+        mine = self._mine
+        mine.depth -= 1
+        if mine.depth:
+            return
+        with self._lock:
+            _give_back(mine.before)
+            self._inside -= 1
+            if self._inside == 0:
+                _give_back(self._before)
+
+    def renew_after_forks(self) -> None:
+        """Let forks wait until no thread is about to change anything here."""
+        if hasattr(os, "register_at_fork"):
+            os.register_at_fork(
+                before=self._lock.acquire,
+                after_in_parent=self._lock.release,
+                after_in_child=self._alone,
+            )
+
+    def _alone(self) -> None:
+        """Go on in a forked process, which has no other thread."""
+        self._inside = 1 if self._mine.depth else 0
+        if self._inside == 0:
+            _give_back(self._before)
+        self._lock.release()
+
+
+def _give_back(numbers: list[tuple[_Library, int]]) -> None:
+    while numbers:
+        library, number = numbers.pop(0)
+        library.set(number)
+
+
+_HOLD: Final = _Hold()
+_HOLD.renew_after_forks()
+
+#: Look for BLAS libraries again, for those that were loaded since the first solve.
+look_for_blas: Final = _HOLD.look
+
+
 @contextmanager
 def one_thread() -> Iterator[int | None]:
-    """Hold BLAS to one thread if threadpoolctl is there; yield how many threads it has."""
-    limit = keep_one_thread()
-    if limit is None:
-        said = [os.environ.get(name, "") for name in THREADS]
-        yield next((int(text) for text in said if text.isdigit()), None)
-        return
-    with limit:
-        yield 1
+    """Hold BLAS to one thread, and give back what was.
 
-
-def keep_one_thread() -> Any:
-    """Hold BLAS to one thread from now on, and return the limit; None without threadpoolctl."""
+    It may be entered again, and by several threads: the last one to leave gives back. Yields how
+    many threads BLAS has; None if it is of a kind that cannot be asked and nothing says so.
+    """
+    held = _HOLD.enter()
     try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return None
-    return threadpool_limits(1, "blas")
+        yield 1 if held else _from_environment()
+    finally:
+        _HOLD.leave()
+
+
+def _from_environment() -> int | None:
+    """Return the number of threads that the environment asks for."""
+    said = [os.environ.get(name, "") for name in THREADS]
+    return next((int(text) for text in said if text.isdigit()), None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.system import System
+from spectral_contact.threads import cached_property
 
 __all__ = ["CoupledState", "Effect"]
 

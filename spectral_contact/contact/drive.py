@@ -9,7 +9,6 @@ kappa = 1, as functions of ``y = 1 - s**2`` or ``1 - t**2``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -22,6 +21,7 @@ from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
+from spectral_contact.threads import cached_property
 
 __all__ = ["Drive"]
 

@@ -12,7 +12,6 @@ from the other side. At either end a tail is polynomial in the root of ``a/b`` o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import ceil, log
 from typing import Any, NamedTuple
 
@@ -20,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.precise.fixed import Fixed, Ints, root_rule
+from spectral_contact.threads import cached_property
 
 __all__ = ["AnnulusMesh", "AnnulusSeries", "Blocks", "Near"]
 

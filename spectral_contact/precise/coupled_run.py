@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from math import ceil, log
 from typing import Any
 
@@ -13,6 +12,7 @@ from spectral_contact.precise.disk import Disk, Mesh
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.zones import Layout
 from spectral_contact.scene import Scene
+from spectral_contact.threads import cached_property
 
 __all__ = ["CoupledRun"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from spectral_contact.precise.disk import Disk, FarField, Series
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.threads import cached_property
 
 __all__ = ["Drive", "RoughDrive", "SmoothDrive"]
 

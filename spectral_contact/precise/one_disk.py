@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import ceil
 from typing import Any
 
@@ -13,6 +12,7 @@ from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.disk import Disk, Series
 from spectral_contact.precise.drive import Drive
 from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.threads import cached_property
 
 __all__ = ["OneDisk", "solve_one_disk"]
 

@@ -20,6 +20,7 @@ from spectral_contact.progress import ProgressLine
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solver import solve
+from spectral_contact.threads import one_thread
 
 __all__ = ["reference"]
 
@@ -78,8 +79,13 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
     checks.flag("progress", progress)
+    with one_thread():
+        return _reference(scene, digits, ProgressLine(progress))
+
+
+def _reference(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSolution:
+    """Solve on two meshes and compare."""
     begin = perf_counter()
-    tell = ProgressLine(progress)
     tell("zones, in double precision", 0.0)
     layout = _layout(scene)
     found: list[Run | CoupledRun] = []

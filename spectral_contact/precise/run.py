@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from math import ceil, log
 from typing import Any
 
@@ -15,6 +14,7 @@ from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.one_disk import OneDisk, solve_one_disk
 from spectral_contact.precise.zones import Layout, Zones, solve_zones
 from spectral_contact.scene import Scene
+from spectral_contact.threads import cached_property
 
 __all__ = ["Run"]
 

@@ -11,7 +11,6 @@ double precision, the residuals are in fixed point.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from math import ceil, log, log10, pi, sqrt
 from typing import Any
@@ -27,6 +26,7 @@ from spectral_contact.precise.between import Between
 from spectral_contact.precise.drive import Drive
 from spectral_contact.precise.fixed import Ints
 from spectral_contact.spectral.annulus import gap
+from spectral_contact.threads import cached_property
 
 __all__ = ["Layout", "Zones", "solve_zones"]
 

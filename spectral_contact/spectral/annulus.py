@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -25,6 +24,7 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import Transforms, transforms
+from spectral_contact.threads import cached_property
 
 __all__ = [
     "FAR_FIT",

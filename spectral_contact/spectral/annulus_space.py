@@ -9,7 +9,6 @@ logarithm represent them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from math import ceil, exp, log
 from typing import TypeAlias
 
@@ -25,6 +24,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.threads import cached_property
 
 __all__ = ["AnnulusSpace", "annulus_space", "log_interpolation"]
 

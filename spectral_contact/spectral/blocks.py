@@ -11,7 +11,6 @@ places.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -41,6 +40,7 @@ from spectral_contact.spectral.graded import (
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
+from spectral_contact.threads import cached_property
 
 __all__ = ["Block", "block", "points_of"]
 

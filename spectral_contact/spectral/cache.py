@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
+import os
+import sys
 import threading
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
@@ -94,6 +97,10 @@ class BoundedCache(Generic[K, V]):
         with self._lock:
             self._entries.clear()
 
+    def renew_lock(self) -> None:
+        """Forget who works here; for a process that was forked, where nobody else does."""
+        self._lock = threading.RLock()
+
     def __len__(self) -> int:
         return len(self._entries)
 
@@ -136,6 +143,19 @@ def cache_sizes() -> dict[str, int]:
 
 
 def clear_caches() -> None:
-    """Empty every cache of the library; the next solve assembles anew."""
+    """Empty every cache of the library and free its memory; the next solve assembles anew."""
     for cache in list(_ALL):
         cache.clear()
+    # glibc would keep most of it, as what is in use lies between
+    if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
+        libc.malloc_trim(0)
+
+
+def _renew_locks() -> None:
+    """Let a forked process work, though a thread of its parent held locks."""
+    for cache in list(_ALL):
+        cache.renew_lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_renew_locks)

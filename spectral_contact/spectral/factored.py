@@ -6,13 +6,12 @@ be rough: of single precision as long as that serves, or those of boundaries clo
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.spectral.system import System
+from spectral_contact.threads import cached_property
 
 __all__ = ["Factored"]
 

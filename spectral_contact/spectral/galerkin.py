@@ -16,23 +16,18 @@ where nothing cancels, restores it (corrected seminormal equations).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from spectral_contact.spectral.abel import (
-    deeper_blocks,
-    deeper_tail,
-    outer,
-    outer_blocks,
-)
+from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.panels import LogPanels, Nodes
 from spectral_contact.spectral.samples import Samples
+from spectral_contact.threads import cached_property
 
 __all__ = [
     "Change",
@@ -55,6 +50,12 @@ _FEW = 3
 _HARMLESS = 1e-3
 
 _OPERATORS: BoundedCache[LogPanels, DiskOperators] = BoundedCache("disk operators", 12)
+# A space knows its operator, which knows its disk. Were it known to them too, what a cache forgets
+# would stay until the collector of cycles comes by: hundreds of megabytes, measured.
+_KERNELS: BoundedCache[tuple[DiskOperators, str], GalerkinOperator] = BoundedCache("kernels", 24)
+_SPACES: BoundedCache[tuple[GalerkinOperator, tuple[int, ...]], Space] = BoundedCache(
+    "Galerkin spaces", 96
+)
 
 
 def disk_operators(panels: LogPanels) -> DiskOperators:
@@ -133,16 +134,19 @@ class DiskOperators:
         tail = self.nodes.d[-p.node_counts[1] :]
         return outer_blocks(start, 1, *form)[:, 0].T, blocks, outer(tail, p.panels, *form)
 
-    @cached_property
+    @property
     def normal(self) -> GalerkinOperator:
-        """Projection of K1 with the mass matrix ``<phi, psi> = int phi psi s ds``."""
-        return GalerkinOperator(self, self.nodes.weights / np.pi, (0.5, 0.0))
+        """Projection of K1 with the mass matrix ``<phi, psi> = int phi psi s ds`` (cached)."""
+        return _KERNELS.get((self, "normal"), lambda: self._projected(1.0, (0.5, 0.0)))
 
-    @cached_property
+    @property
     def tangential(self) -> GalerkinOperator:
-        """Projection of K2 for ``q = s u`` with the mass matrix ``int u v s**3 ds``."""
-        weights = self.nodes.weights * self.nodes.rest / np.pi
-        return GalerkinOperator(self, weights, (0.5, -0.5))
+        """Projection of K2 for ``q = s u``, mass matrix ``int u v s**3 ds`` (cached)."""
+        rest = self.nodes.rest
+        return _KERNELS.get((self, "tangential"), lambda: self._projected(rest, (0.5, -0.5)))
+
+    def _projected(self, density: Array | float, measure: tuple[float, float]) -> GalerkinOperator:
+        return GalerkinOperator(self, self.nodes.weights * density / np.pi, measure)
 
     @cached_property
     def half_integral(self) -> Array:
@@ -197,7 +201,6 @@ class GalerkinOperator:
         self.panels = disk.panels
         self.weights = weights
         self.measure = measure
-        self._spaces: BoundedCache[tuple[int, ...], Space] = BoundedCache("Galerkin spaces", 24)
 
     @cached_property
     def gram(self) -> Array:
@@ -232,7 +235,7 @@ class GalerkinOperator:
 
     def space(self, degrees: tuple[int, ...]) -> Space:
         """Return the subspace with these degrees on the panels, the tail whole (cached)."""
-        return self._spaces.get(degrees, lambda: Space(self, degrees))
+        return _SPACES.get((self, degrees), lambda: Space(self, degrees))
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,6 @@ points still.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +18,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.threads import cached_property
 
 __all__ = ["FAR_FIT", "FAR_NODES", "GradedNodes", "PlainNodes", "far_values", "graded_nodes"]
 

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -38,6 +37,7 @@ from spectral_contact.spectral.over_radius import OverRadius, finer
 from spectral_contact.spectral.panels import LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.zone_parts import Part, zone_parts
+from spectral_contact.threads import cached_property
 
 __all__ = ["Misfit", "System"]
 

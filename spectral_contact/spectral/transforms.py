@@ -6,8 +6,6 @@ panel by a shift.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +26,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_values,
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.threads import cached_property
 
 __all__ = ["Transforms", "transforms"]
 

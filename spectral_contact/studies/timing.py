@@ -24,7 +24,7 @@ import numpy as np
 from spectral_contact.checks import finite, real, whole
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
-from spectral_contact.threads import THREADS, one_thread
+from spectral_contact.threads import THREADS, look_for_blas, one_thread
 
 __all__ = ["Stopwatch", "Times", "Timing", "repeated", "times_of"]
 
@@ -153,6 +153,7 @@ def times_of(
         again = scene, solver, resolution, None, first["imported"]
         colds = [_fresh(again)["cold"] for _ in range(stopwatch.processes)]
     except _NotPortable as error:
+        look_for_blas()  # the solver may have brought its own
         with one_thread() as threads:
             times = repeated(lambda: solver(scene, resolution), stopwatch)
         return Times(Timing.of(times), None, threads, str(error))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import platform
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -16,9 +14,9 @@ from spectral_contact.solver import Continuation
 from spectral_contact.sweep.parameters import Columns
 from spectral_contact.sweep.request import ENDINGS, FIELDS, Request
 from spectral_contact.sweep.shortcuts import Served, served
-from spectral_contact.threads import keep_one_thread
+from spectral_contact.threads import one_thread
 
-__all__ = ["Outcome", "process", "solve_chunk"]
+__all__ = ["Outcome", "solve_chunk"]
 
 _CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")
 #: Codes of the kinds of zones; 0 is none.
@@ -44,12 +42,8 @@ class Outcome:
     messages: dict[int, str] = field(default_factory=dict)
 
 
-def process() -> tuple[str, int]:
-    """Return what tells this process from those on this and other machines."""
-    return platform.node(), os.getpid()
-
-
-def solve_chunk(columns: Columns, request: Request, home: tuple[str, int]) -> Outcome:
+@one_thread()
+def solve_chunk(columns: Columns, request: Request) -> Outcome:
     """Solve some scenes one after another.
 
     Parameters
@@ -57,11 +51,7 @@ def solve_chunk(columns: Columns, request: Request, home: tuple[str, int]) -> Ou
     columns : Columns
         Sorted, so that neighbours share what they can.
     request : Request
-    home : tuple
-        The process that asks; any other has its BLAS put to one thread, for good.
     """
-    if process() != home:
-        keep_one_thread()
     rows = _Rows(len(columns), request)
     continuation = Continuation(request.rtol, request.quantities, request.max_unknowns)
     todo = np.arange(len(columns))

@@ -7,7 +7,7 @@ from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import Final
 
-from spectral_contact.sweep.chunk import Outcome, process, solve_chunk
+from spectral_contact.sweep.chunk import Outcome, solve_chunk
 from spectral_contact.sweep.parameters import Columns, Indices, Parameters
 from spectral_contact.sweep.request import Request
 
@@ -48,7 +48,7 @@ def outcomes(
         except BrokenExecutor as error:
             _LOG.warning("the executor broke (%s): %d chunks are done here", error, len(left))
     for number, scenes in left.items():
-        yield number, solve_chunk(parameters.columns(scenes), request, process())
+        yield number, solve_chunk(parameters.columns(scenes), request)
 
 
 def _through(
@@ -64,7 +64,7 @@ def _through(
         while True:
             for number, scenes in queue:
                 columns: Columns = parameters.columns(scenes)
-                running[executor.submit(solve_chunk, columns, request, process())] = number
+                running[executor.submit(solve_chunk, columns, request)] = number
                 if len(running) >= _AHEAD:
                     break
             if not running:

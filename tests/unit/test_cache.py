@@ -1,10 +1,14 @@
 """What all caches together may hold."""
 
+import gc
 import threading
+import weakref
+from contextlib import suppress
 
 import numpy as np
 import pytest
 
+from spectral_contact import Scene, solve
 from spectral_contact.spectral import cache as caches
 from spectral_contact.spectral.cache import BoundedCache, clear_caches
 
@@ -90,3 +94,38 @@ def test_a_cache_at_work_in_another_thread_is_left_alone():
     done.set()
     thread.join()
     assert kilobytes(busy, "old", 3) is old
+
+
+# slip in an annulus, and elastic coupling
+SCENES = [Scene(0.3, 0.05, 1.0, 0.23 / 7), Scene(0.3, 0.5, 0.5, 0.05, coupling=True)]
+
+
+@pytest.fixture
+def _no_collector():
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+def held():
+    """Return weak references to the objects of the library that caches hold."""
+    found = []
+    for cache in list(caches._ALL):
+        for _, one, _ in cache.used():
+            if type(one).__module__.startswith("spectral_contact"):
+                with suppress(TypeError):  # what has slots cannot be watched
+                    found.append(weakref.ref(one))
+    return found
+
+
+@pytest.mark.usefixtures("_no_collector")
+def test_what_is_forgotten_is_freed_at_once(monkeypatch):
+    """Cycles of references would keep it until Python looks for them: hundreds of megabytes."""
+    monkeypatch.undo()  # small caches
+    for scene in SCENES:
+        solve(scene, 1e-2, ("total_shear",), strict=False)
+    watched = held()
+    assert len(watched) > 20
+    clear_caches()
+    assert [type(one()).__name__ for one in watched if one() is not None] == []

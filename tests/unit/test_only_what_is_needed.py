@@ -46,16 +46,13 @@ def imported_by(scene, rtol=1e-6, quantities=None):
 def assembled(monkeypatch):
     """Names of the operators assembled, in order, from empty caches on."""
     names = []
-    for name in ("normal", "tangential"):
-        original = vars(galerkin.DiskOperators)[name].func
+    original = galerkin.DiskOperators._projected
 
-        def spy(disk, original=original, name=name):
-            names.append(name)
-            return original(disk)
+    def spy(disk, density, measure):
+        names.append("tangential" if measure[1] else "normal")
+        return original(disk, density, measure)
 
-        prop = galerkin.cached_property(spy)
-        prop.__set_name__(galerkin.DiskOperators, name)
-        monkeypatch.setattr(galerkin.DiskOperators, name, prop)
+    monkeypatch.setattr(galerkin.DiskOperators, "_projected", spy)
     clear_caches()
     yield names
     clear_caches()

@@ -43,21 +43,6 @@ def test_processes_and_their_store(expected, tmp_path):
     assert sweep(BASE, **ASKED, store=tmp_path).identical(expected)
 
 
-def blas_threads(*_):
-    from threadpoolctl import threadpool_info
-
-    return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
-
-
-def test_workers_keep_blas_to_one_thread(monkeypatch):
-    pytest.importorskip("threadpoolctl")
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        monkeypatch.setenv(name, "2")
-    with ProcessPoolExecutor(1, SPAWN) as pool:
-        sweep(BASE, **ASKED, executor=pool)
-        assert pool.submit(blas_threads).result() == {1}
-
-
 class Watched(ThreadPoolExecutor):
     """Notes how many chunks wait or are worked on whenever another one is handed in."""
 

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import peers
 import pytest
+from threadpoolctl import threadpool_limits
 
 from spectral_contact import Scene, SceneError, threads
 from spectral_contact.studies import Stopwatch, Timing, timing, worker
@@ -116,7 +117,9 @@ def test_imports_that_a_solver_puts_off_are_not_counted(monkeypatch, tmp_path):
     [({"OPENBLAS_NUM_THREADS": "2"}, 2), ({"OMP_NUM_THREADS": "4"}, 4), ({}, None)],
 )
 def test_threads_of_this_process_are_what_the_environment_says(monkeypatch, variables, count):
-    monkeypatch.setitem(sys.modules, "threadpoolctl", None)
+    """If no BLAS is found that can be asked."""
+    monkeypatch.setattr(threads._HOLD, "_libraries", [])
+    monkeypatch.setattr(timing, "look_for_blas", lambda: None)
     for name in threads.THREADS:
         monkeypatch.delenv(name, raising=False)
     for name, value in variables.items():
@@ -124,23 +127,16 @@ def test_threads_of_this_process_are_what_the_environment_says(monkeypatch, vari
     assert timing.times_of(lambda *_: None, SCENE, 4, ONCE).blas_threads == count
 
 
-def test_threads_are_limited_where_that_is_possible(monkeypatch):
-    limits = []
+def test_libraries_that_the_solver_brought_are_held(monkeypatch):
+    monkeypatch.setattr(threads._HOLD, "_libraries", [])
+    held = []
 
-    class Threadpoolctl:
-        class threadpool_limits:
-            def __init__(self, *arguments):
-                limits.append(arguments)
+    def own(*_):
+        held.extend(library.number() for library in threads._HOLD._libraries)
 
-            def __enter__(self):
-                return self
-
-            def __exit__(self, *_):
-                limits.append("released")
-
-    monkeypatch.setitem(sys.modules, "threadpoolctl", Threadpoolctl)
-    assert timing.times_of(lambda *_: None, SCENE, 4, ONCE).blas_threads == 1
-    assert limits == [(1, "blas"), "released"]
+    with threadpool_limits(3, "blas"):
+        assert timing.times_of(own, SCENE, 4, ONCE).blas_threads == 1
+    assert set(held) == {1}
 
 
 def test_the_worker_is_what_the_fresh_process_starts():

@@ -188,3 +188,26 @@ def test_sweeps_are_as_fast_as_they_should_be_and_as_right():
         assert row["deviation"] <= row["estimate"] + 1e-14 <= row["rtol"] + 1e-14
         if "slip inside" not in row["case"]:  # a goal that is missed, and said so
             assert row["again"] >= row["goal"]
+
+
+def test_blas_with_one_thread_is_faster_and_costs_little():
+    found = record("bench_threads")
+    assert found["library"] == __version__
+    assert {(row["case"], row["busy"]) for row in found["rows"]} >= {
+        (case, busy) for case in ("default scene", "slip inside") for busy in (0, 2)
+    }
+    assert all(row["ratio"] > 1.0 for row in found["rows"])
+    assert found["price"]["first_us"] <= 15.0
+
+
+def test_memory_is_what_caches_hold_and_nothing_leaks():
+    found = record("memory")
+    start, *scenes, collected, cleared = found["rows"]
+    assert cleared["scenes"] >= 1000
+    for row in scenes:
+        # what a solve takes for itself lies free when it is over
+        assert row["alive"] - start["alive"] <= row["cached"] + 20.0
+        assert row["cached"] <= found["allowed"] + 20.0
+    assert scenes[-1]["alive"] - collected["alive"] <= 5.0
+    assert cleared["alive"] - start["alive"] <= 20.0
+    assert max(row["peak"] for row in scenes) <= 900.0
