@@ -136,7 +136,7 @@ class CoupledRun(Run):
         search = CoupledSearch(
             parameters,
             stick,
-            self._plain_zones(),
+            self._plain_zones,
             self.rtol,
             self.max_unknowns,
             self.record,

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.active_set import ring_layout
 from spectral_contact.contact.boundaries import NoBoundariesError
 from spectral_contact.contact.coupled_annuli import slip_in_annuli
 from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
@@ -38,7 +39,7 @@ Record = Callable[[str, Any, float], Any]
 #: Tolerance at which guesses are tried before they are solved for to a tighter one.
 _PROBE = 1e-3
 #: One stick disk; where nothing is known of its radius slip is narrow.
-_DISK = Layout((3.0,), (0, 1))
+_DISK, _NOWHERE = Layout((3.0,), (0, 1)), Layout((), (0,))
 #: From where on another stick radius is looked for, and in which steps, as logits; on smooth
 #: surfaces they are 10 apart and more, measured.
 _CLEAR, _APART = 1.0, 3.0
@@ -62,8 +63,8 @@ class CoupledSearch:
     parameters : Parameters
     stick : CoupledStick
         Full stick, with its fields.
-    plain : Layout
-        The zones without coupling.
+    plain : callable
+        Returns the zones without coupling.
     tolerance : float
         Bound on the relative errors of both fields.
     max_unknowns : int
@@ -74,7 +75,7 @@ class CoupledSearch:
 
     parameters: Parameters
     stick: CoupledStick
-    plain: Layout
+    plain: Callable[[], Layout]
     tolerance: float
     max_unknowns: int
     record: Record
@@ -119,18 +120,32 @@ class CoupledSearch:
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
 
     def _layouts(self) -> Iterator[tuple[Layout, bool]]:
-        """Guess zones; the last ones are far from those without coupling."""
-        guesses = [self.plain, self._violated()]
-        rim = next((one.logits[0] for one in guesses if one.logits), _DISK.logits[0])
-        # where full stick breaks the law at the edge, the edge is likely to slip
-        disk = 0 if guesses[1].states[-1] else 2
-        guesses.insert(disk, replace(_DISK, logits=(rim,)))
-        possible: dict[tuple[int, ...], Layout] = {}
-        for layout in filter(self._possible, guesses):
-            possible.setdefault(layout.states, layout)
-        yield from ((layout, False) for layout in possible.values())
-        if len(self.plain.states) > 2 and self._possible(self.plain):
-            yield self.plain, True
+        """Guess zones, of every kind once; the last ones are far from those without coupling.
+
+        Those on rings come first, then one disk with slip around it, then where full stick breaks
+        the law, then the zones without coupling.
+        """
+        seen: set[tuple[int, ...]] = set()
+        for guess in (self._on_rings, self._disk, self._violated, self.plain):
+            layout = guess()
+            if self._possible(layout) and layout.states not in seen:
+                seen.add(layout.states)
+                yield layout, False
+        if len(layout.states) > 2 and self._possible(layout):
+            yield layout, True
+
+    def _on_rings(self) -> Layout:
+        """Return what an active set finds on rings."""
+        alpha, beta, kappa, friction = self.parameters
+        found = ring_layout(alpha, beta, friction, kappa, True)
+        if not (found.settled and found.positive) or found.centre_unseen:
+            return _NOWHERE
+        return Layout(tuple(one.logit for one in found.boundaries), found.states)
+
+    def _disk(self) -> Layout:
+        """Return one stick disk, from where full stick breaks the law inside."""
+        violated = self._violated()
+        return replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
 
     def _possible(self, layout: Layout) -> bool:
         """Return whether there is slip, and the edge may be as it is.
@@ -182,7 +197,7 @@ class CoupledSearch:
         """Return slip where full stick exceeds friction."""
         pressure, traction = self.stick.pressure, self.stick.traction
         if pressure is None or traction is None:
-            return Layout((), (0,))
+            return _NOWHERE
         x = np.linspace(1e-3, _DEPTH, _PLACES)
         y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
         p, q = pressure.at(y), traction(s, y / (1.0 + s))
