@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import os
 import secrets
+import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from spectral_contact.errors import SolutionFileError, shown
 
@@ -17,6 +22,7 @@ __all__ = [
     "check_schema",
     "key_complaint",
     "left_out",
+    "npz_members",
     "path_text",
     "read_file",
     "replace_file",
@@ -27,6 +33,11 @@ __all__ = [
 #: Metadata of a dataclass field that came after the first release: documents leave it out where it
 #: has its default, so that old files are read, and what does not use it is written as ever.
 YOUNGER: Final = {"younger": True}
+
+
+#: What NumPy packs with, and more than files of this library shrink if they are packed again.
+_PACKINGS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_MOST_INFLATION: Final = 100
 
 
 class Refused(Exception):
@@ -115,6 +126,36 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, bytes]:
     source = path_text(path)
     with reported(source, "cannot be read"):
         return source, Path(source).read_bytes()
+
+
+def npz_members(content: bytes) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a ``.npz`` file by name, without pickle.
+
+    Memory stays in proportion to the file: sizes are checked as the directory declares them, before
+    anything is inflated, and no member is inflated beyond its own.
+
+    Raises
+    ------
+    Refused
+        If it would inflate out of all proportion, or is packed as NumPy packs nothing; what else
+        may be raised says that it is damaged.
+    """
+    with zipfile.ZipFile(BytesIO(content)) as archive:
+        members = archive.infolist()
+        if any(member.compress_type not in _PACKINGS for member in members):
+            raise Refused("it is compressed in a way that NumPy does not use")
+        size = sum(member.file_size for member in members)
+        if size > _MOST_INFLATION * len(content):
+            raise Refused(f"it would inflate from {len(content)} bytes to {size}")
+        return {member.filename.removesuffix(".npy"): _array(archive, member) for member in members}
+
+
+def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
+    # Whole members, so that zip has checked their sums before NumPy allocates what they ask for;
+    # and with a length, since zipfile inflates all of what is read without.
+    with archive.open(member) as packed:
+        body = packed.read(member.file_size + 1)
+    return np.asarray(np.load(BytesIO(body), allow_pickle=False))
 
 
 def replace_file(path: str, content: bytes) -> None:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.documents import YOUNGER
 from spectral_contact.legendre import legendre_sum, legendre_sums
 
 __all__ = [
@@ -106,7 +105,7 @@ class LogSeries:
     width: float
     power: float = 0.0
     root_tail: bool = False
-    oscillation: float = field(default=0.0, metadata=YOUNGER)
+    oscillation: float = 0.0
 
     def __call__(self, d: Array) -> Array:
         """Evaluate at distances `d` in [0, 1], any shape."""
@@ -311,7 +310,7 @@ class DiskSeries:
     outer: Radius
     series: LogSeries | None
     weight: EdgeWeight | None = None
-    power: int = field(default=1, metadata=YOUNGER)
+    power: int = 1
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate inside the disk."""

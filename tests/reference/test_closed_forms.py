@@ -612,7 +612,7 @@ def test_fields_refuse_points_off_the_disk(field):
 
 @pytest.mark.parametrize(
     "nu",
-    [-1.0, 0.6, math.nan, "0.3", True, 10**400, 10**5000, np.timedelta64(0), np.zeros((9, 9))],
+    [-1.0, 0.6, math.nan, "0.3", True, 10**400, 10**5000, np.timedelta64(0, "s"), np.zeros((9, 9))],
     ids=type,
 )
 @pytest.mark.parametrize(

@@ -205,6 +205,20 @@ def test_a_finished_table_is_kept(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["figure_3.csv"]
 
 
+@pytest.mark.parametrize(("places", "kept"), [(1, 5), (10**4, 0)])
+def test_places_of_another_numpy_differ_in_their_last_bit(tmp_path, places, kept):
+    figure = paper_figure("3")
+    complete(tmp_path, figure)
+    path = tmp_path / "figure_3.csv"
+    place = figure.keys_of(figure.scenes[0])[-2, 5]
+    old = b",%s," % repr(float(place)).encode()
+    new = b",%s," % repr(float(place + places * np.spacing(place))).encode()
+    assert old in path.read_bytes()
+    path.write_bytes(path.read_bytes().replace(old, new))
+    assert complete(tmp_path, figure)[1] == kept
+    assert (new in path.read_bytes()) == (kept == 5)  # a row keeps the place that it is of
+
+
 @pytest.mark.parametrize(("cut", "lost"), [(0, 0), (5, 1), (20_000, 2)])
 def test_a_stopped_run_goes_on(tmp_path, cut, lost):
     figure = paper_figure("2")

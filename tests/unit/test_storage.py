@@ -8,7 +8,7 @@ import math
 import os
 import pickle
 import zipfile
-from dataclasses import is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 from spectral_contact import fields as field_classes
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
+from spectral_contact import schema, storage
 from spectral_contact import solution as solution_classes
-from spectral_contact import storage
 from spectral_contact.errors import SolutionFileError
 from spectral_contact.fields import (
     AnnulusSeries,
@@ -259,17 +259,24 @@ def test_reordered_and_indented_json_is_still_the_solution():
     assert_identical(Solution.from_json(text), solved("full stick"))
 
 
-def test_every_record_class_can_be_stored():
-    """A class added to these modules is to be added to the registry, and to `synthetic`."""
-    stored = {
-        cls.__name__
+def test_the_schema_declares_every_class_and_every_field():
+    """A class or field that is added is to be declared in the schema, and used in `synthetic`."""
+    classes = {
+        cls
         for module in (field_classes, record_classes, scene_classes, solution_classes)
         for cls in vars(module).values()
         if isinstance(cls, type) and cls.__module__ == module.__name__
         if is_dataclass(cls) or issubclass(cls, Enum)
-    } - {"PhysicalSolution"}
-    assert set(storage._CLASSES) == stored
-    assert all(f'"{name}": ' in synthetic().to_json() for name in stored)
+    } - {solution_classes.PhysicalSolution}
+    enums = {type(member): one for one in schema.CHOICES for member in one.names}
+    assert {one.cls for one in schema.RECORDS} | enums.keys() == classes
+    for enum, choice in enums.items():
+        assert set(choice.names) == set(enum)
+    for record in schema.RECORDS:
+        declared = {one.name: one for one in fields(record.cls)}
+        assert list(record.kinds) == list(declared)
+        assert record.later == {key: declared[key].default for key in record.later}
+    assert all(f'"{one.tag}": ' in synthetic().to_json() for one in schema.RECORDS)
 
 
 # --- equality -------------------------------------------------------------------------------------
@@ -428,17 +435,17 @@ CHANGES = [
     (("version",), 1.0, "version 1.0"),
     (("version",), True, "version True"),
     (("version",), None, "version None"),
-    (("library",), None, "header must have"),
-    (("extra",), 1, "header must have"),
+    (("library",), None, "header: keys are missing library"),
+    (("extra",), 1, "header: keys are unknown 'extra'"),
     (("sha256",), "0" * 64, "checksum"),
     (("solution",), 0.5, "not a Solution"),
     (("solution",), {"Radius": {"value": 0.5, "from_edge": 0.5}}, "not a Solution"),
     (("solution",), {"PhysicalSolution": {"solution": 1}}, "PhysicalSolution"),
     (("solution",), {"os.system": "true"}, "os.system"),
-    (("solution",), {}, "damaged"),
-    (("solution",), {"Scene": {}, "Zone": {}}, "damaged"),
-    ((*TREE, "extra"), 1, "Solution must have"),
-    ((*TREE, "rtol"), None, "Solution must have"),
+    (("solution",), {}, "not a Solution"),
+    (("solution",), {"Scene": {}, "Zone": {}}, "not a Solution"),
+    ((*TREE, "extra"), 1, "unknown 'extra'"),
+    ((*TREE, "rtol"), None, "missing rtol"),
     ((*TREE, "rtol"), "1e-6", "rtol"),
     ((*TREE, "rtol"), 1, "rtol"),
     ((*TREE, "rtol"), [1e-6], "rtol"),
@@ -453,21 +460,21 @@ CHANGES = [
     ((*TREE, "scene", "Scene", "friction"), "inf", "friction"),
     ((*TREE, "values", "dict", "approach"), "0.3", "approach"),
     ((*TREE, "values", "dict", "approach"), None, "checksum"),
-    ((*TREE, "values", "dict", "depth"), 0.3, "depth"),
-    ((*TREE, "values", "dict"), [1], "damaged"),
-    ((*TREE, "pressure_field", "PressureField"), [1], "PressureField must have"),
+    ((*TREE, "values", "dict", "depth"), 0.3, "not a dict of approach"),
+    ((*TREE, "values", "dict"), [1], "not a dict of approach"),
+    ((*TREE, "pressure_field", "PressureField"), [1], "PressureField: an object was expected"),
     ((*TREE, "pressure_field"), {"array": "nowhere"}, "nowhere"),
     ((*TREE, "pressure_field"), {"array": "pressure_field.series.tail"}, "pressure_field"),
     (("arrays",), None, "coefficients"),
     (("arrays",), [1], "damaged"),
     (("arrays", "more"), {"shape": [0], "data": []}, "checksum"),
-    (TAIL, [1.0], "must have shape, data"),
-    ((*TAIL, "extra"), 1, "must have shape, data"),
+    (TAIL, [1.0], "an object was expected"),
+    ((*TAIL, "extra"), 1, "unknown 'extra'"),
     ((*TAIL, "data", 0), "0.5", "doubles"),
     ((*TAIL, "data", 0), 1, "doubles"),
     ((*TAIL, "data", 0), math.nan, "NaN"),
     ((*TAIL, "data", 0), 0.12345, "checksum"),
-    ((*TAIL, "shape"), [1, 3], "checksum"),
+    ((*TAIL, "shape"), [1, 3], "series.tail is 'float64 (1, 3)', not an array"),
     ((*TAIL, "shape"), [10**12, 10**12], "damaged"),
 ]
 

@@ -130,7 +130,8 @@ def test_studies_that_documentation_shows_are_fresh(name):
         if point.solver == OwnSolver().name:
             own = OwnSolver(("approach", "pressure"))(point.scene, point.resolution)
             true = truth_of(point.scene)
-            assert true.errors(own, study.quantities) == pytest.approx(point.errors, abs=4 * EPS)
+            # The rounding of one BLAS library is not that of another.
+            assert true.errors(own, study.quantities) == pytest.approx(point.errors, abs=16 * EPS)
 
 
 def test_fits_scatter_as_their_errors_say():
