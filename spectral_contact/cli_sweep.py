@@ -7,12 +7,9 @@ import math
 import os
 import sys
 from collections import Counter
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import nullcontext
-from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -20,6 +17,7 @@ from spectral_contact import plotting
 from spectral_contact.checks import whole as checked_whole
 from spectral_contact.cli_options import friction, number, whole
 from spectral_contact.documents import replace_file, reported
+from spectral_contact.processes import workers
 from spectral_contact.report import table
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
@@ -110,12 +108,7 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
             axes[name] = values
     # an axis is checked with the axes; until then its place is taken by what is always allowed
     base = Scene(**{"poisson_ratio": 0.3, **single})
-    workers = checked_whole("workers", arguments.workers, 1)
-    pool: Any = nullcontext()
-    if workers > 1:
-        pool = ProcessPoolExecutor(workers, get_context("spawn"))
-    with pool as opened:
-        executor: Executor | None = opened
+    with workers(checked_whole("workers", arguments.workers, 1)) as executor:
         return sweep(
             base,
             **axes,

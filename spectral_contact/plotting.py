@@ -8,12 +8,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.documents import replace_file, reported
 from spectral_contact.errors import (
     MissingDependencyError,
     NotComputedError,
@@ -190,12 +192,11 @@ def save(figure: Figure, path: str) -> None:
         raise SolutionFileError(str(path), f"the suffix must be one of {', '.join(FORMATS)}")
     # without the date, the same figure gives the same file
     date = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
-    try:
-        with style():
-            figure.savefig(path, format=suffix[1:], dpi=150, metadata=date.get(suffix))
-    except OSError as error:
-        reason = f"cannot be written: {error.strerror or error}"
-        raise SolutionFileError(str(path), reason) from error
+    drawn = BytesIO()
+    with style():
+        figure.savefig(drawn, format=suffix[1:], dpi=150, metadata=date.get(suffix))
+    with reported(str(path), "cannot be written"):
+        replace_file(str(path), drawn.getvalue())
 
 
 def _must_be_solution(value: object) -> None:
