@@ -42,7 +42,8 @@ _OTHER: Final = "use another store for another sweep"
 _AGAIN: Final = "delete this file, and it is solved again"
 #: Members of a chunk's file besides its values.
 _ENDINGS, _HEADER = ".endings", ".header"
-_KEYS: Final = ("schema", "version", "sweep", "number", "messages", "sha256")
+_KEYS: Final = ("schema", "version", "sweep", "number", "messages")
+_SUM: Final = "sha256"
 
 
 class Store:
@@ -111,9 +112,9 @@ class Store:
         """
         messages = {str(i): text for i, text in outcome.messages.items()}
         members = {**outcome.values, _ENDINGS: outcome.endings}
-        digest = _digest(members, messages)
-        header = (_CHUNK_SCHEMA, _VERSION, self._sweep, number, messages, digest)
-        text = json.dumps(dict(zip(_KEYS, header, strict=True)))
+        values = (_CHUNK_SCHEMA, _VERSION, self._sweep, number, messages)
+        header: dict[str, Any] = dict(zip(_KEYS, values, strict=True))
+        text = json.dumps({**header, _SUM: _digest(header, members)})
         members[_HEADER] = np.frombuffer(text.encode(), dtype=np.uint8)
         content = io.BytesIO()
         np.savez(content, **members)  # type: ignore[arg-type]  # of NumPy's stub
@@ -133,17 +134,16 @@ class Store:
             values = _members(content)
             header = json.loads(values.pop(_HEADER).tobytes().decode())
             check_schema(header, "chunk of a sweep", _CHUNK_SCHEMA, _VERSION)
-            complaint = key_complaint(header, _KEYS)
+            complaint = key_complaint(header, (*_KEYS, _SUM))
             if complaint:
-                raise Refused(complaint)
+                raise Refused(f"{complaint}: {_AGAIN}")
             if header["sweep"] != self._sweep:
                 raise Refused(f"it is of another sweep: {_AGAIN}")
             if header["number"] != number:
                 raise Refused(f"it is chunk {shown(header['number'])} of the sweep: {_AGAIN}")
-            messages = header["messages"]
-            if header["sha256"] != _digest(values, messages):
+            if header.pop(_SUM) != _digest(header, values):
                 raise Refused(f"its contents are not those that were stored: {_AGAIN}")
-            endings = values.pop(_ENDINGS)
+            endings, messages = values.pop(_ENDINGS), header["messages"]
             return Outcome(values, endings, {int(i): text for i, text in messages.items()})
 
 
@@ -156,9 +156,9 @@ def _members(content: bytes) -> dict[str, NDArray[Any]]:
         return dict(members)
 
 
-def _digest(members: dict[str, NDArray[Any]], messages: dict[str, str]) -> str:
+def _digest(header: dict[str, Any], members: dict[str, NDArray[Any]]) -> str:
     """Return a checksum of everything that a chunk says."""
-    digest = hashlib.sha256(json.dumps(messages, sort_keys=True).encode())
+    digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
     for name, array in sorted(members.items()):
         digest.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
     return digest.hexdigest()

@@ -63,10 +63,10 @@ class Drawn:
     """A figure that need not be drawn every time."""
 
     def savefig(self, where, *, format, **_):
-        with (
-            contextlib.nullcontext(where) if hasattr(where, "write") else open(where, "wb") as file
-        ):
-            file.write(drawn(format))
+        if hasattr(where, "write"):
+            where.write(drawn(format))
+        else:
+            Path(where).write_bytes(drawn(format))
 
 
 def statements(_):

@@ -1,5 +1,6 @@
 """Nothing of a sweep is lost: stores that resume, that refuse, and that are never damaged."""
 
+import errno
 import json
 import os
 import signal
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 import spectral_contact
-from spectral_contact import Scene, SolutionFileError
+from spectral_contact import Scene, SolutionFileError, documents
 from spectral_contact.sweep import execution, sweep
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -20,10 +21,11 @@ BASE = Scene(0.3, 0.5, 0.5, 0.1)
 ALPHAS = np.linspace(0.1, 1.0, 10)
 ASKED = {"normal_compliance": ALPHAS, "quantities": ["approach", "zones"], "chunk": 2}
 SLEEPY = """
-import sys, time
+import signal, sys, time
 import numpy as np
 from spectral_contact import Scene
 from spectral_contact.sweep import execution, sweep
+signal.signal(signal.SIGINT, signal.default_int_handler)  # where it is ignored, as after nohup
 original, begun = execution.solve_chunk, []
 def slow(*arguments):
     begun.append(1)
@@ -178,6 +180,162 @@ def test_a_damaged_chunk_is_named_and_solved_again_once_deleted(tmp_path, keep):
         sweep(BASE, **ASKED, store=tmp_path)
     chunk.unlink()
     assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
+
+
+def rewritten(path, change):
+    """Write a chunk as a tool would that knows nothing of its header."""
+    with np.load(path) as members:
+        np.savez(path, **change(dict(members)))
+
+
+def renamed(members, **changes):
+    return {changes.get(name, name): values for name, values in members.items()}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda m: {**m, "approach": m["approach"].astype(str)}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"] * 1j}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"] * (1 + 1e-15)}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"][:1]}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"].reshape(2, 1)}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"].astype(object)}, "damaged: delete this file"),
+        (lambda m: {**m, "more": m["approach"]}, "not those that were stored"),
+        (lambda m: renamed(m, approach="slip"), "not those that were stored"),
+        (lambda m: {**m, ".endings": m[".endings"] + 1}, "not those that were stored"),
+        (lambda m: {**m, ".endings": m[".endings"] + 99}, "not those that were stored"),
+        (lambda m: {k: v for k, v in m.items() if k != "approach"}, "not those that were stored"),
+        (lambda m: {k: v for k, v in m.items() if k != ".header"}, "no '.header'"),
+        (lambda m: {**m, ".header": m[".header"][:-5]}, "damaged: delete this file"),
+        (lambda m: {**m, ".header": np.frombuffer(b"[]", np.uint8)}, "not a chunk of a sweep"),
+    ],
+)
+def test_a_chunk_that_was_rewritten_is_refused(tmp_path, change, said):
+    first = sweep(BASE, **ASKED, store=tmp_path)
+    chunk = tmp_path / "000001.npz"
+    rewritten(chunk, change)
+    before = {one.name: one.read_bytes() for one in tmp_path.iterdir()}
+    with pytest.raises(SolutionFileError, match=r"000001\.npz") as caught:
+        sweep(BASE, **ASKED, store=tmp_path)
+    assert said in str(caught.value)
+    assert {one.name: one.read_bytes() for one in tmp_path.iterdir()} == before
+    chunk.unlink()
+    assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
+
+
+def test_a_header_that_says_something_else_is_refused(tmp_path):
+    sweep(BASE, **ASKED, store=tmp_path)
+    with np.load(tmp_path / "000001.npz") as members:
+        header = json.loads(members[".header"].tobytes())
+    assert header["number"] == 1
+    changes = [
+        ({"version": 9}, "version 9 is not known"),
+        ({"more": 1}, "unknown 'more'"),
+        ({"messages": {"0": "nothing"}}, "not those that were stored"),
+        ({"messages": None}, "not those that were stored"),
+        ({"number": 2}, "it is chunk 2 of the sweep"),
+        ({"number": True}, "not those that were stored"),
+    ]
+    for change, said in changes:
+        text = json.dumps(header | change).encode()
+        rewritten(
+            tmp_path / "000001.npz",
+            lambda m, text=text: {**m, ".header": np.frombuffer(text, np.uint8)},
+        )
+        with pytest.raises(SolutionFileError, match=r"000001\.npz") as caught:
+            sweep(BASE, **ASKED, store=tmp_path)
+        assert said in str(caught.value)
+
+
+def test_chunks_that_changed_places_are_refused(tmp_path):
+    sweep(BASE, **ASKED, store=tmp_path)
+    one, other = tmp_path / "000001.npz", tmp_path / "000002.npz"
+    content = one.read_bytes()
+    one.write_bytes(other.read_bytes())
+    other.write_bytes(content)
+    with pytest.raises(SolutionFileError, match=r"000001.npz: it is chunk 2 of the sweep"):
+        sweep(BASE, **ASKED, store=tmp_path)
+
+
+def test_a_chunk_of_another_sweep_is_refused(tmp_path):
+    sweep(BASE, **ASKED, store=tmp_path / "one")
+    sweep(BASE, **{**ASKED, "rtol": 1e-9}, store=tmp_path / "other")
+    content = (tmp_path / "other" / "000001.npz").read_bytes()
+    (tmp_path / "one" / "000001.npz").write_bytes(content)
+    with pytest.raises(SolutionFileError, match=r"000001.npz: it is of another sweep"):
+        sweep(BASE, **ASKED, store=tmp_path / "one")
+
+
+def test_a_chunk_that_was_compressed_is_refused(tmp_path):
+    """Two megabytes of it may be gigabytes of zeros."""
+    sweep(BASE, **ASKED, store=tmp_path)
+    with np.load(tmp_path / "000001.npz") as members:
+        np.savez_compressed(tmp_path / "000001.npz", **members, more=np.zeros(100_000))
+    with pytest.raises(SolutionFileError, match=r"damaged: .* [(]it was compressed"):
+        sweep(BASE, **ASKED, store=tmp_path)
+
+
+TWO = """
+import sys, time
+import numpy as np
+from pathlib import Path
+from spectral_contact import Scene, SolutionFileError
+from spectral_contact.sweep import store, sweep
+me, other = sys.argv[2:4]
+ready = Path(sys.argv[1])
+def slowly(path, content, original=store.create_file):
+    (ready / me).touch()  # both have seen that there is nothing
+    while not (ready / other).exists():
+        time.sleep(0.001)
+    original(path, content)
+store.create_file = slowly
+try:
+    found = sweep(Scene(0.3), normal_compliance=np.linspace(*map(float, sys.argv[4:6]), 4),
+                  quantities=["approach"], chunk=1, store=ready / "store")
+    print(*map(float.hex, found.approach.values.tolist()))
+except SolutionFileError as error:
+    print("refused:", error)
+"""
+
+
+@pytest.mark.parametrize("others", [("0.1", "1.0"), ("0.2", "2.0")])
+def test_of_two_sweeps_started_at_once_one_is_refused_or_they_are_one(tmp_path, others):
+    asked = {"a": ("0.1", "1.0"), "b": others}
+    started = [
+        subprocess.Popen(
+            [sys.executable, "-c", TWO, str(tmp_path), me, other, *asked[me]],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for me, other in ("ab", "ba")
+    ]
+    said = [one.communicate()[0].strip() for one in started]
+    right = [
+        sweep(
+            Scene(0.3),
+            normal_compliance=np.linspace(*map(float, ends), 4),
+            quantities=["approach"],
+            chunk=1,
+        )
+        for ends in asked.values()
+    ]
+    numbers = [" ".join(map(float.hex, one.approach.values.tolist())) for one in right]
+    refused = [text.startswith("refused:") for text in said]
+    assert sum(refused) == (others != asked["a"])
+    for text, expected, stopped in zip(said, numbers, refused, strict=True):
+        assert "it is of a sweep with other scenes" in text if stopped else text == expected
+
+
+def test_a_store_where_there_are_no_hard_links(tmp_path, monkeypatch):
+    def no_link(*_):
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", no_link)
+    first = sweep(BASE, **ASKED, store=tmp_path)
+    assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
+    with pytest.raises(FileExistsError):
+        documents.create_file(str(tmp_path / "sweep.json"), b"")
 
 
 def test_failures_and_their_messages_survive_the_store(tmp_path):
