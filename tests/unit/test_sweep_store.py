@@ -6,14 +6,16 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import spectral_contact
 from spectral_contact import Scene, SolutionFileError, documents
-from spectral_contact.sweep import execution, sweep
+from spectral_contact.sweep import execution, store, sweep
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 
@@ -276,55 +278,33 @@ def test_a_chunk_that_was_compressed_is_refused(tmp_path):
         sweep(BASE, **ASKED, store=tmp_path)
 
 
-TWO = """
-import sys, time
-import numpy as np
-from pathlib import Path
-from spectral_contact import Scene, SolutionFileError
-from spectral_contact.sweep import store, sweep
-me, other = sys.argv[2:4]
-ready = Path(sys.argv[1])
-def slowly(path, content, original=store.create_file):
-    (ready / me).touch()  # both have seen that there is nothing
-    while not (ready / other).exists():
-        time.sleep(0.001)
-    original(path, content)
-store.create_file = slowly
-try:
-    found = sweep(Scene(0.3), normal_compliance=np.linspace(*map(float, sys.argv[4:6]), 4),
-                  quantities=["approach"], chunk=1, store=ready / "store")
-    print(*map(float.hex, found.approach.values.tolist()))
-except SolutionFileError as error:
-    print("refused:", error)
-"""
+@pytest.mark.parametrize("other", [(0.1, 1.0), (0.2, 2.0)])
+def test_of_two_sweeps_started_at_once_one_is_refused_or_they_are_one(tmp_path, monkeypatch, other):
+    both = threading.Barrier(2)
+    original = store.create_file
 
+    def together(path, content):
+        both.wait(60)  # both have seen that there is nothing
+        original(path, content)
 
-@pytest.mark.parametrize("others", [("0.1", "1.0"), ("0.2", "2.0")])
-def test_of_two_sweeps_started_at_once_one_is_refused_or_they_are_one(tmp_path, others):
-    asked = {"a": ("0.1", "1.0"), "b": others}
-    started = [
-        subprocess.Popen(
-            [sys.executable, "-c", TWO, str(tmp_path), me, other, *asked[me]],
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for me, other in ("ab", "ba")
-    ]
-    said = [one.communicate()[0].strip() for one in started]
-    right = [
-        sweep(
-            Scene(0.3),
-            normal_compliance=np.linspace(*map(float, ends), 4),
-            quantities=["approach"],
-            chunk=1,
-        )
-        for ends in asked.values()
-    ]
-    numbers = [" ".join(map(float.hex, one.approach.values.tolist())) for one in right]
-    refused = [text.startswith("refused:") for text in said]
-    assert sum(refused) == (others != asked["a"])
-    for text, expected, stopped in zip(said, numbers, refused, strict=True):
-        assert "it is of a sweep with other scenes" in text if stopped else text == expected
+    def alphas_and_approach(ends, **options):
+        alphas = np.linspace(*ends, 4)
+        asked = {"normal_compliance": alphas, "quantities": ["approach"], "chunk": 1}
+        return sweep(Scene(0.3), **asked, **options)
+
+    monkeypatch.setattr(store, "create_file", together)
+    ends = [(0.1, 1.0), other]
+    with ThreadPoolExecutor(2) as pool:
+        begun = [pool.submit(alphas_and_approach, one, store=tmp_path) for one in ends]
+    errors = [one.exception() for one in begun]
+    assert sum(error is not None for error in errors) == (other != ends[0])
+    for one, error, future in zip(ends, errors, begun, strict=True):
+        if error is None:
+            assert future.result().identical(alphas_and_approach(one))
+            assert alphas_and_approach(one, store=tmp_path).identical(future.result())
+        else:
+            assert isinstance(error, SolutionFileError)
+            assert "it is of a sweep with other scenes: use another store" in str(error)
 
 
 def test_a_store_where_there_are_no_hard_links(tmp_path, monkeypatch):
