@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
 from collections import Counter
+from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -157,15 +156,19 @@ def summary(dataset: xarray.Dataset) -> str:
 
 
 def _content(dataset: xarray.Dataset, suffix: str) -> bytes:
-    """Return what is in the file: complete, or not there."""
+    """Return what is in the file."""
     if suffix == ".csv":
         rows = dataset if dataset.sizes else dataset.expand_dims("scene")
         text: str = rows.to_dataframe().reset_index().to_csv(index=False)
         return text.encode()
-    with TemporaryDirectory() as folder:
-        path = os.path.join(folder, "sweep.nc")
-        dataset.to_netcdf(path)
-        return Path(path).read_bytes()
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    # in memory: on a full disk HDF5 may crash when it closes a file
+    content = BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    return content.getvalue()
 
 
 def _values(text: str) -> list[float]:

@@ -10,6 +10,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
 from typing import TYPE_CHECKING, Any, NoReturn, TextIO
@@ -17,7 +18,15 @@ from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-__all__ = ["PROGRAM", "Terminated", "failed", "guarded", "quiet_imports", "workers"]
+__all__ = [
+    "PROGRAM",
+    "Terminated",
+    "end_with_parent",
+    "failed",
+    "guarded",
+    "quiet_imports",
+    "workers",
+]
 
 PROGRAM = "spectral-contact"
 
@@ -152,7 +161,7 @@ def workers(count: int) -> Iterator[Executor | None]:
 
     others = multiprocessing.active_children()
     pool = ProcessPoolExecutor(
-        count, multiprocessing.get_context("spawn"), initializer=_begin_worker
+        count, multiprocessing.get_context("spawn"), _begin_worker, (os.getpid(),)
     )
     try:
         with _deaf():
@@ -180,16 +189,37 @@ def _deaf() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
-def _begin_worker() -> None:
+def _begin_worker(parent: int) -> None:
     """Leave Ctrl-C, which the terminal sends to all processes, to the parent, and end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_follow, daemon=True).start()
+    end_with_parent(parent)
 
 
-def _follow() -> None:
+def end_with_parent(number: int) -> None:
+    """End this process when its parent ends, be it by a kill.
+
+    Parameters
+    ----------
+    number : int
+        Of the process that waits for this one's work. Nothing is done if that is not the parent: a
+        worker of a cluster has another one, which looks after it.
+    """
     from multiprocessing import parent_process
 
     parent = parent_process()
-    if parent is not None:
-        parent.join()  # its end, be it a kill
-        os._exit(1)
+    if parent is not None and parent.pid == number:
+        _follow(os.getpid())
+
+
+@cache
+def _follow(_: int) -> None:
+    """Begin to wait for the end of the parent, once in each process."""
+    from multiprocessing import parent_process
+
+    def wait() -> None:
+        parent = parent_process()
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    Thread(target=wait, daemon=True).start()

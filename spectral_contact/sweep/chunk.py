@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.processes import end_with_parent
 from spectral_contact.solution import Ending, Solution
 from spectral_contact.solver import Continuation
 from spectral_contact.sweep.parameters import Columns
@@ -58,10 +59,13 @@ def solve_chunk(columns: Columns, request: Request, home: tuple[str, int]) -> Ou
         Sorted, so that neighbours share what they can.
     request : Request
     home : tuple
-        The process that asks; any other has its BLAS put to one thread, for good.
+        The process that asks; any other has its BLAS put to one thread, for good, and if it is a
+        child of the one that asks, it ends with it.
     """
     if process() != home:
         keep_one_thread()
+        if process()[0] == home[0]:
+            end_with_parent(home[1])
     rows = _Rows(len(columns), request)
     continuation = Continuation(request.rtol, request.quantities, request.max_unknowns)
     todo = np.arange(len(columns))

@@ -273,6 +273,14 @@ def test_nothing_in_the_library_writes_in_another_way():
     ]
 
 
+def test_netcdf_needs_no_temporary_file(tmp_path, monkeypatch):
+    """HDF5 may crash where a disk is full."""
+    xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "nowhere"))
+    SAVERS["map.nc"](tmp_path / "map.nc")
+    assert xarray.load_dataset(tmp_path / "map.nc").identical(dataset())
+
+
 def test_a_file_that_is_protected_is_not_replaced(tmp_path, monkeypatch):
     path = tmp_path / "solution.json"
     path.write_bytes(OLD)

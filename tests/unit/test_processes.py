@@ -110,6 +110,32 @@ def test_workers_end_with_their_parent(tmp_path, number, status, said):
     wait_until(lambda: not any(map(alive, own)))
 
 
+POOL = """
+import sys
+import numpy as np
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from spectral_contact import Scene
+from spectral_contact.sweep import sweep
+with ProcessPoolExecutor(1, get_context(sys.argv[1])) as pool:
+    friction = np.linspace(0.01, 0.12, 4000)
+    sweep(Scene(0.3, 0.5, 0.5), friction=friction, executor=pool, store=sys.argv[2])
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks for processes in /proc")
+@pytest.mark.parametrize("method", ["spawn", "fork"])
+def test_workers_of_any_pool_end_with_their_parent(tmp_path, method):
+    pytest.importorskip("xarray", reason="part of the extra: sweep")
+    process = start(sys.executable, "-c", POOL, method, str(tmp_path / "store"))
+    wait_until(lambda: list(tmp_path.glob("store/*.npz")), process)
+    own = children(process.pid)
+    assert own
+    process.kill()
+    process.communicate()
+    wait_until(lambda: not any(map(alive, own)))
+
+
 def test_ctrl_c_that_is_ignored_stays_ignored():
     code = "import os, signal, spectral_contact.processes as p; "
     code += "print(p.guarded(lambda: os.kill(os.getpid(), signal.SIGINT) or 7))"
