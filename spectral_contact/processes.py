@@ -191,7 +191,7 @@ def _deaf() -> Iterator[None]:
 
 def _begin_worker(parent: int) -> None:
     """Leave Ctrl-C, which the terminal sends to all processes, to the parent, and end with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows, which has no `_deaf`
     end_with_parent(parent)
 
 

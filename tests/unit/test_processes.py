@@ -165,6 +165,19 @@ def test_term_ends_what_is_being_done(capsys):
     assert capsys.readouterr().err == "spectral-contact: terminated\n"
 
 
+def test_work_in_progress_is_not_waited_for():
+    def interrupted():
+        with workers(2) as executor:
+            begun = executor.submit(time.sleep, 300.0)
+            wait_until(begun.running)
+            raise KeyboardInterrupt
+
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert time.monotonic() - begin < 150.0
+
+
 def test_one_worker_is_this_process():
     with workers(1) as executor:
         assert executor is None

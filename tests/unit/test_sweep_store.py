@@ -280,17 +280,21 @@ def test_a_chunk_that_was_compressed_is_refused(tmp_path):
 
 @pytest.mark.parametrize("other", [(0.1, 1.0), (0.2, 2.0)])
 def test_of_two_sweeps_started_at_once_one_is_refused_or_they_are_one(tmp_path, monkeypatch, other):
-    both = threading.Barrier(2)
+    both, finished = threading.Barrier(2), threading.Event()
     original = store.create_file
 
     def together(path, content):
-        both.wait(60)  # both have seen that there is nothing
+        if both.wait(60):  # both have seen that there is nothing
+            finished.wait(60)  # and one is so slow that the other has done all
         original(path, content)
 
     def alphas_and_approach(ends, **options):
         alphas = np.linspace(*ends, 4)
         asked = {"normal_compliance": alphas, "quantities": ["approach"], "chunk": 1}
-        return sweep(Scene(0.3), **asked, **options)
+        try:
+            return sweep(Scene(0.3), **asked, **options)
+        finally:
+            finished.set()
 
     monkeypatch.setattr(store, "create_file", together)
     ends = [(0.1, 1.0), other]
