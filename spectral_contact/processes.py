@@ -105,7 +105,7 @@ def _signals_as_errors() -> Iterator[None]:
             (signal.SIGINT, signal.default_int_handler),
             (signal.SIGTERM, _terminate),
         ):
-            # those of nohup, and those that are not Python's
+            # what is ignored, as in the background of a script, or is not Python's, stays
             if signal.getsignal(number) not in (signal.SIG_IGN, None):
                 before[number] = signal.signal(number, handler)
     try:
