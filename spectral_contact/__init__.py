@@ -8,6 +8,10 @@ Quick start
 0.292959796910
 """
 
+from spectral_contact import processes
+
+processes.quiet_imports()  # before what takes a second to import
+
 from spectral_contact.errors import (
     ConvergenceError,
     MissingDependencyError,

@@ -3,7 +3,8 @@
 Also ``python -m spectral_contact``.
 
 Exit status: 0 if it is done; 1 if the tolerance was not met; 2 for a bad option, value, file or
-missing dependency; 130 when interrupted. Whatever fails is said in one line on stderr.
+missing dependency; 130 when interrupted, 143 when terminated. Whatever fails is said in one line
+on stderr.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from spectral_contact.errors import (
 )
 from spectral_contact.paper import FIGURES, reproduce
 from spectral_contact.planning import plan
+from spectral_contact.processes import PROGRAM, failed, guarded
 from spectral_contact.progress import ProgressLine
 from spectral_contact.report import FIELDS, report, write_csv
 from spectral_contact.scene import Scene
@@ -36,7 +38,6 @@ from spectral_contact.threads import one_thread
 
 __all__ = ["main"]
 
-_PROGRAM = "spectral-contact"
 _OUTPUTS = (".json", ".csv", ".npz")
 
 _COMPLIANCES = ("normal_compliance", "tangential_compliance")
@@ -63,34 +64,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         The exit status, see the module's description.
     """
+    return guarded(lambda: _run(sys.argv[1:] if argv is None else argv))
+
+
+def _run(argv: Sequence[str]) -> int:
+    """Do what the arguments ask for, and return the exit status of it."""
     try:
-        arguments = _parser().parse_args(joined(sys.argv[1:] if argv is None else argv))
+        arguments = _parser().parse_args(joined(argv))
         with one_thread():
             arguments.run(arguments)
-        sys.stdout.flush()
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)
     except ConvergenceError as error:
         hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
-        return _failed(f"{error}{hint}", 1)
+        return failed(f"{error}{hint}", 1)
     except SceneError as error:
-        return _failed(_in_options(error, _si_given(arguments)), 2)
+        return failed(_in_options(error, _si_given(arguments)), 2)
     except SpectralContactError as error:
-        return _failed(str(error), 2)
-    except KeyboardInterrupt:
-        return _failed("interrupted", 130)
-    except OSError as error:  # of stdout; files are reported by those who write them
-        # else the interpreter fails once more when it flushes at its end
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if isinstance(error, BrokenPipeError):  # as in "| head"
-            return 0
-        return _failed(f"standard output: {error.strerror}", 2)
+        return failed(str(error), 2)
     return 0
-
-
-def _failed(message: str, status: int) -> int:
-    print(f"{_PROGRAM}: {' '.join(message.split())}", file=sys.stderr)
-    return status
 
 
 # --- options --------------------------------------------------------------------------------------
@@ -113,11 +105,11 @@ class _Parser(argparse.ArgumentParser):
 
 def _parser() -> _Parser:
     parser = _Parser(
-        prog=_PROGRAM,
+        prog=PROGRAM,
         description="Contact of a rigid flat punch with a rough elastic half-space.",
         allow_abbrev=False,
     )
-    version = f"{_PROGRAM} {spectral_contact.__version__}"
+    version = f"{PROGRAM} {spectral_contact.__version__}"
     parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(dest="command", metavar="command", required=True)
     command = commands.add_parser(
@@ -426,7 +418,9 @@ def _check_path(path: Path, suffixes: Iterable[str]) -> None:
             raise SolutionFileError(str(path), "is a directory")
         if not path.parent.is_dir():
             raise SolutionFileError(str(path), "its directory does not exist")
-        if not os.access(path if path.exists() else path.parent, os.W_OK):
+        # it is replaced by a file made beside it
+        needed = [Path(os.path.realpath(path)).parent, *([path] if path.exists() else [])]
+        if not all(os.access(one, os.W_OK) for one in needed):
             raise SolutionFileError(str(path), "cannot be written: permission denied")
     except OSError as error:  # a name too long, or a directory that may not be searched
         reason = f"cannot be written: {error.strerror or error}"

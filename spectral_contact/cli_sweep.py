@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
 from collections import Counter
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import nullcontext
-from multiprocessing import get_context
+from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -20,6 +16,7 @@ from spectral_contact import plotting
 from spectral_contact.checks import whole as checked_whole
 from spectral_contact.cli_options import friction, number, whole
 from spectral_contact.documents import replace_file, reported
+from spectral_contact.processes import workers
 from spectral_contact.report import table
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
@@ -110,12 +107,7 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
             axes[name] = values
     # an axis is checked with the axes; until then its place is taken by what is always allowed
     base = Scene(**{"poisson_ratio": 0.3, **single})
-    workers = checked_whole("workers", arguments.workers, 1)
-    pool: Any = nullcontext()
-    if workers > 1:
-        pool = ProcessPoolExecutor(workers, get_context("spawn"))
-    with pool as opened:
-        executor: Executor | None = opened
+    with workers(checked_whole("workers", arguments.workers, 1)) as executor:
         return sweep(
             base,
             **axes,
@@ -164,15 +156,19 @@ def summary(dataset: xarray.Dataset) -> str:
 
 
 def _content(dataset: xarray.Dataset, suffix: str) -> bytes:
-    """Return what is in the file: complete, or not there."""
+    """Return what is in the file."""
     if suffix == ".csv":
         rows = dataset if dataset.sizes else dataset.expand_dims("scene")
         text: str = rows.to_dataframe().reset_index().to_csv(index=False)
         return text.encode()
-    with TemporaryDirectory() as folder:
-        path = os.path.join(folder, "sweep.nc")
-        dataset.to_netcdf(path)
-        return Path(path).read_bytes()
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    # in memory: on a full disk HDF5 may crash when it closes a file
+    content = BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    return content.getvalue()
 
 
 def _values(text: str) -> list[float]:

@@ -1,12 +1,16 @@
-"""What every reader of files and texts needs: one error for whatever is wrong with them."""
+"""What every reader and writer of files needs: one error for whatever is wrong, one way to write.
+
+Nothing in the library writes a file but `replace_file`, `create_file` and `append_file`.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
@@ -19,7 +23,9 @@ from spectral_contact.errors import SolutionFileError, shown
 __all__ = [
     "YOUNGER",
     "Refused",
+    "append_file",
     "check_schema",
+    "create_file",
     "key_complaint",
     "left_out",
     "npz_members",
@@ -33,6 +39,8 @@ __all__ = [
 #: Metadata of a dataclass field that came after the first release: documents leave it out where it
 #: has its default, so that old files are read, and what does not use it is written as ever.
 YOUNGER: Final = {"younger": True}
+#: What file systems without hard links say.
+_NO_LINKS: Final = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS)
 
 
 #: What NumPy packs with, and more than files of this library shrink if they are packed again.
@@ -159,14 +167,107 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
 
 
 def replace_file(path: str, content: bytes) -> None:
-    """Write a file; it is complete or, after any failure, as it was before."""
+    """Write a file; it is complete or, after any failure, as it was before.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
     target = Path(os.path.realpath(path))  # else a symbolic link would give way to a file
+    if target.exists() and not os.access(target, os.W_OK):  # of which a replacement takes no notice
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
+    with _beside(target, content) as temporary:
+        temporary.replace(target)
+    _settle(target.parent)
+
+
+def create_file(path: str, content: bytes) -> None:
+    """Write a file that is not there yet; it is complete or not there.
+
+    Raises
+    ------
+    FileExistsError
+        If it is there, be it that another process was faster.
+    OSError
+        If it cannot be written.
+    """
+    target = Path(path)
+    with _beside(target, content) as temporary:
+        try:
+            os.link(temporary, target)
+        except OSError as error:
+            if error.errno not in _NO_LINKS:
+                raise
+            _write_new(target, content)  # as exclusive; a kill may leave it cut short
+    _settle(target.parent)
+
+
+def append_file(path: str, content: bytes, size: int | None = None) -> None:
+    """Add to the end of a file, which is made if need be; on disk before this returns.
+
+    After a failure the file ends where it ended before, or, if not even that can be done, in a
+    part of the content: readers take an end that was cut short for nothing.
+
+    Parameters
+    ----------
+    path : str
+    content : bytes
+    size : int, optional
+        To which the file is cut first.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    # without a buffer, which would be written once more when the file is closed
+    with Path(path).open("ab", buffering=0) as file:
+        end = file.seek(0, os.SEEK_END) if size is None else size
+        if size is not None:
+            file.truncate(size)
+        left = memoryview(content)
+        try:
+            while left:
+                left = left[file.write(left) :]
+            os.fsync(file.fileno())
+        except BaseException:
+            with suppress(OSError):
+                file.truncate(end)
+            raise
+
+
+@contextmanager
+def _beside(target: Path, content: bytes) -> Iterator[Path]:
+    """Yield a complete file in the same folder, which is gone afterwards."""
     temporary = target.with_name(f".spectral_contact-{secrets.token_hex(8)}.tmp")
     try:
-        with temporary.open("xb") as file:
+        _write_new(temporary, content)
+        yield temporary
+    finally:
+        with suppress(OSError):  # what has failed before is what has to be said
+            temporary.unlink()
+
+
+def _write_new(path: Path, content: bytes) -> None:
+    """Write a file that is not there yet; on disk, or not there, unless the process is killed."""
+    file = path.open("xb")
+    try:
+        with file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())  # else a power failure may leave the name without the content
-        temporary.replace(target)
-    finally:
-        temporary.unlink(missing_ok=True)
+    except BaseException:
+        with suppress(OSError):
+            path.unlink()
+        raise
+
+
+def _settle(folder: Path) -> None:
+    """Put the names in a folder on disk, where the system can."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

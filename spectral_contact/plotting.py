@@ -9,6 +9,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.choices import instance
-from spectral_contact.documents import path_text
+from spectral_contact.documents import path_text, replace_file, reported
 from spectral_contact.errors import MissingDependencyError, NotComputedError, SolutionFileError
 from spectral_contact.fields import AnnulusSeries, DiskSeries, LogSeries, ZonalField
 from spectral_contact.radii import Radii, graded_radii, known_zones, layer_depth
@@ -204,12 +205,11 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         raise SolutionFileError(path, f"the suffix must be one of {', '.join(FORMATS)}")
     # without the date, the same figure gives the same file
     date = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
-    try:
-        with style():
-            figure.savefig(path, format=suffix[1:], dpi=150, metadata=date.get(suffix))
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
-        reason = f"cannot be written: {getattr(error, 'strerror', None) or error}"
-        raise SolutionFileError(path, reason) from error
+    drawn = BytesIO()
+    with style():
+        figure.savefig(drawn, format=suffix[1:], dpi=150, metadata=date.get(suffix))
+    with reported(path, "cannot be written"):
+        replace_file(path, drawn.getvalue())
 
 
 @contextmanager

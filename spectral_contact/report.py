@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import spectral_contact
-from spectral_contact.errors import SolutionFileError
+from spectral_contact.documents import replace_file, reported
 from spectral_contact.radii import graded_radii
 from spectral_contact.scene import Scene
 from spectral_contact.solution import PhysicalSolution, Solution
@@ -60,11 +59,8 @@ def write_csv(solution: Solution, path: str) -> None:
     lines.append(",".join(columns))
     for row in zip(*(column.tolist() for column in columns.values()), strict=True):
         lines.append(",".join(map(repr, row)))
-    try:
-        Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-    except OSError as error:
-        reason = f"cannot be written: {error.strerror or error}"
-        raise SolutionFileError(path, reason) from error
+    with reported(path, "cannot be written"):
+        replace_file(path, ("\n".join(lines) + "\n").encode())
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,6 +25,7 @@ from typing import Any
 from mpmath import mp
 
 from spectral_contact import ConvergenceError, Scene, __version__
+from spectral_contact.documents import replace_file
 from spectral_contact.precise import reference
 
 TABLES = Path(__file__).parents[1] / "spectral_contact" / "gold" / "tables"
@@ -362,9 +363,7 @@ class Table:
             "script": SCRIPT,
             "scenes": [self.entries[name] for name in names if name in self.entries],
         }
-        temporary = self.path.with_suffix(".partial")
-        temporary.write_text(layout(document) + "\n", encoding="utf-8")
-        temporary.replace(self.path)
+        replace_file(str(self.path), (layout(document) + "\n").encode())
 
 
 def results(todo: list[tuple[Table, Scene]], digits: int, workers: int) -> Iterator[Any]:

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from spectral_contact import checks, choices, plotting
-from spectral_contact.documents import path_text, reported
+from spectral_contact.documents import path_text, replace_file, reported
 from spectral_contact.paper.figures import FIGURES, FigureData, PaperFigure, paper_figure
 from spectral_contact.paper.pictures import check, draw
 from spectral_contact.paper.statements import Statement, statements, statements_table
@@ -107,7 +107,7 @@ def reproduce(
     found = statements(rtol)
     path = folder / "statements.md"
     with reported(str(path), "cannot be written"):
-        path.write_text(statements_table(found), encoding="utf-8", newline="\n")
+        replace_file(str(path), statements_table(found).encode())
     holding = sum(one.holds for one in found)
     files.append((path, f"{holding} of {len(found)} statements of the paper hold"))
     tell("")

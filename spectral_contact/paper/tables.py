@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import spectral_contact
 from spectral_contact import checks
-from spectral_contact.documents import Refused, read_file, reported
+from spectral_contact.documents import Refused, append_file, read_file, reported
 from spectral_contact.paper.figures import FigureData, PaperFigure, paper_figure
 
 __all__ = ["complete_csv", "read_csv"]
@@ -103,11 +103,8 @@ def complete_csv(
 
 
 def _append(path: Path, size: int | None, content: bytes) -> None:
-    """Append to a file, which is first cut to a size, if one is given."""
-    with reported(str(path), "cannot be written"), path.open("ab") as file:
-        if size is not None:
-            file.truncate(size)
-        file.write(content)
+    with reported(str(path), "cannot be written"):
+        append_file(str(path), content, size)
 
 
 def _head(figure: PaperFigure, rtol: float) -> bytes:

@@ -11,7 +11,14 @@ import os
 from pathlib import Path
 from typing import Any, Final
 
-from spectral_contact.documents import Refused, check_schema, key_complaint, path_text, reported
+from spectral_contact.documents import (
+    Refused,
+    append_file,
+    check_schema,
+    key_complaint,
+    path_text,
+    reported,
+)
 from spectral_contact.errors import shown
 from spectral_contact.scene import Scene
 from spectral_contact.studies.files import point_from_row, point_row
@@ -67,8 +74,8 @@ class Store:
             for number, line in enumerate(lines, 1):
                 with reported(f"{self._source}, line {number}", "damaged"):
                     self._take(line)
-            with file.open("ab") as end:  # fails now, and not after an hour of work
-                end.truncate(len(content) - len(cut))
+            # fails now, and not after an hour of work
+            append_file(self._source, b"", len(content) - len(cut) if cut else None)
 
     def _take(self, line: bytes) -> None:
         """Keep the point of a line."""
@@ -109,14 +116,11 @@ class Store:
         SolutionFileError
             If it cannot be written.
         """
+        if self._source is not None:
+            truth = self._cases[point.solver, point.scene]
+            members = (_SCHEMA, _VERSION, self._study, truth, point_row(point))
+            row = dict(zip(_MEMBERS, members, strict=True))
+            with reported(self._source, "cannot be written"):
+                line = json.dumps(row, allow_nan=False) + "\n"
+                append_file(self._source, line.encode())
         self._points[point.solver, point.scene, point.resolution] = point
-        if self._source is None:
-            return
-        truth = self._cases[point.solver, point.scene]
-        members = (_SCHEMA, _VERSION, self._study, truth, point_row(point))
-        row = dict(zip(_MEMBERS, members, strict=True))
-        with (
-            reported(self._source, "cannot be written"),
-            Path(self._source).open("a", encoding="utf-8", newline="\n") as file,
-        ):
-            file.write(json.dumps(row, allow_nan=False) + "\n")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.processes import end_with_parent
 from spectral_contact.solution import Ending, Solution
 from spectral_contact.solver import Continuation
 from spectral_contact.sweep.parameters import Columns
@@ -43,7 +44,7 @@ class Outcome:
 
 
 @one_thread()
-def solve_chunk(columns: Columns, request: Request) -> Outcome:
+def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
     """Solve some scenes one after another.
 
     Parameters
@@ -51,7 +52,10 @@ def solve_chunk(columns: Columns, request: Request) -> Outcome:
     columns : Columns
         Sorted, so that neighbours share what they can.
     request : Request
+    asker : int
+        The process that asks; if it is the parent of this one, this one ends with it.
     """
+    end_with_parent(asker)
     rows = _Rows(len(columns), request)
     continuation = Continuation(request.rtol, request.quantities, request.max_unknowns)
     todo = np.arange(len(columns))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import Final
@@ -48,7 +49,7 @@ def outcomes(
         except BrokenExecutor as error:
             _LOG.warning("the executor broke (%s): %d chunks are done here", error, len(left))
     for number, scenes in left.items():
-        yield number, solve_chunk(parameters.columns(scenes), request)
+        yield number, solve_chunk(parameters.columns(scenes), request, os.getpid())
 
 
 def _through(
@@ -64,7 +65,7 @@ def _through(
         while True:
             for number, scenes in queue:
                 columns: Columns = parameters.columns(scenes)
-                running[executor.submit(solve_chunk, columns, request)] = number
+                running[executor.submit(solve_chunk, columns, request, os.getpid())] = number
                 if len(running) >= _AHEAD:
                     break
             if not running:

@@ -197,7 +197,7 @@ class _Run:
         left: list[tuple[int, Indices]] = []
         for number, scenes in enumerate(self.chunks):
             if self.store is not None and self.store.has(number):
-                self.table.put(scenes, self.store.get(number, len(scenes)))
+                self.table.put(scenes, self.store.get(number))
             else:
                 left.append((number, scenes))
         total, todo = self.parameters.size, sum(len(scenes) for _, scenes in left)

@@ -1,17 +1,20 @@
 """Nothing of a sweep is lost: stores that resume, that refuse, and that are never damaged."""
 
+import errno
 import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import spectral_contact
-from spectral_contact import Scene, SolutionFileError
+from spectral_contact import Scene, SolutionFileError, documents
 from spectral_contact.sweep import execution, store, sweep
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -20,10 +23,11 @@ BASE = Scene(0.3, 0.5, 0.5, 0.1)
 ALPHAS = np.linspace(0.1, 1.0, 10)
 ASKED = {"normal_compliance": ALPHAS, "quantities": ["approach", "zones"], "chunk": 2}
 SLEEPY = """
-import sys, time
+import signal, sys, time
 import numpy as np
 from spectral_contact import Scene
 from spectral_contact.sweep import execution, sweep
+signal.signal(signal.SIGINT, signal.default_int_handler)  # where it is ignored, as after nohup
 original, begun = execution.solve_chunk, []
 def slow(*arguments):
     begun.append(1)
@@ -149,8 +153,8 @@ def test_stores_of_another_version_are_refused(tmp_path, monkeypatch):
             sweep(BASE, **ASKED, store=tmp_path)
     manifest = tmp_path / "sweep.json"
     document = json.loads(manifest.read_text())
-    manifest.write_text(json.dumps({**document, "version": 2}))
-    with pytest.raises(SolutionFileError, match="version 2 is not known to this release"):
+    manifest.write_text(json.dumps({**document, "version": 3}))
+    with pytest.raises(SolutionFileError, match="version 3 is not known to this release"):
         sweep(BASE, **ASKED, store=tmp_path)
 
 
@@ -180,11 +184,142 @@ def test_a_damaged_chunk_is_named_and_solved_again_once_deleted(tmp_path, keep):
     assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
 
 
-def test_a_chunk_of_another_length_is_damaged(tmp_path):
+def rewritten(path, change):
+    """Write a chunk as a tool would that knows nothing of its header."""
+    with np.load(path) as members:
+        np.savez(path, **change(dict(members)))
+
+
+def renamed(members, **changes):
+    return {changes.get(name, name): values for name, values in members.items()}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda m: {**m, "approach": m["approach"].astype(str)}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"] * 1j}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"] * (1 + 1e-15)}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"][:1]}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"].reshape(2, 1)}, "not those that were stored"),
+        (lambda m: {**m, "approach": m["approach"].astype(object)}, "damaged: delete this file"),
+        (lambda m: {**m, "more": m["approach"]}, "not those that were stored"),
+        (lambda m: renamed(m, approach="slip"), "not those that were stored"),
+        (lambda m: {**m, ".endings": m[".endings"] + 1}, "not those that were stored"),
+        (lambda m: {**m, ".endings": m[".endings"] + 99}, "not those that were stored"),
+        (lambda m: {k: v for k, v in m.items() if k != "approach"}, "not those that were stored"),
+        (lambda m: {k: v for k, v in m.items() if k != ".header"}, "no '.header'"),
+        (lambda m: {**m, ".header": m[".header"][:-5]}, "damaged: delete this file"),
+        (lambda m: {**m, ".header": np.frombuffer(b"[]", np.uint8)}, "not a chunk of a sweep"),
+    ],
+)
+def test_a_chunk_that_was_rewritten_is_refused(tmp_path, change, said):
+    first = sweep(BASE, **ASKED, store=tmp_path)
+    chunk = tmp_path / "000001.npz"
+    rewritten(chunk, change)
+    before = {one.name: one.read_bytes() for one in tmp_path.iterdir()}
+    with pytest.raises(SolutionFileError, match=r"000001\.npz") as caught:
+        sweep(BASE, **ASKED, store=tmp_path)
+    assert said in str(caught.value)
+    assert {one.name: one.read_bytes() for one in tmp_path.iterdir()} == before
+    chunk.unlink()
+    assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
+
+
+def test_a_header_that_says_something_else_is_refused(tmp_path):
     sweep(BASE, **ASKED, store=tmp_path)
-    kept = store.Store(tmp_path, json.loads((tmp_path / "sweep.json").read_text())["sweep"])
-    with pytest.raises(SolutionFileError, match="of another length"):
-        kept.get(0, 3)
+    with np.load(tmp_path / "000001.npz") as members:
+        header = json.loads(members[".header"].tobytes())
+    assert header["number"] == 1
+    changes = [
+        ({"version": 9}, "version 9 is not known"),
+        ({"more": 1}, "unknown 'more'"),
+        ({"messages": {"0": "nothing"}}, "not those that were stored"),
+        ({"messages": None}, "not those that were stored"),
+        ({"number": 2}, "it is chunk 2 of the sweep"),
+        ({"number": True}, "not those that were stored"),
+    ]
+    for change, said in changes:
+        text = json.dumps(header | change).encode()
+        rewritten(
+            tmp_path / "000001.npz",
+            lambda m, text=text: {**m, ".header": np.frombuffer(text, np.uint8)},
+        )
+        with pytest.raises(SolutionFileError, match=r"000001\.npz") as caught:
+            sweep(BASE, **ASKED, store=tmp_path)
+        assert said in str(caught.value)
+
+
+def test_chunks_that_changed_places_are_refused(tmp_path):
+    sweep(BASE, **ASKED, store=tmp_path)
+    one, other = tmp_path / "000001.npz", tmp_path / "000002.npz"
+    content = one.read_bytes()
+    one.write_bytes(other.read_bytes())
+    other.write_bytes(content)
+    with pytest.raises(SolutionFileError, match=r"000001.npz: it is chunk 2 of the sweep"):
+        sweep(BASE, **ASKED, store=tmp_path)
+
+
+def test_a_chunk_of_another_sweep_is_refused(tmp_path):
+    sweep(BASE, **ASKED, store=tmp_path / "one")
+    sweep(BASE, **{**ASKED, "rtol": 1e-9}, store=tmp_path / "other")
+    content = (tmp_path / "other" / "000001.npz").read_bytes()
+    (tmp_path / "one" / "000001.npz").write_bytes(content)
+    with pytest.raises(SolutionFileError, match=r"000001.npz: it is of another sweep"):
+        sweep(BASE, **ASKED, store=tmp_path / "one")
+
+
+def test_a_chunk_that_was_compressed_is_refused(tmp_path):
+    """Two megabytes of it may be gigabytes of zeros."""
+    sweep(BASE, **ASKED, store=tmp_path)
+    with np.load(tmp_path / "000001.npz") as members:
+        np.savez_compressed(tmp_path / "000001.npz", **members, more=np.zeros(100_000))
+    with pytest.raises(SolutionFileError, match=r"damaged: .* [(]it was compressed"):
+        sweep(BASE, **ASKED, store=tmp_path)
+
+
+@pytest.mark.parametrize("other", [(0.1, 1.0), (0.2, 2.0)])
+def test_of_two_sweeps_started_at_once_one_is_refused_or_they_are_one(tmp_path, monkeypatch, other):
+    both, finished = threading.Barrier(2), threading.Event()
+    original = store.create_file
+
+    def together(path, content):
+        if both.wait(60):  # both have seen that there is nothing
+            finished.wait(60)  # and one is so slow that the other has done all
+        original(path, content)
+
+    def alphas_and_approach(ends, **options):
+        alphas = np.linspace(*ends, 4)
+        asked = {"normal_compliance": alphas, "quantities": ["approach"], "chunk": 1}
+        try:
+            return sweep(Scene(0.3), **asked, **options)
+        finally:
+            finished.set()
+
+    monkeypatch.setattr(store, "create_file", together)
+    ends = [(0.1, 1.0), other]
+    with ThreadPoolExecutor(2) as pool:
+        begun = [pool.submit(alphas_and_approach, one, store=tmp_path) for one in ends]
+    errors = [one.exception() for one in begun]
+    assert sum(error is not None for error in errors) == (other != ends[0])
+    for one, error, future in zip(ends, errors, begun, strict=True):
+        if error is None:
+            assert future.result().identical(alphas_and_approach(one))
+            assert alphas_and_approach(one, store=tmp_path).identical(future.result())
+        else:
+            assert isinstance(error, SolutionFileError)
+            assert "it is of a sweep with other scenes: use another store" in str(error)
+
+
+def test_a_store_where_there_are_no_hard_links(tmp_path, monkeypatch):
+    def no_link(*_):
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", no_link)
+    first = sweep(BASE, **ASKED, store=tmp_path)
+    assert sweep(BASE, **ASKED, store=tmp_path).identical(first)
+    with pytest.raises(FileExistsError):
+        documents.create_file(str(tmp_path / "sweep.json"), b"")
 
 
 def test_failures_and_their_messages_survive_the_store(tmp_path):

@@ -49,7 +49,7 @@ three_threads = pytest.mark.usefixtures("_three_threads")
 
 def solve_chunk():
     request = requested(["approach"], 1e-6, 100, None, None)
-    chunk.solve_chunk(listed([SCENE]).columns(np.arange(1)), request)
+    chunk.solve_chunk(listed([SCENE]).columns(np.arange(1)), request, 0)
 
 
 # what is called, and what is called in the midst of it

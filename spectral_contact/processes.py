@@ -1,0 +1,225 @@
+"""What Ctrl-C, TERM and a closed stdout do to the command line, and to the workers that it starts.
+
+Only the standard library is imported here: the package imports this before anything else.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from threading import Thread, current_thread, main_thread
+from typing import TYPE_CHECKING, Any, NoReturn, TextIO
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+__all__ = [
+    "PROGRAM",
+    "Terminated",
+    "end_with_parent",
+    "failed",
+    "guarded",
+    "quiet_imports",
+    "workers",
+]
+
+PROGRAM = "spectral-contact"
+
+
+class Terminated(KeyboardInterrupt):
+    """Somebody sent TERM: everything that an interrupt ends is ended in the same way."""
+
+
+# --- the command line -----------------------------------------------------------------------------
+
+
+def guarded(run: Callable[[], int]) -> int:
+    """Return the exit status of what the command line does.
+
+    Ctrl-C and TERM end it in one line, and a stdout that is closed ends it in silence.
+    """
+    _open_streams()
+    status = 0
+    with _signals_as_errors():
+        try:
+            status = run()
+            sys.stdout.flush()
+        except Terminated:
+            return failed("terminated", 143)
+        except KeyboardInterrupt:
+            return failed("interrupted", 130)
+        except OSError as error:  # of stdout; files are reported by those who write them
+            _silence(sys.stdout)
+            if not isinstance(error, BrokenPipeError):  # as in "| head"
+                return failed(f"standard output: {error.strerror}", 2)
+    return status
+
+
+def failed(message: str, status: int) -> int:
+    """Say on one line of stderr what went wrong, and return the exit status."""
+    try:
+        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")
+        sys.stderr.flush()
+    except OSError:  # the status says it as well
+        _silence(sys.stderr)
+    return status
+
+
+# --- signals --------------------------------------------------------------------------------------
+
+
+def quiet_imports() -> None:
+    """Let Ctrl-C end the command line in one line while it is still importing.
+
+    In other programs, and where Ctrl-C is ignored, nothing is changed. `guarded` takes over
+    from here.
+    """
+    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if _is_command_line() and usual and current_thread() is main_thread():
+        # not by an exception: extension modules turn it into a failed import
+        signal.signal(signal.SIGINT, _leave)
+
+
+def _is_command_line() -> bool:
+    words = [word for word in sys.orig_argv[1:] if not word.startswith("-")]
+    return bool(words) and Path(words[0]).stem in (PROGRAM, "spectral_contact")  # script, or -m
+
+
+def _leave(*_: object) -> NoReturn:
+    with suppress(OSError):
+        os.write(2, f"{PROGRAM}: interrupted\n".encode())
+    os._exit(130)
+
+
+@contextmanager
+def _signals_as_errors() -> Iterator[None]:
+    """Raise `KeyboardInterrupt` at Ctrl-C and `Terminated` at TERM, unless they are ignored."""
+    before: dict[signal.Signals, Any] = {}
+    if current_thread() is main_thread():
+        for number, handler in (
+            (signal.SIGINT, signal.default_int_handler),
+            (signal.SIGTERM, _terminate),
+        ):
+            # what is ignored, as in the background of a script, or is not Python's, stays
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                before[number] = signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _terminate(*_: object) -> NoReturn:
+    raise Terminated
+
+
+# --- streams --------------------------------------------------------------------------------------
+
+
+def _open_streams() -> None:
+    """Give a process that was started without stdout or stderr one that swallows everything."""
+    if sys.stdout is None:
+        sys.stdout = _nowhere()
+    if sys.stderr is None:
+        sys.stderr = _nowhere()
+
+
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")
+
+
+def _silence(stream: TextIO) -> None:
+    """Let a stream that can no longer be written swallow what it still holds, and all the rest.
+
+    Else the interpreter fails once more when it flushes at its end.
+    """
+    with suppress(OSError), _nowhere() as nowhere:
+        os.dup2(nowhere.fileno(), stream.fileno())
+
+
+# --- workers --------------------------------------------------------------------------------------
+
+
+@contextmanager
+def workers(count: int) -> Iterator[Executor | None]:
+    """Yield an executor of so many processes, None for a single one.
+
+    The processes do not survive this one, however it ends, and leave Ctrl-C to it. If an error or
+    an interrupt leaves the context, their work is not waited for.
+    """
+    if count == 1:
+        yield None
+        return
+    import multiprocessing  # not before the first Ctrl-C can be answered
+    from concurrent.futures import ProcessPoolExecutor
+
+    others = multiprocessing.active_children()
+    pool = ProcessPoolExecutor(
+        count, multiprocessing.get_context("spawn"), _begin_worker, (os.getpid(),)
+    )
+    try:
+        with _deaf():
+            pool.submit(os.getpid)  # starts all of them
+        yield pool
+    except BaseException:
+        for process in multiprocessing.active_children():
+            if process not in others:
+                process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Keep Ctrl-C waiting; processes that are started meanwhile never hear of it."""
+    if sys.platform == "win32":
+        yield
+        return
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def _begin_worker(parent: int) -> None:
+    """Leave Ctrl-C, which the terminal sends to all processes, to the parent, and end with it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows, which has no `_deaf`
+    end_with_parent(parent)
+
+
+def end_with_parent(number: int) -> None:
+    """End this process when its parent ends, be it by a kill.
+
+    Parameters
+    ----------
+    number : int
+        Of the process that waits for this one's work. Nothing is done if that is not the parent: a
+        worker of a cluster has another one, which looks after it.
+    """
+    from multiprocessing import parent_process
+
+    parent = parent_process()
+    if parent is not None and parent.pid == number:
+        _follow(os.getpid())
+
+
+@cache
+def _follow(_: int) -> None:
+    """Begin to wait for the end of the parent, once in each process."""
+    from multiprocessing import parent_process
+
+    def wait() -> None:
+        parent = parent_process()
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    Thread(target=wait, daemon=True).start()
