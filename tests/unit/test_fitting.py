@@ -40,6 +40,16 @@ def test_no_line_through_too_little(x, y):
         fit_line(x, y)
 
 
+def test_laws_that_measurements_could_not_tell_apart_are_rivals():
+    """Exact points lie on one law alone; errors that are measured scatter by per cents."""
+    rate = fit_rate([100, 105, 110, 115], [float(n) ** -2.0 for n in (100, 105, 110, 115)])
+    assert rate.kind == "algebraic"
+    assert rate.residuals["geometric"] > 100.0 * rate.residuals["algebraic"]
+    assert set(rate.rivals) == {"geometric", "root-geometric"}
+    wide = fit_rate([10, 100, 1000, 10000], [float(n) ** -2.0 for n in (10, 100, 1000, 10000)])
+    assert wide.rivals == ()
+
+
 @pytest.mark.parametrize("confidence", [0.0, 1.0, math.nan])
 def test_confidence_is_a_share(confidence):
     with pytest.raises(SceneError, match="confidence"):
