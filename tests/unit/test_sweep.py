@@ -215,6 +215,20 @@ def random_compliances(count, low=-14.0, high=14.0, seed=0):
     return 10.0 ** np.random.default_rng(seed).uniform(low, high, (2, count))
 
 
+@pytest.mark.parametrize(
+    ("alpha", "beta"), [(7.24280501e-14, 3.75373813e-12), (2.34185276e-10, 7.24761182e-06)]
+)
+def test_the_largest_ratio_is_honest_where_its_estimate_is_least(alpha, beta):
+    """The least out of 4000 random scenes: the error is half of the estimate, and a fourth."""
+    spectra = error_maps.certified_stick(1e-8)
+    own = np.array([alpha]), np.array([beta])
+    _, edge, _, _ = spectra.shear_and_edge(*own)
+    [critical], [estimate] = spectra.critical(*own, edge)
+    scene = Scene(0.3, alpha, beta, math.inf)
+    truth = solve(scene, 1e-12, ["critical_friction"]).critical_friction / scene.kappa
+    assert estimate / 8.0 < abs(critical / truth - 1.0) <= estimate
+
+
 @pytest.mark.parametrize("rtol", [1e-8, 1e-12])
 def test_one_decomposition_has_the_approach_and_the_edge_pressure_of_solve(always_shared, rtol):
     alphas = np.sort(random_compliances(40)[0])
