@@ -4,7 +4,6 @@ import functools
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from spectral_contact import Ending, Scene, solve
