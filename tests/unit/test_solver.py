@@ -322,7 +322,8 @@ def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch,
     solution = solve(Scene(0.3, 0.5, 0.5, friction=0.10101831), rtol=3e-5)
     assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
     assert solution.error.zones == math.inf
-    assert (len(solution.work.steps) == 5) == (doubtful == 0.1)
+    searched = "zone search" in {step.name for step in solution.work.steps}
+    assert searched == (doubtful == 0.1)
 
 
 @pytest.mark.parametrize(
