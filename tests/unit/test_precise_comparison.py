@@ -54,3 +54,10 @@ def test_digits_that_are_not_reached_are_not_certified(second_mesh_off):
     assert not caught.value.solution.converged
     assert caught.value.solution.error.approach == pytest.approx(2e-12)
     assert math.isfinite(caught.value.solution.approach)
+
+
+def test_nothing_is_promised_beyond_what_the_check_aims_at():
+    """Where both meshes have the closed form they agree in all digits."""
+    solution = reference(Scene(0.3), 15)
+    assert solution.approach == 0.125
+    assert 1e-18 <= solution.error.approach <= 1e-16
