@@ -32,6 +32,7 @@ REPOSITORY = Path(__file__).parents[1]
 RESULTS = Path(__file__).parent / "results"
 LEFT_OUT = shutil.ignore_patterns(".*", "*.egg-info", "__pycache__", "results", "build", "_build")
 SECONDS = 300.0
+_LIVES = "lives"
 #: What pytest returns if tests failed, and not if they could not be run.
 FAILED = 1
 #: The first failing test in what pytest prints.
@@ -114,7 +115,7 @@ def tried(mutant: Mutant, copy: Path) -> Outcome:
     if done.returncode == FAILED and first:
         return Outcome(first[1].removeprefix("tests/"), "", seconds)
     said = done.stdout.strip().splitlines()
-    complaint = "lives" if done.returncode == 0 else f"tests cannot be run: {said[-1:]}"
+    complaint = _LIVES if done.returncode == 0 else f"tests cannot be run: {said[-1:]}"
     return Outcome("", complaint, seconds)
 
 
@@ -174,13 +175,16 @@ def main(arguments: Sequence[str]) -> int:
             finally:
                 copies.put(copy)
 
-        sound = Mutant("nothing", "pyproject.toml", "[project]\n", "[project]\n", "")
-        for tests in sorted({mutant.tests for mutant in mutants}):
-            outcome = work(sound._replace(tests=tests))
-            if outcome.complaint != "lives":
-                print(f"{tests}: without a mutant: {outcome.killer or outcome.complaint}")
-                return 1
+        selections = sorted({mutant.tests for mutant in mutants})
+        sound = [mutant._replace(new=mutant.old) for mutant in mutants[:1]]
+        controls = [one._replace(tests=tests) for one in sound for tests in selections]
         with ThreadPoolExecutor(options.jobs) as pool:
+            for control, outcome in zip(controls, pool.map(work, controls), strict=True):
+                if outcome.complaint != _LIVES:
+                    end = outcome.killer or outcome.complaint
+                    print(f"without a mutant: {control.tests}: {end}")
+                    return 1
+            print(f"{len(controls)} selections of tests pass without a mutant", flush=True)
             outcomes = []
             for mutant, outcome in zip(mutants, pool.map(work, mutants), strict=True):
                 outcomes.append(outcome)
