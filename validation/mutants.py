@@ -126,6 +126,8 @@ def report(mutants: Sequence[Mutant], outcomes: Sequence[Outcome]) -> None:
         for mutant, outcome in zip(mutants, outcomes, strict=True)
     ]
     found = {
+        "schema": "spectral_contact.validation.mutants",
+        "version": 1,
         "library": spectral_contact.__version__,
         "mutants": len(rows),
         "survivors": [row["fault"] for row in rows if not row["killer"]],
@@ -134,7 +136,7 @@ def report(mutants: Sequence[Mutant], outcomes: Sequence[Outcome]) -> None:
     (RESULTS / "mutants.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     killed = len(rows) - len(found["survivors"])
     lines = [
-        f"{killed} of {len(rows)} mutants are killed, by `python validation/mutants.py`.",
+        f"{len(rows)} mutants, of which {killed} are killed: `python validation/mutants.py`.",
         "",
         "| fault | where | found by |",
         "|---|---|---|",

@@ -33,7 +33,8 @@ def second_mesh_off(monkeypatch):
         def approach(run):
             if run not in runs:
                 runs.append(run)
-            return own(run) * (1 + share * runs.index(run))
+            value = own(run)
+            return value + value * share * runs.index(run)
 
         monkeypatch.setattr(Run, "approach", property(approach))
 

@@ -215,21 +215,13 @@ def random_compliances(count, low=-14.0, high=14.0, seed=0):
     return 10.0 ** np.random.default_rng(seed).uniform(low, high, (2, count))
 
 
-@pytest.mark.parametrize(
-    ("alpha", "beta"),
-    [
-        (6.199953081336394e-13, 7.438936779057542e-05),
-        (1.789209509456048e-11, 1.8734668344674617e-06),
-        (1.7898407193182815e-05, 0.000578126341820688),
-    ],
-)
-def test_the_largest_ratio_is_honest_where_its_estimate_is_sharp(alpha, beta):
-    """Of random scenes these have errors of a fifth to a third of their estimates."""
+def test_the_largest_ratio_is_honest_where_its_estimate_is_sharp():
+    """Of random scenes this one has an error of a third of its estimate."""
+    alpha, beta = np.array([1.7898407193182815e-05]), np.array([0.000578126341820688])
     spectra = error_maps.certified_stick(1e-12)
-    own = np.array([alpha]), np.array([beta])
-    _, edge, _, _ = spectra.shear_and_edge(*own)
-    [critical], [estimate] = spectra.critical(*own, edge)
-    scene = Scene(0.3, alpha, beta, math.inf)
+    _, edge, _, _ = spectra.shear_and_edge(alpha, beta)
+    [critical], [estimate] = spectra.critical(alpha, beta, edge)
+    scene = Scene(0.3, float(alpha[0]), float(beta[0]), math.inf)
     truth = solve(scene, 1e-12, ["critical_friction"]).critical_friction / scene.kappa
     assert abs(critical / truth - 1.0) <= estimate
 

@@ -39,6 +39,7 @@ def record(study):
         ("hard_cases", "count", 19),
         ("honesty", "scenes", 10_000),
         ("honesty_coupled", "scenes", 1_000),
+        ("mutants", "mutants", 50),
         ("naive", "count", 60),
         ("projections", "count", 300),
         ("roughness_fit", "count", 40),
@@ -87,6 +88,10 @@ def test_estimates_are_sharp_at_the_tightest_tolerance():
     # the traction's estimate makes room for the worst of 10,000 scenes, and for cancellation
     least = {row["quantity"]: 0.9 if row["quantity"] == "traction" else 0.95 for row in rows}
     assert all(row["share_within_100"] >= least[row["quantity"]] for row in rows)
+
+
+def test_every_mutant_is_killed():
+    assert record("mutants")["survivors"] == []
 
 
 def test_costs_are_those_of_today():
