@@ -113,7 +113,7 @@ def tried(mutant: Mutant, copy: Path) -> Outcome:
         target.write_text(whole, encoding="utf-8")
     seconds, first = perf_counter() - begin, FIRST.search(done.stdout)
     if done.returncode == FAILED and first:
-        return Outcome(first[1].removeprefix("tests/"), "", seconds)
+        return Outcome(first[1].removeprefix("tests/").split("[")[0], "", seconds)
     said = done.stdout.strip().splitlines()
     complaint = _LIVES if done.returncode == 0 else f"tests cannot be run: {said[-1:]}"
     return Outcome("", complaint, seconds)

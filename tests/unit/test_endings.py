@@ -32,14 +32,13 @@ def test_the_worst_ending_of_the_steps_is_told(endings, expected):
     assert solution.ending is expected
 
 
-@pytest.mark.parametrize("coupling", [False, True])
-def test_zones_that_break_the_law_are_no_convergence_however_small_the_errors(coupling):
+def test_zones_that_break_the_law_are_no_convergence_however_small_the_errors():
     class Broken(Run):
         def tangential(self, states, contact):
             super().tangential(states, contact)
             self.endings.append(Ending.ZONES)
 
-    scene = Scene(0.3, friction=None, coupling=coupling)
+    scene = Scene(0.3)
     solution = Broken(scene, plan(scene), 1e-8, 1000, Shared()).solution()
     assert not solution.converged
     assert solution.ending is Ending.ZONES
