@@ -8,9 +8,8 @@ import pytest
 
 from spectral_contact import Ending, Scene, solve
 from spectral_contact.contact import coupled_search
-from spectral_contact.contact.coupled_disk import solve_coupled_disk
+from spectral_contact.contact.coupled_annuli import slip_in_annuli
 from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
-from spectral_contact.contact.coupled_slip import slip_around_disk
 from spectral_contact.contact.coupled_stick import solve_coupled_stick
 from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
 from spectral_contact.contact.layout import Layout
@@ -21,19 +20,19 @@ PARAMETERS = Parameters(0.3, 0.2, 0.25, 0.15)
 
 @functools.cache
 def disk():
-    return solve_coupled_disk(PARAMETERS, 1e-2, 20_000, 0.5).best.value
+    return zones(20_000, 1e-2).best.value
 
 
 # --- the friction law -----------------------------------------------------------------------------
 
 
 def test_a_disk_that_obeys_the_law_passes():
-    assert slip_around_disk(disk(), PARAMETERS).consistent
+    assert slip_in_annuli(disk(), PARAMETERS).consistent
 
 
 def test_traction_in_stick_beyond_friction_is_refused():
     with pytest.raises(NoCoupledSlipError, match="the traction in stick exceeds friction"):
-        slip_around_disk(disk(), PARAMETERS._replace(friction=0.15 * (1.0 - 1e-4)))
+        slip_in_annuli(disk(), PARAMETERS._replace(friction=0.15 * (1.0 - 1e-4)))
 
 
 @pytest.mark.parametrize("part", [0, 1, 2])
@@ -41,7 +40,7 @@ def test_pressure_that_pulls_is_refused(part):
     pressure = list(disk().pressure)
     pressure[part] = pressure[part].times(-1.0)
     with pytest.raises(NoCoupledSlipError, match="the pressure is not positive"):
-        slip_around_disk(replace(disk(), pressure=pressure), PARAMETERS)
+        slip_in_annuli(replace(disk(), pressure=pressure), PARAMETERS)
 
 
 def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(monkeypatch):
@@ -57,32 +56,25 @@ def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(m
 # --- unknowns -------------------------------------------------------------------------------------
 
 
-@functools.cache
 def stick(most):
     return solve_coupled_stick(0.3, 0.2, 0.25, 1e-10, most)
 
 
 @functools.cache
-def one_disk(most):
-    return solve_coupled_disk(PARAMETERS, 1e-10, most, 0.5)
-
-
-@functools.cache
-def zones(most):
+def zones(most, tolerance=1e-10):
     layout = find_coupled_zones(PARAMETERS, Layout((0.5,), (0, 1)))
-    return solve_coupled_zones(PARAMETERS, layout, 1e-10, most)
+    return solve_coupled_zones(PARAMETERS, layout, tolerance, most)
 
 
-@pytest.mark.parametrize(("solved", "most"), [(stick, 300), (one_disk, 400), (zones, 400)])
+@pytest.mark.parametrize(("solved", "most"), [(stick, 300), (zones, 400)])
 def test_most_unknowns_are_those_of_both_fields(solved, most):
     found = solved(most)
     # half as many for each field, but for some that tails have
     assert most / 2 < max(step.unknowns for step in found.history) <= 1.01 * most
 
 
-@pytest.mark.parametrize("solved", [one_disk, zones])
-def test_a_solve_that_needs_more_unknowns_says_so(solved):
-    found = solved(400)
+def test_a_solve_that_needs_more_unknowns_says_so():
+    found = zones(400)
     assert found.ending is Ending.UNKNOWNS
     assert found.best.error > 1e-10
 
