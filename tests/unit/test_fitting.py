@@ -128,13 +128,3 @@ def test_rates_as_text():
     assert str(fit_rate([2, 4, 6], [2.0**-n for n in (2, 4, 6)])).endswith("per unknown")
     roots = [2.0**-n for n in (2, 4, 6)]
     assert str(fit_rate([4, 16, 36], roots)) == "factor 2 [2, 2] per root of the unknowns"
-
-
-def test_laws_that_measurements_could_not_tell_apart_are_rivals():
-    """Exact points lie on one law alone; errors that are measured scatter by per cents."""
-    rate = fit_rate([100, 105, 110, 115], [float(n) ** -2.0 for n in (100, 105, 110, 115)])
-    assert rate.kind == "algebraic"
-    assert rate.residuals["geometric"] > 100.0 * rate.residuals["algebraic"]
-    assert set(rate.rivals) == {"geometric", "root-geometric"}
-    wide = fit_rate([10, 100, 1000, 10000], [float(n) ** -2.0 for n in (10, 100, 1000, 10000)])
-    assert wide.rivals == ()
