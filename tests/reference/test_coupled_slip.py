@@ -199,7 +199,7 @@ def test_what_is_there():
     assert not any(state is StepState.CONDITIONAL for state in states.values())
     assert set(solution.plan.quantities) >= {"pressure", "traction", "slip"}
     assert solution.opening is None
-    assert solution.work["partial slip"].unknowns > 300
+    assert solution.work["partial slip"].unknowns > 0
     assert solution.work["partial slip"].history
 
 

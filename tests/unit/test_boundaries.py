@@ -7,7 +7,9 @@ from spectral_contact.contact.boundaries import (
     NoBoundariesError,
     differences,
     find_boundaries,
+    zones_error,
 )
+from spectral_contact.fields import Radius
 
 ROOT = np.array([-0.3, 1.1])
 
@@ -98,3 +100,17 @@ def test_boundaries_stay_in_order():
     flat = SLOPES * np.array([[0.05], [1.0], [1.0]])
     find_boundaries(trial_at, values, ROOT - np.array([1.0, 0.0]), flat, 1e-11, 1e-13, near=False)
     assert all(np.diff(x) > 0.0 for x in seen)
+
+
+@pytest.mark.parametrize("share", [0.4, 0.6])
+def test_a_zone_narrower_than_the_errors_of_its_ends_may_not_be_there(share):
+    inner, outer = Radius.from_logit(0.5), Radius.from_logit(0.5 + 1e-4)
+    width = outer.value**2 - inner.value**2
+    # d(s^2) is 2 s^2 times the relative error from the centre
+    own = [share * width / (2.0 * one.value**2) for one in (inner, outer)]
+    found = zones_error((inner, outer), ((own[0], 1.0), (own[1], 1.0)))
+    assert found == (1.0 if share < 0.5 else np.inf)
+    # from the edge it is y times that
+    own = [share * width / one.rest for one in (inner, outer)]
+    found = zones_error((inner, outer), ((1.0, own[0]), (1.0, own[1])))
+    assert found == (1.0 if share < 0.5 else np.inf)

@@ -294,9 +294,9 @@ def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
     scene = Scene(0.2, 3e-13, 1e-12, 0.999 * critical)
     one, other = solve(scene, 1e-9), solve(scene, 1e-10)
     assert len(one.zones) == 3
-    assert one.total_shear == pytest.approx(other.total_shear, rel=3e-13)
+    assert one.total_shear == pytest.approx(other.total_shear, rel=3e-13, abs=0)
     for a, b in zip(one.zones[:-1], other.zones[:-1], strict=True):
-        assert a.outer_from_edge == pytest.approx(b.outer_from_edge, rel=1e-9)
+        assert a.outer_from_edge == pytest.approx(b.outer_from_edge, rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-8, 1e-12])
@@ -322,7 +322,8 @@ def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch,
     solution = solve(Scene(0.3, 0.5, 0.5, friction=0.10101831), rtol=3e-5)
     assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
     assert solution.error.zones == math.inf
-    assert (len(solution.work.steps) == 5) == (doubtful == 0.1)
+    searched = "zone search" in {step.name for step in solution.work.steps}
+    assert searched == (doubtful == 0.1)
 
 
 @pytest.mark.parametrize(

@@ -230,6 +230,17 @@ def random_compliances(count, low=-14.0, high=14.0, seed=0):
     return 10.0 ** np.random.default_rng(seed).uniform(low, high, (2, count))
 
 
+def test_the_largest_ratio_is_honest_where_its_estimate_is_sharp():
+    """Of random scenes this one has an error of a third of its estimate."""
+    alpha, beta = np.array([1.7898407193182815e-05]), np.array([0.000578126341820688])
+    spectra = error_maps.certified_stick(1e-12)
+    _, edge, _, _ = spectra.shear_and_edge(alpha, beta)
+    [critical], [estimate] = spectra.critical(alpha, beta, edge)
+    scene = Scene(0.3, float(alpha[0]), float(beta[0]), math.inf)
+    truth = solve(scene, 1e-12, ["critical_friction"]).critical_friction / scene.kappa
+    assert abs(critical / truth - 1.0) <= estimate
+
+
 @pytest.mark.parametrize("rtol", [1e-8, 1e-12])
 def test_one_decomposition_has_the_approach_and_the_edge_pressure_of_solve(always_shared, rtol):
     alphas = np.sort(random_compliances(40)[0])

@@ -86,6 +86,15 @@ def test_what_is_wrong_fails(change, expected):
     assert expected in failed(Fields(PARTIAL, **change), PARTIAL)
 
 
+@pytest.mark.parametrize("field", ["pressure", "traction"])
+def test_what_is_wrong_by_ten_times_the_least_tolerance_fails(field):
+    """Twelve digits can be checked: quadrature and rounding leave no more than the last of them."""
+    for share in (0.0, 1e-11, -1e-11):
+        off = Fields(PARTIAL, **{field: lambda d, share=share: np.full_like(d, 1.0 + share)})
+        off.solution = solve(PARTIAL, 1e-12)
+        assert check_solution(off, PARTIAL, 1e-12, strict=False).passed == (share == 0.0)
+
+
 @pytest.mark.parametrize(
     "other",
     [

@@ -1,0 +1,100 @@
+"""What coupled solves refuse, bound and estimate: the friction law, unknowns, shear and onset."""
+
+import functools
+import math
+from dataclasses import replace
+
+import pytest
+
+from spectral_contact import Ending, Scene, solve
+from spectral_contact.contact import coupled_search
+from spectral_contact.contact.coupled_annuli import slip_in_annuli
+from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
+from spectral_contact.contact.coupled_stick import solve_coupled_stick
+from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
+from spectral_contact.contact.layout import Layout
+from spectral_contact.spectral.parameters import Parameters
+
+PARAMETERS = Parameters(0.3, 0.2, 0.25, 0.15)
+
+
+@functools.cache
+def disk():
+    return zones(20_000, 1e-2).best.value
+
+
+# --- the friction law -----------------------------------------------------------------------------
+
+
+def test_a_disk_that_obeys_the_law_passes():
+    assert slip_in_annuli(disk(), PARAMETERS).consistent
+
+
+def test_traction_in_stick_beyond_friction_is_refused():
+    with pytest.raises(NoCoupledSlipError, match="the traction in stick exceeds friction"):
+        slip_in_annuli(disk(), PARAMETERS._replace(friction=0.15 * (1.0 - 1e-4)))
+
+
+@pytest.mark.parametrize("part", [0, 1, 2])
+def test_pressure_that_pulls_is_refused(part):
+    pressure = list(disk().pressure)
+    pressure[part] = pressure[part].times(-1.0)
+    with pytest.raises(NoCoupledSlipError, match="the pressure is not positive"):
+        slip_in_annuli(replace(disk(), pressure=pressure), PARAMETERS)
+
+
+def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(monkeypatch):
+    own = coupled_search.CoupledSearch.outcome
+    monkeypatch.setattr(
+        coupled_search.CoupledSearch, "outcome", lambda run: replace(own(run), consistent=False)
+    )
+    solution = solve(Scene(0.1, 0.5, 0.5, 0.1, coupling=True), 1e-2, strict=False)
+    assert not solution.converged
+    assert solution.ending is Ending.ZONES
+
+
+# --- unknowns -------------------------------------------------------------------------------------
+
+
+def stick(most):
+    return solve_coupled_stick(0.3, 0.2, 0.25, 1e-10, most)
+
+
+@functools.cache
+def zones(most, tolerance=1e-10):
+    layout = find_coupled_zones(PARAMETERS, Layout((0.5,), (0, 1)))
+    return solve_coupled_zones(PARAMETERS, layout, tolerance, most)
+
+
+@pytest.mark.parametrize(("solved", "most"), [(stick, 300), (zones, 400)])
+def test_most_unknowns_are_those_of_both_fields(solved, most):
+    found = solved(most)
+    # half as many for each field, but for some that tails have
+    assert most / 2 < max(step.unknowns for step in found.history) <= 1.01 * most
+
+
+def test_a_solve_that_needs_more_unknowns_says_so():
+    found = zones(400)
+    assert found.ending is Ending.UNKNOWNS
+    assert found.best.error > 1e-10
+
+
+# --- estimates ------------------------------------------------------------------------------------
+
+
+def test_the_shear_of_full_stick_has_an_error_of_its_own():
+    """The approach settles far sooner here."""
+    scene = Scene(-0.3, 5.0, 0.01, math.inf, coupling=True)
+    loose, tight = (solve(scene, rtol, ("approach", "total_shear")) for rtol in (1e-2, 1e-9))
+    error = abs(loose.total_shear / tight.total_shear - 1.0)
+    assert 100.0 * loose.error.approach < error <= loose.error.total_shear < 1e-2
+
+
+def test_where_the_errors_decide_on_slip_it_is_not_ruled_out():
+    full = Scene(0.3, 0.5, 0.2, math.inf, coupling=True)
+    critical = solve(full, 1e-3).critical_friction
+    at, above = (solve(replace(full, friction=f), 1e-3) for f in (critical, 1.1 * critical))
+    for solution, error in ((at, 1.0), (above, 0.0)):
+        assert [zone.kind for zone in solution.zones] == ["stick"]
+        own = solution.error
+        assert (own.stick_radius, own.zones, own.slip) == (error, error, error)

@@ -1,0 +1,64 @@
+"""How a certificate comes about: the last digit promised, and the comparison of two meshes."""
+
+import math
+
+import pytest
+
+from spectral_contact import ConvergenceError, Scene, gold
+from spectral_contact.precise import reference
+from spectral_contact.precise.run import Run
+from spectral_contact.precise.zones import Layout
+
+
+def test_approach_and_shear_are_those_of_the_gold_tables_to_their_last_digits():
+    """Both are energies: fields to 13 digits give them to 26."""
+    [true] = [
+        solution
+        for table in gold.tables()
+        for solution in table.solutions
+        if solution.name == "nu=0.1 alpha=0.5 beta=0.5 f=inf"
+    ]
+    run = Run(true.scene, 14, 2.0, Layout((0,), ()))
+    assert abs(run.approach / true.approach - 1) <= 1e-26
+    assert abs(run.total_shear / true.total_shear - 1) <= 1e-26
+
+
+@pytest.fixture
+def second_mesh_off(monkeypatch):
+    """Return a function that makes the approach of the second mesh wrong by a share."""
+
+    def off(share):
+        runs, own = [], Run.approach.fget
+
+        def approach(run):
+            if run not in runs:
+                runs.append(run)
+            value = own(run)
+            return value + value * share * runs.index(run)
+
+        monkeypatch.setattr(Run, "approach", property(approach))
+
+    return off
+
+
+def test_twice_the_difference_of_two_meshes_is_the_estimate(second_mesh_off):
+    second_mesh_off(2.0**-54)
+    solution = reference(Scene(0.3), 15)
+    assert solution.approach == 0.125
+    assert solution.error.approach == pytest.approx(2.0**-53, rel=1e-3, abs=0)
+
+
+def test_digits_that_are_not_reached_are_not_certified(second_mesh_off):
+    second_mesh_off(1e-12)
+    with pytest.raises(ConvergenceError, match=r"2\.0e-12 does not meet 15 digits") as caught:
+        reference(Scene(0.3), 15)
+    assert not caught.value.solution.converged
+    assert caught.value.solution.error.approach == pytest.approx(2e-12, rel=1e-3, abs=0)
+    assert math.isfinite(caught.value.solution.approach)
+
+
+def test_nothing_is_promised_beyond_what_the_check_aims_at():
+    """Where both meshes have the closed form they agree in all digits."""
+    solution = reference(Scene(0.3), 15)
+    assert solution.approach == 0.125
+    assert 1e-18 <= solution.error.approach <= 1e-16
