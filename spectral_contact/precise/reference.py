@@ -119,7 +119,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
 
 
 def _layout(scene: Scene) -> Layout | None:
-    """Return the zones, roughly; None if q = 0."""
+    """Return a guess of the zones; None if q = 0."""
     if not scene.friction or scene.kappa == 0.0:
         return None
     if scene.couples:
@@ -130,11 +130,14 @@ def _layout(scene: Scene) -> Layout | None:
     middles = [(z.inner_from_edge + z.outer_from_edge) / 2.0 for z in zones]
     signs = np.sign(solution.traction(from_edge=middles)).astype(int).tolist()
     states = [0 if zone.kind == "stick" else sign for zone, sign in zip(zones, signs, strict=True)]
-    if states[0] != 0 or (len(states) > 2 and scene.tangential_compliance == 0.0):
+    compliance, error = scene.tangential_compliance, solution.error.zones
+    if states[0] != 0 or (len(states) > 2 and compliance == 0.0):
         kinds = ", ".join(zone.kind for zone in zones)
         raise NotComputedError("the reference", f"its zones are {kinds}")
-    if len(states) == 1 and scene.tangential_compliance == 0.0 and scene.friction != inf:
-        raise NotComputedError("the reference", "double precision does not resolve its slip zone")
+    if error is not None and not error < 1.0:  # slip about to begin: full stick says where
+        if compliance == 0.0:
+            raise NotComputedError("the reference", "double precision does not resolve its zones")
+        return Layout((0,), ())
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return Layout(tuple(states), radii)
 

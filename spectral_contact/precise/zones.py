@@ -28,10 +28,10 @@ _MOST_SWEEPS = 20
 _CLOSE = 1e-8
 #: Its differences are taken ``2**-_STEP`` apart.
 _STEP = 50
-#: A step of the boundaries' logits from which Newton's method is not helped any more, the longest
-#: that is taken, and by what share the distance of two may shrink.
-_NEAR, _LONGEST, _SHRINKING = 0.02, 1.0, 0.6
-_MOST_STARTS = 16
+#: A step of the boundaries, as `_length` has it, from which on the Jacobian is kept, and the
+#: longest that is taken.
+_NEAR, _LONGEST = 0.02, 0.6
+_MOST_STARTS = 8
 
 
 def solve_zones(problem: ZoneProblem, radii: Sequence[Radius], *, held: bool = False) -> Zones:
@@ -61,9 +61,11 @@ def solve_zones(problem: ZoneProblem, radii: Sequence[Radius], *, held: bool = F
         newton, flat = _free(trial)
         newton.border(trial, flat)
         shift = newton.step(trial, flat)[1]
-        if float(np.abs(shift).max()) <= _NEAR:
+        length = _length(shift, logits)
+        if length <= _NEAR:
             return _polished(newton, trial, flat, mp.mpf(10) ** -(problem.digits + 2))
-        logits = [x + mp.mpf(dx) for x, dx in zip(logits, _bounded(shift, logits), strict=True)]
+        shift *= min(1.0, _LONGEST / length)
+        logits = [x + mp.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
     raise ConvergenceError("the zones do not settle", "ask for fewer digits")
 
 
@@ -79,13 +81,12 @@ def _free(trial: ZoneTrial) -> tuple[_Newton, Ints]:
     return newton, flat
 
 
-def _bounded(shift: Array, logits: list[Any]) -> Array:
-    """Return a step that keeps the order of the boundaries, and is not too long."""
-    factor = min(1.0, _LONGEST / float(np.abs(shift).max()))
+def _length(shift: Array, logits: list[Any]) -> float:
+    """Return the largest step, in logits or as a share of the distance to the next boundary."""
+    steps = np.abs(shift).tolist()
     for (a, b), (da, db) in zip(pairwise(logits), pairwise(shift.tolist()), strict=True):
-        if da > db:
-            factor = min(factor, _SHRINKING * float(b - a) / (da - db))
-    return np.asarray(factor * shift)
+        steps.append(abs(da - db) / float(b - a))
+    return float(max(steps))
 
 
 def _polished(newton: _Newton, trial: ZoneTrial, flat: Ints, goal: Any) -> Zones:
@@ -95,12 +96,13 @@ def _polished(newton: _Newton, trial: ZoneTrial, flat: Ints, goal: Any) -> Zones
         step, shift = newton.step(trial, flat)
         flat = flat + f.of(step)
         logits = [x + f.mp.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
-        trial = ZoneTrial(problem, logits)
         size = max(problem.share(step, flat), float(np.abs(shift).max()))
         # the next step would be as much smaller as this one is
         if size <= goal or (last is not None and size * size <= goal * last):
-            return trial.outcome(flat)
-        last = size
+            return ZoneTrial(problem, logits).outcome(flat)
+        if _length(shift, logits) > 2.0 * _NEAR:  # it leaves where its Jacobian is from
+            break
+        trial, last = ZoneTrial(problem, logits), size
     raise ConvergenceError("the zones do not settle", "ask for fewer digits")
 
 
