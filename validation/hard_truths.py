@@ -18,7 +18,7 @@ from spectral_contact import Scene, Solution, solve
 from spectral_contact.fields import Radius
 from spectral_contact.precise import reference
 from spectral_contact.precise.solution import ReferenceSolution
-from spectral_contact.precise.zones import Layout
+from spectral_contact.precise.zone_trial import Layout
 
 DIGITS = 20
 #: Distances from the edge at which fields are compared.
