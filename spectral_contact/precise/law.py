@@ -180,15 +180,9 @@ class _Zone:
             if cell == outermost:  # its coordinate rises inward
                 part = [one._replace(low=one.high, high=one.low) for one in part[::-1]]
             pieces += part
-        known = [k for k, piece in enumerate(pieces) if piece.verdict]
-        if known:
-            first = known[0] if self.starts_closed else 0
-            last = known[-1] if self.stops_closed else len(pieces) - 1
-            for k in range(first):
-                pieces[k] = pieces[k]._replace(verdict=pieces[first].verdict)
-            for k in range(last + 1, len(pieces)):
-                pieces[k] = pieces[k]._replace(verdict=pieces[last].verdict)
-        return pieces
+        if self.starts_closed:
+            pieces = _decided_by_the_next(pieces)
+        return _decided_by_the_next(pieces[::-1])[::-1] if self.stops_closed else pieces
 
     def _logit(self, cell: int, local: Any) -> Any:
         """Return ``ln(s**2/(1 - s**2))`` at a place of a cell."""
@@ -237,6 +231,13 @@ class _Division:
         parts = piece._replace(high=middle), piece._replace(low=middle)
         for part, half in zip(parts, self._halves, strict=True):
             yield from self(part, (half @ row) >> self._bits, noise, depth + 1)
+
+
+def _decided_by_the_next(pieces: list[_Piece]) -> list[_Piece]:
+    """Return pieces of which the first ones, if undecided, have the verdict of the next."""
+    first = next((k for k, piece in enumerate(pieces) if piece.verdict), 0)
+    verdict = pieces[first].verdict
+    return [piece._replace(verdict=verdict) for piece in pieces[:first]] + pieces[first:]
 
 
 def _from_edge(logit: Any) -> float:

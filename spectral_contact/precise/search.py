@@ -56,13 +56,13 @@ def lawful(scene: Scene, digits: int, width: float, layout: Layout | None) -> Ru
         try:
             run = solved(scene, digits, width, layout, held=held)
         except ConvergenceError:
-            if held or layout is None or not layout.radii or not scene.tangential_compliance:
+            if held or not _can_be_held(scene, layout):
                 raise
             # far from its zones the problem is linear for given ones, and says what is wrong
             held = True
             continue
         found = run.breaches()
-        if not found and not held and (layout is None or _moved(layout, run) <= _FAR):
+        if not (found or held or _moved(layout, run) > _FAR):
             return run
         if isinstance(run, CoupledRun):
             raise NotComputedError("the reference", f"it slips: {found[0]}")
@@ -76,17 +76,23 @@ def _no_zones(found: list[Breach]) -> ConvergenceError:
     return ConvergenceError(cause, "ask for more digits")
 
 
+def _can_be_held(scene: Scene, layout: Layout | None) -> bool:
+    """Return whether there are boundaries, and a solution wherever they are."""
+    return layout is not None and bool(layout.radii) and scene.tangential_compliance > 0.0
+
+
 def _changed(run: Run, found: list[Breach]) -> Layout:
     """Return the zones as the friction law asks for them."""
     assert run.layout is not None
-    known = [one for one in found if one.decided]
-    if found and not known:
-        raise ConvergenceError(f"{found[0]}", "ask for more digits")
     states, logits = run.layout.states, run.logits
-    if known:
+    if found:
+        known = [one for one in found if one.decided]
+        if not known:
+            raise ConvergenceError(f"{found[0]}", "ask for more digits")
         states, logits = obeying(states, logits, known)
-    if states[0] or any(a and b for a, b in pairwise(states)):
-        raise _no_zones(known)
+    slip_meets_slip = any(a and b for a, b in pairwise(states))
+    if states[0] or slip_meets_slip:
+        raise _no_zones(found)
     return Layout(states, tuple(_radius(run, x) for x in logits))
 
 
@@ -96,9 +102,9 @@ def _radius(run: Run, logit: Any) -> Radius:
     return Radius(float(value), float(1 / ((1 + mp.exp(logit)) * (1 + value))))
 
 
-def _moved(layout: Layout, run: Run | CoupledRun) -> float:
+def _moved(layout: Layout | None, run: Run | CoupledRun) -> float:
     """Return by how much the boundaries are not where they were thought to be."""
-    if isinstance(run, CoupledRun):
+    if layout is None or isinstance(run, CoupledRun):
         return 0.0
     pairs = zip(layout.radii, run.logits, strict=True)
     return max((abs(float(x) - radius.logit) for radius, x in pairs), default=0.0)
