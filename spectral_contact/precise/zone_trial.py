@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from spectral_contact.threads import cached_property
 from itertools import pairwise
 from math import ceil, log, log10, pi, sqrt
 from typing import Any
@@ -22,6 +21,7 @@ from spectral_contact.precise.between import Between
 from spectral_contact.precise.drive import Drive
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.annulus import gap
+from spectral_contact.threads import cached_property
 
 __all__ = ["Layout", "ZoneProblem", "ZoneTrial", "Zones"]
 
