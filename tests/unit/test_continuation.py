@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import one_disk, zone_search, zone_system
+from spectral_contact.contact import one_disk, partial_slip, zone_system
 from spectral_contact.contact.layout import Layout
 from spectral_contact.sharing import ZonePath
 from spectral_contact.solver import Continuation
@@ -91,11 +91,13 @@ def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):
 
 def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monkeypatch):
     systems, searches = [], []
-    solve_system, search = zone_system.ZoneSystem.solve, zone_search.search_zones
+    solve_system, search = zone_system.ZoneSystem.solve, partial_slip._Search._searched
     monkeypatch.setattr(
         zone_system.ZoneSystem, "solve", lambda *a: systems.append(1) or solve_system(*a)
     )
-    monkeypatch.setattr(zone_search, "search_zones", lambda *a: searches.append(1) or search(*a))
+    monkeypatch.setattr(
+        partial_slip._Search, "_searched", lambda *a: searches.append(1) or search(*a)
+    )
     scenes, continuation = walk_inside(1e-8, np.linspace(0.032, 0.035, 20))
     for scene in scenes[:-5]:
         continuation.solve(scene)

@@ -59,7 +59,7 @@ def drawn(suffix):
     return content.getvalue()
 
 
-class Drawn:
+class Drawn(Figure):
     """A figure that need not be drawn every time."""
 
     def savefig(self, where, *, format, **_):

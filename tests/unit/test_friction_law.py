@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact.contact.friction_law import known_share, obeys, unknown_slip, wrong_intervals
+from spectral_contact.contact.friction_law import known_share, missing_stick, obeys, unknown_slip
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
@@ -35,9 +35,21 @@ def test_no_digit_is_infinite():
 def test_intervals_of_the_wrong_sense():
     annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
     y, _ = annulus.sampling
-    assert wrong_intervals(annulus, -np.ones(len(y))) == ()
+    assert missing_stick(annulus, -np.ones(len(y)), 1.0) == ()
     deep = np.sort(y)
     inside = (y >= deep[3]) & (y <= deep[6])
     at_the_edge = y <= deep[1]
-    found = wrong_intervals(annulus, np.where(inside | at_the_edge, 1.0, -1.0))
-    assert found == ((deep[6], deep[3]), (deep[1], 0.0))
+    sample = np.where(inside | at_the_edge, 1.0, -1.0)
+    assert missing_stick(annulus, sample, 1.0) == ((deep[6], deep[3]), (deep[1], 0.0))
+    # rounding of what slips more elsewhere
+    assert missing_stick(annulus, sample, 1e11) == ()
+
+
+def test_what_touches_stick_is_the_error_of_its_end():
+    inner, panels = Radius.from_logit(0.0), LogPanels(4, 2.0, 4)
+    to_the_edge = Annulus(inner, EDGE, panels, panels)
+    y, _ = to_the_edge.sampling
+    assert missing_stick(to_the_edge, np.where(y >= np.sort(y)[-3], 1.0, -1.0), 1.0) == ()
+    inside = Annulus(inner, Radius.from_logit(1.0), panels, panels)
+    y, _ = inside.sampling
+    assert missing_stick(inside, np.where(y <= np.sort(y)[2], 1.0, -1.0), 1.0) == ()

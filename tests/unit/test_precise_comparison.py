@@ -7,7 +7,7 @@ import pytest
 from spectral_contact import ConvergenceError, Scene, gold
 from spectral_contact.precise import reference
 from spectral_contact.precise.run import Run
-from spectral_contact.precise.zones import Layout
+from spectral_contact.precise.zone_trial import Layout
 
 
 def test_approach_and_shear_are_those_of_the_gold_tables_to_their_last_digits():
