@@ -14,6 +14,7 @@ import numpy as np
 import peers
 import pytest
 from faults import FAULTS, every_fault
+from matplotlib.figure import Figure
 
 import spectral_contact
 from spectral_contact import Scene, SolutionFileError, cli_sweep, documents, plotting, solve
