@@ -30,10 +30,13 @@ Interval: TypeAlias = tuple[float, float]
 _NEGLIGIBLE = 1e-10
 
 
-def missing_stick(annulus: Annulus, sample: Array, largest: float) -> tuple[Interval, ...]:
+def missing_stick(
+    annulus: Annulus, sample: Array, largest: float, known: float = 0.0
+) -> tuple[Interval, ...]:
     """Return where a slip zone moves with its traction, so that stick is missing there.
 
-    What touches an end at which there is stick is the error of that end, and no zone.
+    What touches an end at which there is stick is the error of that end, and no zone; so is inside
+    what its errors make. At the edge, where slip is not small by itself, they do not excuse it.
 
     Parameters
     ----------
@@ -43,6 +46,8 @@ def missing_stick(annulus: Annulus, sample: Array, largest: float) -> tuple[Inte
         The displacement times the sign of the traction, at its sampling points.
     largest : float
         The largest displacement of all zones; less than 1e-10 of it is rounding.
+    known : float
+        What of it errors make.
 
     Returns
     -------
@@ -57,10 +62,11 @@ def missing_stick(annulus: Annulus, sample: Array, largest: float) -> tuple[Inte
     starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
     ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
     last, to_edge = len(y) - 1, annulus.outer.from_edge == 0.0
+    seen = sample[order] > known * largest
     return tuple(
         (float(y[a]), 0.0 if b == last else float(y[b]))
         for a, b in zip(starts, ends, strict=True)
-        if a > 0 and (b < last or to_edge)
+        if a > 0 and ((b < last and seen[a : b + 1].any()) or (b == last and to_edge))
     )
 
 

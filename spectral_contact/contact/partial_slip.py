@@ -415,7 +415,7 @@ def _one_disk_outcome(
         violation,
         consistent,
         False,
-        missing_stick(annulus, samples[0], largest),
+        missing_stick(annulus, samples[0], largest, slip_error),
         Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
     )
 
@@ -468,7 +468,9 @@ def _zones_outcome(
         tuple(
             interval
             for zone, sample in zip(solved.slipping, samples, strict=True)
-            for interval in missing_stick(zone.annulus, sample, largest)
+            for interval in missing_stick(
+                zone.annulus, sample, largest, slip_error + min(loose, 0.5)
+            )
         ),
         solved.layout,
     )
