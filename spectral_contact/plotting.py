@@ -184,7 +184,7 @@ def plot_coefficients(solution: Solution) -> Figure:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure; the suffix, one of `FORMATS`, decides the format.
+    """Write a figure; the suffix, one of ``FORMATS``, decides the format.
 
     Raises
     ------
