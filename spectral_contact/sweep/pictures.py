@@ -19,8 +19,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_slice"]
+__all__ = ["plot_slice", "varying"]
 
+#: The parameters in the symbols of all other figures.
+_SYMBOLS: Final = {
+    "poisson_ratio": r"$\nu$",
+    "normal_compliance": r"$\alpha^*$",
+    "tangential_compliance": r"$\beta^*$",
+    "friction": "$f$",
+    "s": "$s$",
+    "from_edge": "$1 - s$",
+}
 #: An axis whose values span more than this is logarithmic.
 _SPAN: Final = 30.0
 
@@ -70,9 +79,30 @@ def plot_slice(
         figure = Figure(figsize=(5.6, 4.2), layout="constrained")
         axes = figure.add_subplot()
         (_curve if len(left) == 1 else _map)(axes, part, left)
-        cuts = [f"{name} = {float(part[name]):.4g}" for name in cut]
-        axes.set_title(", ".join(cuts).replace("_", " "), fontsize="medium")
+        axes.set_title(_held(part), fontsize="medium")
     return figure
+
+
+def varying(dataset: xarray.Dataset) -> str:
+    """Return the first quantity that varies by more than its errors; if none does, the first."""
+    names = [str(name) for name in dataset.data_vars if f"{name}_error" in dataset]
+    for name in names:
+        values = dataset[name].values
+        error = np.nanmax(np.abs(values) * dataset[f"{name}_error"].values, initial=0.0)
+        spread = np.nanmax(values, initial=-np.inf) - np.nanmin(values, initial=np.inf)
+        if spread > 10.0 * error:
+            return name
+    return names[0]
+
+
+def _held(part: xarray.DataArray) -> str:
+    """Return what is the same in a whole picture, with its values."""
+    numbers = {name: float(part[name]) for name in part.coords if part[name].ndim == 0}
+    held = [
+        "no friction" if np.isnan(value) else f"{_SYMBOLS.get(str(name), name)} = {value:.4g}"
+        for name, value in numbers.items()
+    ]
+    return ", ".join(held).replace("= inf", r"= $\infty$")
 
 
 def _places(at: Any, dims: list[str]) -> dict[str, float]:
