@@ -269,8 +269,7 @@ class _Curve:
 def _field_rows(solution: Solution, radii: Radii) -> list[tuple[str, list[_Curve]]]:
     """Return the rows of panels: the axis label and the curves of each."""
     present, friction = solution.plan.quantities, solution.scene.friction
-    rows = []
-    pressure = None
+    rows, pressure = [], None
     if "pressure" in present:
         pressure = radii.evaluate(solution.pressure)
         rows.append((r"$p^* = a^2 p / P$", [_Curve("$p^*$", pressure, _BLUE, "-")]))
@@ -301,8 +300,8 @@ def _draw_over_radius(axes: Axes, radii: Radii, curves: list[_Curve], solution: 
     top = bulk.max() if cut else highest
     if cut:
         edge = f"up to {highest:.3g}" if np.isfinite(highest) else "infinite"
-        said = f"cut off: {edge} at the edge"
-        axes.text(0.97, 0.95, said, transform=axes.transAxes, ha="right", va="top")
+        corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+        axes.text(0.97, 0.95, f"cut off: {edge} at the edge", **corner)
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(*_from_zero(bulk.min(), top))
     axes.legend(
@@ -364,32 +363,20 @@ def _estimates(solution: Solution) -> list[tuple[str, float]]:
     ]
 
 
-def _said_of(name: str, error: float, floor: float) -> str:
-    """Return what is said of an estimate that is drawn elsewhere than it is."""
-    if error <= floor:
-        return "none" if name == "violation" else "exact"
-    return "no digit is known" if error >= 1.0 else ""
-
-
 def _draw_errors(axes: Axes, solution: Solution) -> None:
     estimates = _estimates(solution)
     floor = 3e-17
     marker: dict[str, Any] = {"color": _BLUE, "markersize": 5.0, "clip_on": False, "zorder": 3.0}
     for row, (name, error) in enumerate(estimates):
-        said = _said_of(name, error, floor)
+        said = "no digit is known" if error >= 1.0 else ""
+        if error <= floor:
+            said = "none" if name == "violation" else "exact"
         place, face = max(error, floor), "white" if said else _BLUE
         axes.plot([place], [row], "o", markerfacecolor=face, **marker)
         axes.annotate(said, (place, row), (8, 0), textcoords="offset points", va="center")
     axes.axvline(solution.rtol, color=_VERMILION, ls="--", lw=1.0)
-    axes.annotate(
-        "rtol",
-        (solution.rtol, 1.0),
-        (0, 2),
-        xycoords=("data", "axes fraction"),
-        textcoords="offset points",
-        ha="center",
-        color=_VERMILION,
-    )
+    above: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center"}
+    axes.text(solution.rtol, 1.02, "rtol", color=_VERMILION, **above)
     axes.set_xscale("log")
     largest = max([solution.rtol, *(error for _, error in estimates)])
     axes.set_xlim(floor, 30.0 * largest)
@@ -457,8 +444,6 @@ def _draw_coefficients(axes: Axes, title: str, series: LogSeries) -> None:
     axes.plot(degree, tail[degree], "s--", color=_VERMILION, lw=0.9, ms=3.5, label="tail")
     axes.set_yscale("log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlabel("degree $k$")
-    axes.set_ylabel("Legendre coefficient $|c_k|$")
-    axes.set_title(title)
+    axes.set(title=title, xlabel="degree $k$", ylabel="Legendre coefficient $|c_k|$")
     axes.legend(loc="upper right")
     axes.figure.colorbar(scale, ax=axes, label=r"panel at $-\ln d$")

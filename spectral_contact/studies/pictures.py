@@ -157,10 +157,11 @@ def _draw_rate(axes: Axes, study: Convergence, quantity: str, index: int) -> Non
 
 def _law(rate: Rate) -> str:
     """Return the law of a rate as a formula, with the interval of its number."""
-    low, high = rate.interval
+    width = rate.interval[1] - rate.interval[0]
     # no more digits than the interval tells
-    places = int(np.clip(np.ceil(-np.log10(max(high - low, 1e-3))), 0, 3))
-    number = f"{rate.value:.{places}f} [{low:.{places}f}, {high:.{places}f}]"
+    places = int(np.clip(np.ceil(-np.log10(max(width, 1e-3))), 0, 3))
+    value, low, high = (f"{round(one, places):g}" for one in (rate.value, *rate.interval))
+    number = f"{value} [{low}, {high}]"
     if rate.kind == "algebraic":
         return rf"$\sim N^{{-k}}$, $k$ = {number}"
     power = "N" if rate.kind == "geometric" else r"\sqrt{N}"

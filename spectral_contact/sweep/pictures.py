@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
@@ -166,5 +167,8 @@ def _edges(values: NDArray[Any]) -> NDArray[Any]:
 
 def _label(array: xarray.DataArray) -> str:
     unit = array.attrs.get("units", "1")
-    name = str(array.attrs.get("long_name", array.name))
+    name = str(array.attrs.get("long_name", array.name)).split(" = ")[0]
+    # symbols in the font of all formulas
+    name = re.sub(r"\b(u_r|[αβδpqcQ])\*", r"$\1^*$", name)
+    name = re.sub(r" ([νf])$", r" $\1$", name)
     return name if unit == "1" else f"{name} [{unit}]"
