@@ -137,8 +137,9 @@ def write(dataset: xarray.Dataset, arguments: argparse.Namespace) -> None:
         with reported(output, "cannot be written"):
             replace_file(output, _content(dataset, Path(output).suffix.lower()))
     if arguments.plot is not None:
-        quantity = arguments.plot_quantity or varying(dataset)
-        plotting.save(plot_slice(dataset, quantity, dict(arguments.at)), arguments.plot)
+        at = dict(arguments.at)
+        quantity = arguments.plot_quantity or varying(dataset, at)
+        plotting.save(plot_slice(dataset, quantity, at), arguments.plot)
 
 
 def summary(dataset: xarray.Dataset) -> str:

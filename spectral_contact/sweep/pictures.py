@@ -64,16 +64,13 @@ def plot_slice(
     """
     instance("dataset", dataset, needed().Dataset)
     names = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
-    part = dataset[one_of("quantity", quantity, names)]
-    cut = _places(at, [str(name) for name in part.dims])
-    for name, value in cut.items():
-        part = part.sel({name: _nearest(part[name].values, value)})
+    part = _sliced(dataset[one_of("quantity", quantity, names)], at)
     left = [str(name) for name in part.dims if part.sizes[name] > 1]
     # full stick, friction infinite, has no place on an axis
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
     if len(left) not in (1, 2):
         said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
-        raise SceneError("at", cut, said)
+        raise SceneError("at", dict(at or {}), said)
     with style():
         from matplotlib.figure import Figure
 
@@ -84,16 +81,26 @@ def plot_slice(
     return figure
 
 
-def varying(dataset: xarray.Dataset) -> str:
-    """Return the first quantity that varies by more than its errors; if none does, the first."""
+def varying(dataset: xarray.Dataset, at: Mapping[str, float] | None = None) -> str:
+    """Return the quantity to draw: the first that varies in every direction of a slice.
+
+    To vary is to change by more than the error estimates. If none does, it is the first there is.
+    """
     names = [str(name) for name in dataset.data_vars if f"{name}_error" in dataset]
     for name in names:
-        values = dataset[name].values
-        error = np.nanmax(np.abs(values) * dataset[f"{name}_error"].values, initial=0.0)
-        spread = np.nanmax(values, initial=-np.inf) - np.nanmin(values, initial=np.inf)
-        if spread > 10.0 * error:
+        part = _sliced(dataset[name], at)
+        error = float((np.abs(part) * _sliced(dataset[f"{name}_error"], at)).max())
+        left = [str(dim) for dim in part.dims if part.sizes[dim] > 1]
+        if all(float((part.max(dim) - part.min(dim)).max()) > 10.0 * error for dim in left):
             return name
     return names[0]
+
+
+def _sliced(part: xarray.DataArray, at: Any) -> xarray.DataArray:
+    """Return the slice of a quantity at the places that were solved nearest to those asked for."""
+    for name, value in _places(at, [str(name) for name in part.dims]).items():
+        part = part.sel({name: _nearest(part[name].values, value)})
+    return part
 
 
 def _held(part: xarray.DataArray) -> str:

@@ -106,6 +106,10 @@ def test_a_quantity_that_varies_is_drawn():
     found = sweep(Scene(0.3, 0.5, 0.5), friction=[0.05, 0.08])
     assert varying(found) == "stick_radius"  # friction does not move the approach
     assert varying(found[["approach", "approach_error"]]) == "approach"
+    both = sweep(Scene(0.3, 0.5, 0.5), normal_compliance=[0.1, 0.5], friction=[0.05, 0.08])
+    assert varying(both) == "stick_radius"
+    assert varying(both, {"friction": 0.05}) == "approach"
+    assert varying(both, {"normal_compliance": 0.1}) == "stick_radius"
     none = sweep(Scene(0.3), normal_compliance=[0.1, 0.2], quantities=["approach"])
     assert plot_slice(none, "approach").axes[0].get_title().endswith("no friction")
 
