@@ -11,6 +11,7 @@ from sphinx.util.nodes import make_refnode
 import spectral_contact
 
 project = "spectral_contact"
+copyright = "2026, the spectral_contact authors"
 version = release = spectral_contact.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
 # formulas without a script from elsewhere, and buttons to copy examples

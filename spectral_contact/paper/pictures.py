@@ -184,6 +184,7 @@ def _draw_onset(axes: Sequence[Axes], data: FigureData) -> None:
         one.fill_between(alpha, alpha[0], alpha, color="#DDDDDD", lw=0.0, zorder=0.5)
         one.plot(alpha, alpha, color="black", lw=2.0)
         one.set(xscale="log", yscale="log", xlabel=r"normal compliance $\alpha^*$")
+        one.set_ylabel(r"tangential compliance $\beta^*$")
         # the values range over decades: between the points of the grid their logarithms are even
         exponents = np.log10(sorted(levels))
         lines = one.contour(
@@ -193,7 +194,6 @@ def _draw_onset(axes: Sequence[Axes], data: FigureData) -> None:
         one.clabel(lines, fmt=_power_of_ten, fontsize=7.0, manual=list(levels.values()))
         one.plot(*zip(*_NAMED, strict=True), "o", color="#0072B2", ms=4.0, mec="white", mew=0.6)
         one.set_title(title, loc="left")
-    axes[0].set_ylabel(r"tangential compliance $\beta^*$")
     for one, place, text in (
         (axes[1], (0.04, 0.92), "starts inside"),
         (axes[1], (0.62, 0.04), "starts at the edge"),
