@@ -29,9 +29,22 @@ def report(solution: Solution) -> str:
     if "zones" in solution.plan.quantities:
         parts.append(_zone_table(solution))
     parts += [f"plan\n{_indented(str(solution.plan))}", _work_table(solution)]
+    if solution.less_certain:
+        parts.append(_less_certain(solution))
     verdict = "yes" if solution.converged else f"no. {_capitalised(solution.ending.value)}"
     parts.append(f"converged: {verdict}")
     return "\n\n".join(parts)
+
+
+def _less_certain(solution: Solution) -> str:
+    """Return which quantities are not known to rtol, and why."""
+    lines = [f"less certain than rtol = {solution.rtol:.1e}"]
+    for name, error in solution.less_certain.items():
+        known = f"{error:.1e}" if error < 1.0 else "no digit is known"
+        lines.append(f"  {name.replace('_', ' ')}: {known}")
+    if solution.converged:
+        lines.append("  zone boundaries and slip are as certain as their conditioning allows")
+    return "\n".join(lines)
 
 
 def write_csv(solution: Solution, path: str) -> None:

@@ -317,6 +317,20 @@ class Solution:
     def __hash__(self) -> int:
         return hash((self.scene, self.rtol, self.plan.quantities))
 
+    @property
+    def less_certain(self) -> dict[str, float]:
+        """Estimates above `rtol`, by quantity, though the solve may have converged.
+
+        `rtol` bounds approach, pressure, traction and total shear. Zone boundaries and slip are as
+        certain as their conditioning lets them be: next to the friction at which a zone appears its
+        width is known to fewer digits than all else. Infinite where no digit is known.
+        """
+        return {
+            name: error
+            for name in self.plan.quantities
+            if (error := getattr(self.error, name)) is not None and not error <= self.rtol
+        }
+
     def __repr__(self) -> str:
         known = ", ".join(
             f"{name}={self.values[name]:.16g}"
@@ -325,7 +339,9 @@ class Solution:
         )
         opening = self.values.get("opening")
         opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
-        return f"<Solution {known}{opens} converged={self.converged}>"
+        less = ", ".join(f"{name} to {error:.1e}" for name, error in self.less_certain.items())
+        less = f" but for {less}" if less else ""
+        return f"<Solution {known}{opens} converged={self.converged}{less}>"
 
 
 @dataclass(frozen=True, slots=True)

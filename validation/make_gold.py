@@ -4,6 +4,9 @@ Writes one JSON file a table to validation/gold, which is a link to spectral_con
 docs/gold.md describes them. A table is written anew after every scene, and scenes that are there,
 of this library's version and with as many digits, are kept: a run that was stopped goes on. One
 scene takes half a minute to some minutes.
+
+``--output FOLDER`` makes them again, in another folder, and says for every scene how its numbers
+differ from those in the tables.
 """
 
 from __future__ import annotations
@@ -325,11 +328,39 @@ def layout(value: Any, indent: str = "") -> str:
     return f"{opening}\n" + ",\n".join(lines) + f"\n{indent}{closing}"
 
 
+def numbers(entry: dict[str, Any]) -> list[tuple[float, Any]]:
+    """Return the numbers of an entry with the relative error of their kind."""
+    error, sides = entry["error"], ("inner", "outer", "inner_from_edge", "outer_from_edge")
+    found = [(error[name], entry[name]) for name in ("approach", "total_shear", "edge_ratio")]
+    found += [(error["zones"], zone[side]) for zone in entry["zones"] for side in sides]
+    for point in entry["points"]:
+        found += [(error[name], point[name]) for name in ("pressure", "traction")]
+    return [(size, value) for size, value in found if value is not None]
+
+
+def difference(entry: dict[str, Any], other: dict[str, Any] | None) -> str:
+    """Return in words how two entries of a scene differ."""
+    if other is None:
+        return "new"
+    kinds = [[zone["kind"] for zone in one["zones"]] for one in (entry, other)]
+    mine, its = numbers(entry), numbers(other)
+    places = [[point["from_edge"]["hex"] for point in one["points"]] for one in (entry, other)]
+    if kinds[0] != kinds[1] or places[0] != places[1] or len(mine) != len(its):
+        return "OTHER ZONES OR PLACES"
+    worst, limit = mp.zero, mp.zero
+    with mp.workdps(60):
+        for (size, a), (other_size, b) in zip(mine, its, strict=True):
+            if a != b:
+                shift = abs(mp.mpf(a) / mp.mpf(b) - 1) if mp.mpf(b) else mp.inf
+                worst, limit = max(worst, shift), max(limit, shift / (size + other_size))
+    return f"off by {float(worst):.0e}, {float(limit):.1g} of the errors"
+
+
 class Table:
     """One file."""
 
-    def __init__(self, name: str) -> None:
-        self.path = TABLES / f"{name}.json"
+    def __init__(self, name: str, folder: Path = TABLES) -> None:
+        self.path = folder / f"{name}.json"
         self.regime, self.scenes = REGIMES[name]
         self.entries: dict[str, dict[str, Any]] = {}
         if self.path.exists():
@@ -383,11 +414,12 @@ def main() -> int:
     parser.add_argument("tables", nargs="*", help=f"of {', '.join(REGIMES)}; default: all")
     parser.add_argument("--digits", type=int, default=DIGITS, help="asked for, 26 and more")
     parser.add_argument("--workers", type=int, default=1, help="processes")
+    parser.add_argument("--output", type=Path, default=TABLES, help="folder; default: the tables")
     options = parser.parse_args()
     if unknown := set(options.tables) - set(REGIMES):
         parser.error(f"no such table: {', '.join(sorted(unknown))}")
-    TABLES.mkdir(exist_ok=True)
-    tables = [Table(name) for name in options.tables or REGIMES]
+    options.output.mkdir(parents=True, exist_ok=True)
+    tables = [Table(name, options.output) for name in options.tables or REGIMES]
     todo = [(table, scene) for table in tables for scene in table.missing(options.digits)]
     count = sum(len(table.scenes) for table in tables)
     done, failed, begin = count - len(todo), 0, perf_counter()
@@ -395,8 +427,10 @@ def main() -> int:
     for table, scene, outcome in results(todo, options.digits, options.workers):
         done += 1
         if isinstance(outcome, dict):
+            before = Table(table.path.stem).entries.get(outcome["name"])
+            told = f"{max(e for e in outcome['error'].values() if e is not None):.0e}, "
+            told += difference(outcome, before)
             table.write(outcome)
-            told = f"{max(e for e in outcome['error'].values() if e is not None):.0e}"
         else:
             failed += 1
             told = f"LEFT OUT, {type(outcome).__name__}: {outcome}"

@@ -36,17 +36,17 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 10_840, 6_500),
-    Gate("lines in all", 27_886, 23_000),
-    Gate("float literals of the core", 260, 90),
-    Gate("functions above 15", 11, 0),
+    Gate("lines of the core", 10_533, 6_500),
+    Gate("lines in all", 29_300, 23_000),
+    Gate("float literals of the core", 254, 90),
+    Gate("functions above 15", 10, 0),
     Gate("names that several classes bear", 17, 0),
-    Gate("results of anonymous tuples of more than two", 43, 0),
-    Gate("modules at the root", 30, 10),
-    Gate("packages at the root", 15, 15),
+    Gate("results of anonymous tuples of more than two", 37, 0),
+    Gate("modules at the root", 34, 10),
+    Gate("packages at the root", 10, 15),
     Gate("circles of imports", 2, 0),
-    Gate("longest chain of imports", 29, 12),
-    Gate("lines of import contracts", 229, 90),
+    Gate("longest chain of imports", 30, 12),
+    Gate("lines of import contracts", 240, 90),
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, log
+from math import ceil, inf, log
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,8 @@ import numpy as np
 from spectral_contact.precise.coupled import CoupledDisk
 from spectral_contact.precise.disk import Disk, Mesh
 from spectral_contact.precise.fixed import Fixed
-from spectral_contact.precise.zones import Layout
+from spectral_contact.precise.law import Breach, excesses
+from spectral_contact.precise.zone_trial import Layout
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
 
@@ -37,7 +38,7 @@ class CoupledRun:
     layout = Layout((0,), ())
 
     def __init__(self, scene: Scene, digits: int, width: float) -> None:
-        self.scene, self.digits = scene, digits
+        self.scene, self.digits, self._width = scene, digits, width
         compliances = scene.normal_compliance, scene.tangential_compliance
         layers = [max(-log(c), 0.0) for c in compliances if c]
         self._smooth = not layers
@@ -80,6 +81,20 @@ class CoupledRun:
 
     def release(self) -> None:
         """Let go of the operators; none are kept."""
+
+    def breaches(self) -> list[Breach]:
+        """Return where friction or a pressure above zero is not enough, or not known to be."""
+        f, scene = self.fixed, self.scene
+        if scene.friction == inf:
+            return []
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        [mesh] = self.layout.meshes(f, *compliances, self.digits, self._width)
+        y = mesh.below
+        p, u = (one.at(y) for one in self._series)
+        if not compliances[0]:  # all of it times the root of which p lacks the inverse
+            u = f.times(u, f.sqrt(y))
+        bound = f.times(f.of(f.mp.mpf(scene.friction)), p)
+        return excesses(mesh, bound, f.times(f.sqrt(mesh.above), u), self.digits)
 
     @property
     def kappa(self) -> Any:

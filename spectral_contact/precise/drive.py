@@ -22,6 +22,8 @@ class Drive:
 
     fixed: Fixed
     approach: Any
+    #: whether p is infinite at the edge
+    singular = False
 
     def pressure(self, y: Ints, x: Ints | None = None) -> Ints:
         """Return p at ``y = 1 - s**2``."""
@@ -45,6 +47,8 @@ class Drive:
 
 class SmoothDrive(Drive):
     """The pressure ``1/(2 pi sqrt(y))`` of a surface that is smooth in normal contact."""
+
+    singular = True
 
     def __init__(self, fixed: Fixed, digits: int) -> None:
         self.fixed = fixed

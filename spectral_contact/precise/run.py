@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, log
+from math import ceil, inf, log
 from typing import Any
 
 import numpy as np
@@ -10,9 +10,11 @@ import numpy as np
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.precise.disk import Disk, Mesh
 from spectral_contact.precise.drive import Drive, RoughDrive, SmoothDrive
-from spectral_contact.precise.fixed import Fixed
+from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.precise.law import Breach, breaches
 from spectral_contact.precise.one_disk import OneDisk, solve_one_disk
-from spectral_contact.precise.zones import Layout, Zones, solve_zones
+from spectral_contact.precise.zone_trial import Layout, ZoneProblem, Zones, ZoneTrial
+from spectral_contact.precise.zones import solve_zones
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
 
@@ -35,14 +37,24 @@ class Run:
         Panel width in ``-ln d``.
     layout : Layout, optional
         The zones, roughly. None leaves the tangential problem out.
+    held : bool
+        Leave their boundaries where they are.
     """
 
     #: without coupling the pressure is positive
     opening = None
 
-    def __init__(self, scene: Scene, digits: int, width: float, layout: Layout | None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        digits: int,
+        width: float,
+        layout: Layout | None,
+        *,
+        held: bool = False,
+    ) -> None:
         self.scene, self.digits, self._width = scene, digits, width
-        self.layout = layout
+        self.layout, self._held = layout, held
         alpha, beta = scene.normal_compliance, scene.tangential_compliance
         self._layer = _layer(alpha)
         self._rate, self._power = (0.5 if alpha == 0.0 and self._one_disk else 1.0), 0.0
@@ -63,7 +75,7 @@ class Run:
         depth = max(self._layer, self._stick_layer) + (digits * _LN10 + 6.0) / self._rate
         bound = _layer(min(alpha or 1.0, beta or 0.0)) if beta else depth
         scales += (depth + min(depth, max(bound, self._stick_layer))) / _LN10
-        if layout is not None and not self._one_disk:
+        if layout is not None:
             scales = max(scales, layout.scales(alpha, beta, digits, width))
         self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
         self._disks: list[Disk] = []
@@ -72,7 +84,7 @@ class Run:
     @property
     def _one_disk(self) -> bool:
         """Whether `one_disk` will do, if anything tangential has to be done."""
-        return self.layout is None or self.layout.states in ((0,), (0, 1))
+        return self.layout is None or (self.layout.states in ((0,), (0, 1)) and not self._held)
 
     @property
     def _rim(self) -> Radius:
@@ -97,6 +109,7 @@ class Run:
         """Let go of the operators, which are large; approach, zones and fields stay."""
         self._disks.clear()
         self.drive.release()
+        self.__dict__.pop("_problem", None)
 
     # the normal problem
 
@@ -165,13 +178,47 @@ class Run:
         return solve_one_disk(self.drive, disk, beta, self._friction, logit)
 
     @cached_property
+    def _problem(self) -> ZoneProblem:
+        """The tangential problem on the zones."""
+        assert self.layout is not None
+        alpha, beta = self.scene.normal_compliance, self.scene.tangential_compliance
+        return ZoneProblem(
+            self.drive, alpha, beta, self._friction, self.layout, self.digits, self._width
+        )
+
+    @cached_property
     def annuli(self) -> Zones:
         """The zones if there are others, for ``kappa = 1``."""
         assert self.layout is not None
-        alpha, beta = self.scene.normal_compliance, self.scene.tangential_compliance
-        return solve_zones(
-            self.drive, alpha, beta, self._friction, self.layout, self.digits, self._width
-        )
+        return solve_zones(self._problem, self.layout.radii, held=self._held)
+
+    @property
+    def logits(self) -> tuple[Any, ...]:
+        """``ln(b**2/(1 - b**2))`` of the boundaries between zones, outward."""
+        if self.layout is None or not self.layout.radii:
+            return ()
+        return (self.disk.logit,) if self._one_disk else self.annuli.logits
+
+    def breaches(self) -> list[Breach]:
+        """Return where the friction law does not hold, or is not known to."""
+        if self.layout is None or self.scene.friction == inf:
+            return []
+        problem = self._problem
+        trial = ZoneTrial(problem, self.logits, len(problem.states) - 1)
+        sticking = {k: self._over_s(k, trial) for k in problem.sticking}
+        return breaches(trial, sticking, self.digits)
+
+    def _over_s(self, zone: int, trial: ZoneTrial) -> Ints:
+        """Return ``q / s`` at the nodes of a zone that sticks, for ``kappa = 1``."""
+        mesh, f = trial.problem.meshes[zone], self.fixed
+        below = mesh.below.ravel()
+        if self._one_disk:
+            values = f.over(self.disk.traction.at(below), f.sqrt(trial.squares[1]))
+        else:
+            series = self.annuli.tractions[zone]
+            assert series is not None
+            values = series.at(mesh.above.ravel(), below)
+        return np.asarray(values).reshape(mesh.below.shape)
 
     @property
     def total_shear(self) -> Any:
@@ -186,10 +233,7 @@ class Run:
     @cached_property
     def radii(self) -> tuple[tuple[Any, Any], ...]:
         """The boundaries between zones and their distances from the edge."""
-        mp = self.fixed.mp
-        if self.layout is None or not self.layout.radii:
-            return ()
-        logits = (self.disk.logit,) if self._one_disk else self.annuli.logits
+        mp, logits = self.fixed.mp, self.logits
         values = [1 / mp.sqrt(1 + mp.exp(-x)) for x in logits]
         return tuple(
             (b, 1 / ((1 + mp.exp(x)) * (1 + b))) for b, x in zip(values, logits, strict=True)

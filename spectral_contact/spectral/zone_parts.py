@@ -53,7 +53,7 @@ def zone_parts(
     panels: list[LogPanels],
     degrees: list[Degrees],
 ) -> list[Part]:
-    """Return the parts of all zones, outward; parameters are those of `SlidingZones`."""
+    """Return the parts of all zones, outward; parameters are those of `System`."""
     bounds = (CENTRE, *radii, EDGE)
     parts = []
     each = iter(zip(panels, degrees, strict=True))

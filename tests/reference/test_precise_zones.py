@@ -10,7 +10,8 @@ from spectral_contact.fields import Radius
 from spectral_contact.precise.drive import Drive
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.run import Run
-from spectral_contact.precise.zones import Layout, solve_zones
+from spectral_contact.precise.zone_trial import Layout, ZoneProblem
+from spectral_contact.precise.zones import solve_zones
 
 
 def test_the_two_ways_to_one_stick_disk_agree():
@@ -22,7 +23,8 @@ def test_the_two_ways_to_one_stick_disk_agree():
     f = run.fixed
     parameters = scene.normal_compliance, scene.tangential_compliance
     friction = f.of(f.mp.mpf(scene.friction) / run.kappa)
-    zones = solve_zones(run.drive, *parameters, friction, layout, digits, 2.0)
+    problem = ZoneProblem(run.drive, *parameters, friction, layout, digits, 2.0)
+    zones = solve_zones(problem, layout.radii)
     assert abs(zones.logits[0] - run.disk.logit) <= 10.0**-digits
     assert abs(f.mp.mpf(zones.total_shear) / f.mp.mpf(run.disk.total_shear) - 1) <= 10.0**-digits
     c = run.radius[0]
@@ -54,7 +56,9 @@ def test_four_zones():
     layout = Layout((0, 1, 0, 1), guess)
     drive = Dipped(fixed)
     zones, check = (
-        solve_zones(drive, 1.0, 1.0, fixed.of(friction), layout, digits + more, width)
+        solve_zones(
+            ZoneProblem(drive, 1.0, 1.0, fixed.of(friction), layout, digits + more, width), guess
+        )
         for more, width in ((2, 2.0), (0, 1.5))
     )
     assert max(abs(a - b) for a, b in zip(zones.logits, check.logits, strict=True)) <= 1e-12

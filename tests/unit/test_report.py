@@ -47,3 +47,29 @@ def test_the_opening_in_metres_is_a_share_of_the_radius():
     assert 0.0 < solution.opening < 1.0
     assert solution.physical.opening == 0.01 * solution.opening
     assert solve(Scene.from_physical(**STEEL, load=1000.0), 1e-2).physical.opening is None
+
+
+def test_what_is_less_certain_than_asked_is_named():
+    # the edge sticks in 2.7e-7 of the radius, whose width is known to fewer digits than all else
+    solution = solve(Scene(0.3, 0.05, 1.0, 0.0294109), 1e-8)
+    assert solution.converged
+    assert set(solution.less_certain) == {"zones"}
+    assert solution.less_certain["zones"] == solution.error.zones > 1e-8
+    text = report(solution)
+    assert "less certain than rtol = 1.0e-08\n  zones: " in text
+    assert "conditioning" in text
+    assert "but for zones to " in repr(solution)
+
+
+def test_nothing_is_named_where_everything_is_as_certain_as_asked():
+    solution = solve(Scene(0.3, 0.5, 0.5, 0.1), 1e-6)
+    assert solution.less_certain == {}
+    assert "less certain" not in report(solution)
+    assert repr(solution).endswith("converged=True>")
+
+
+def test_what_no_digit_is_known_of_is_said_to_be_so():
+    unsure = replace(
+        solve(Scene(0.3, 0.5, 0.5, 0.1), 1e-6), error=ErrorEstimates(slip=float("inf"))
+    )
+    assert "slip: no digit is known" in report(unsure)

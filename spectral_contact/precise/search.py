@@ -1,0 +1,110 @@
+"""Zones on which the friction law holds: solve, check everywhere, change what it asks for."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+from spectral_contact.errors import ConvergenceError, NotComputedError
+from spectral_contact.fields import Radius
+from spectral_contact.precise.coupled_run import CoupledRun
+from spectral_contact.precise.law import Breach, obeying
+from spectral_contact.precise.run import Run
+from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.scene import Scene
+
+__all__ = ["lawful", "solved"]
+
+_MOST_ROUNDS = 12
+#: By so much boundaries may move, as logits, before they are given meshes of their own.
+_FAR = 0.5
+
+
+def solved(
+    scene: Scene, digits: int, width: float, layout: Layout | None, *, held: bool = False
+) -> Run | CoupledRun:
+    """Return the solution on one mesh and these zones, the friction law aside."""
+    if scene.couples:
+        return CoupledRun(scene, digits, width)
+    run = Run(scene, digits, width, layout, held=held)
+    _ = run.approach, run.total_shear
+    return run
+
+
+def lawful(scene: Scene, digits: int, width: float, layout: Layout | None) -> Run | CoupledRun:
+    """Return the solution on zones on which the friction law holds.
+
+    Parameters
+    ----------
+    scene : Scene
+    digits : int
+        Relative accuracy aimed at.
+    width : float
+        Panel width.
+    layout : Layout or None
+        Where the search begins.
+
+    Raises
+    ------
+    ConvergenceError
+        If no such zones are found, or the digits do not decide.
+    NotComputedError
+        With elastic coupling, if friction is not enough.
+    """
+    held, found = False, list[Breach]()
+    for _ in range(_MOST_ROUNDS):
+        try:
+            run = solved(scene, digits, width, layout, held=held)
+        except ConvergenceError:
+            if held or not _can_be_held(scene, layout):
+                raise
+            # far from its zones the problem is linear for given ones, and says what is wrong
+            held = True
+            continue
+        found = run.breaches()
+        if not (found or held or _moved(layout, run) > _FAR):
+            return run
+        if isinstance(run, CoupledRun):
+            raise NotComputedError("the reference", f"it slips: {found[0]}")
+        layout, held = _changed(run, found), False
+    raise _no_zones(found)
+
+
+def _no_zones(found: list[Breach]) -> ConvergenceError:
+    last = f"on the last {found[0]}" if found else "the last did not settle"
+    cause = f"the friction law holds on no zones that were tried; {last}"
+    return ConvergenceError(cause, "ask for more digits")
+
+
+def _can_be_held(scene: Scene, layout: Layout | None) -> bool:
+    """Return whether there are boundaries, and a solution wherever they are."""
+    return layout is not None and bool(layout.radii) and scene.tangential_compliance > 0.0
+
+
+def _changed(run: Run, found: list[Breach]) -> Layout:
+    """Return the zones as the friction law asks for them."""
+    assert run.layout is not None
+    states, logits = run.layout.states, run.logits
+    if found:
+        known = [one for one in found if one.decided]
+        if not known:
+            raise ConvergenceError(f"{found[0]}", "ask for more digits")
+        states, logits = obeying(states, logits, known)
+    slip_meets_slip = any(a and b for a, b in pairwise(states))
+    if states[0] or slip_meets_slip:
+        raise _no_zones(found)
+    return Layout(states, tuple(_radius(run, x) for x in logits))
+
+
+def _radius(run: Run, logit: Any) -> Radius:
+    mp = run.fixed.mp
+    value = 1 / mp.sqrt(1 + mp.exp(-logit))
+    return Radius(float(value), float(1 / ((1 + mp.exp(logit)) * (1 + value))))
+
+
+def _moved(layout: Layout | None, run: Run | CoupledRun) -> float:
+    """Return by how much the boundaries are not where they were thought to be."""
+    if layout is None or isinstance(run, CoupledRun):
+        return 0.0
+    pairs = zip(layout.radii, run.logits, strict=True)
+    return max((abs(float(x) - radius.logit) for radius, x in pairs), default=0.0)
