@@ -21,6 +21,7 @@ from spectral_contact.report import table
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweep import plot_slice, sweep
+from spectral_contact.sweep.pictures import varying
 
 if TYPE_CHECKING:
     import xarray
@@ -136,10 +137,9 @@ def write(dataset: xarray.Dataset, arguments: argparse.Namespace) -> None:
         with reported(output, "cannot be written"):
             replace_file(output, _content(dataset, Path(output).suffix.lower()))
     if arguments.plot is not None:
-        quantity = arguments.plot_quantity or next(
-            str(name) for name in dataset.data_vars if f"{name}_error" in dataset
-        )
-        plotting.save(plot_slice(dataset, quantity, dict(arguments.at)), arguments.plot)
+        at = dict(arguments.at)
+        quantity = arguments.plot_quantity or varying(dataset, at)
+        plotting.save(plot_slice(dataset, quantity, at), arguments.plot)
 
 
 def summary(dataset: xarray.Dataset) -> str:

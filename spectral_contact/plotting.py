@@ -47,7 +47,8 @@ Array = NDArray[np.float64]
 FORMATS = (".png", ".pdf", ".svg")
 
 # Colours of Okabe and Ito: told apart by the colour-blind, and in grey by their line styles.
-_BLUE, _VERMILION, _BLACK, _SLIP_GREY = "#0072B2", "#D55E00", "#000000", "#DDDDDD"
+_BLUE, _VERMILION, _GREEN, _BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
+_SLIP_GREY = "#DDDDDD"
 _STYLE = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -98,11 +99,11 @@ def require() -> Any:
 
 
 def plot_solution(solution: Solution) -> Figure:
-    """Plot p*, q*, f p*, the zones and the error estimates of a solution.
+    """Plot p*, q*, f p*, the slip, the zones and the error estimates of a solution.
 
     The left panels show the fields over the radius; where they are singular, or nearly so, at the
-    edge, they are cut off. The right panels show them over the distance from the edge, on
-    logarithmic axes.
+    edge, they are cut off, and a note says so. The right panels show them over the distance from
+    the edge, on logarithmic axes.
 
     Parameters
     ----------
@@ -184,7 +185,7 @@ def plot_coefficients(solution: Solution) -> Figure:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure; the suffix, one of `FORMATS`, decides the format.
+    """Write a figure; the suffix, one of ``FORMATS``, decides the format.
 
     Raises
     ------
@@ -268,8 +269,7 @@ class _Curve:
 def _field_rows(solution: Solution, radii: Radii) -> list[tuple[str, list[_Curve]]]:
     """Return the rows of panels: the axis label and the curves of each."""
     present, friction = solution.plan.quantities, solution.scene.friction
-    rows = []
-    pressure = None
+    rows, pressure = [], None
     if "pressure" in present:
         pressure = radii.evaluate(solution.pressure)
         rows.append((r"$p^* = a^2 p / P$", [_Curve("$p^*$", pressure, _BLUE, "-")]))
@@ -279,6 +279,10 @@ def _field_rows(solution: Solution, radii: Radii) -> list[tuple[str, list[_Curve
         if pressure is not None and friction is not None and 0.0 < friction < np.inf:
             curves.append(_Curve("$f p^*$", friction * pressure, _BLACK, "--"))
         rows.append((r"$q^* = a^2 q / P$", curves))
+    if "slip" in present and any(zone.kind == "slip" for zone in known_zones(solution)):
+        slip = radii.evaluate(solution.slip)
+        label = r"$u_r^* = a E u_r / (4 (1 - \nu^2) P)$"
+        rows.append((label, [_Curve("slip $u_r^*$", slip, _GREEN, "-")]))
     return rows
 
 
@@ -292,7 +296,12 @@ def _draw_over_radius(axes: Axes, radii: Radii, curves: list[_Curve], solution: 
     bulk = np.concatenate([curve.values[radii.from_edge >= 0.02] for curve in curves])
     # an edge much higher than the rest, or infinite, is left to the other panel
     highest = np.nanmax(values)  # with coupling there may be no limit at the edge
-    top = bulk.max() if highest > 2.5 * bulk.max() else highest
+    cut = highest > 2.5 * bulk.max()
+    top = bulk.max() if cut else highest
+    if cut:
+        edge = f"up to {highest:.3g}" if np.isfinite(highest) else "infinite"
+        corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+        axes.text(0.97, 0.95, f"cut off: {edge} at the edge", **corner)
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(*_from_zero(bulk.min(), top))
     axes.legend(
@@ -359,22 +368,15 @@ def _draw_errors(axes: Axes, solution: Solution) -> None:
     floor = 3e-17
     marker: dict[str, Any] = {"color": _BLUE, "markersize": 5.0, "clip_on": False, "zorder": 3.0}
     for row, (name, error) in enumerate(estimates):
-        exact = error <= floor
-        place, face = (floor, "white") if exact else (error, _BLUE)
+        said = "no digit is known" if error >= 1.0 else ""
+        if error <= floor:
+            said = "none" if name == "violation" else "exact"
+        place, face = max(error, floor), "white" if said else _BLUE
         axes.plot([place], [row], "o", markerfacecolor=face, **marker)
-        if exact:
-            text = "none" if name == "violation" else "exact"
-            axes.annotate(text, (floor, row), (8, 0), textcoords="offset points", va="center")
+        axes.annotate(said, (place, row), (8, 0), textcoords="offset points", va="center")
     axes.axvline(solution.rtol, color=_VERMILION, ls="--", lw=1.0)
-    axes.annotate(
-        "rtol",
-        (solution.rtol, 1.0),
-        (0, 2),
-        xycoords=("data", "axes fraction"),
-        textcoords="offset points",
-        ha="center",
-        color=_VERMILION,
-    )
+    above: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center"}
+    axes.text(solution.rtol, 1.02, "rtol", color=_VERMILION, **above)
     axes.set_xscale("log")
     largest = max([solution.rtol, *(error for _, error in estimates)])
     axes.set_xlim(floor, 30.0 * largest)
@@ -442,8 +444,6 @@ def _draw_coefficients(axes: Axes, title: str, series: LogSeries) -> None:
     axes.plot(degree, tail[degree], "s--", color=_VERMILION, lw=0.9, ms=3.5, label="tail")
     axes.set_yscale("log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlabel("degree $k$")
-    axes.set_ylabel("Legendre coefficient $|c_k|$")
-    axes.set_title(title)
+    axes.set(title=title, xlabel="degree $k$", ylabel="Legendre coefficient $|c_k|$")
     axes.legend(loc="upper right")
     axes.figure.colorbar(scale, ax=axes, label=r"panel at $-\ln d$")

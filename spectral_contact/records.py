@@ -132,7 +132,7 @@ class Zone:
         Raises
         ------
         SceneError
-            If the kind is not stick or slip, or an end is no `Radius`.
+            If the kind is not stick or slip, or an end is no ``Radius``.
         """
         one_of("kind", kind, ("stick", "slip"))
         for name, end in (("inner", inner), ("outer", outer)):

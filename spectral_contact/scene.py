@@ -182,7 +182,7 @@ class Scene:
     Raises
     ------
     SceneError
-        If a value is not a real number in its range (see `spectral_contact.checks`), or the
+        If a value is not a real number in its range, or the
         compliances are not those that ``physical`` implies.
 
     Examples
@@ -282,7 +282,7 @@ class Scene:
 
     @property
     def couples(self) -> bool:
-        """Whether pressure and traction act on each other: asked for, and neither is idle.
+        """Whether pressure and traction act on each other, which is asked for, and neither is idle.
 
         Without friction there is no traction, and at ν = 0.5 the one does not move the other.
         """

@@ -13,8 +13,8 @@ from spectral_contact.plotting import save, style
 
 #: What `rtol` bounds; the edge is one of the places of the pressure.
 BOUNDED = ("approach", "pressure", "traction", "total_shear")
-#: Errors of zero are drawn here.
-LEAST = 1e-17
+#: Errors of zero, and what doubles do not tell from it, are drawn here.
+LEAST = 1e-16
 MARKERS = "osD^vP"
 SHOWN = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 #: A digit is priced between these.
@@ -287,7 +287,7 @@ def draw_errors(record: Record, path: Path) -> None:
                 axes.plot(rtol, estimates, "s--", color="0.35", mfc="white", ms=4.0, lw=0.8)
                 errors = [max(worst(p, "errors"), LEAST) for p in points]
                 axes.plot(rtol, errors, "o-", color="black", ms=3.5, lw=0.8)
-                axes.set(xscale="log", yscale="log", xlim=(3e-2, 3e-13), ylim=(5e-18, 1.0))
+                axes.set(xscale="log", yscale="log", xlim=(3e-2, 3e-13), ylim=(2e-17, 1.0))
                 axes.set_xticks([1e-2, 1e-7, 1e-12])
                 axes.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1.0])
                 axes.minorticks_off()
@@ -297,7 +297,11 @@ def draw_errors(record: Record, path: Path) -> None:
         for axes in rows[-1]:
             axes.set_xlabel("rtol")
         handles = rows[0][0].get_lines()
-        names = ["tolerance asked", "estimate", "true relative error, at the worst place"]
+        names = [
+            "tolerance asked",
+            "estimate",
+            "true relative error, at the worst place (0 at $10^{-16}$)",
+        ]
         figure.legend(handles, names, loc="outside lower center", ncols=3)
         figure.supylabel("the worst of $\\delta^*$, $p^*$, $q^*$, $Q^*$", fontsize=9.0)
     save(figure, str(path))
@@ -368,7 +372,7 @@ def _draw_line(
 
 
 def draw_prices(record: Record, path: Path) -> None:
-    """Draw the price list as bars."""
+    """Draw the price list: a dot warm and a ring cold, each with its number."""
     prices = record["prices"]
     with style():
         from matplotlib.figure import Figure
@@ -376,18 +380,31 @@ def draw_prices(record: Record, path: Path) -> None:
         figure = Figure(figsize=(7.6, 0.9 + 0.36 * len(prices)), layout="constrained")
         axes = figure.subplots()
         for row, price in enumerate(prices):
-            warm, cold = (1e3 * seconds for seconds in _price_seconds(price))
-            axes.barh(row, cold, height=0.7, color="0.82", edgecolor="0.4", lw=0.5)
-            axes.barh(row, warm, height=0.4, color="0.25")
-            shown = cold if math.isnan(warm) else warm
-            end = float(np.nanmax([warm, cold]))
-            axes.text(1.25 * end, row, _seconds(shown / 1e3), va="center", fontsize=8.0)
+            warm, cold = _price_seconds(price)
+            axes.plot([warm, cold], [row, row], color="0.6", lw=0.8)
+            # warm is the shorter time: its number is on the left, that of cold on the right
+            for seconds, face, shift, side in (
+                (warm, "0.1", -7, "right"),
+                (cold, "white", 7, "left"),
+            ):
+                if math.isfinite(seconds):
+                    axes.plot([seconds], [row], "o", color="0.1", mfc=face, ms=5.0)
+                    axes.annotate(
+                        _seconds(seconds),
+                        (seconds, row),
+                        (shift, 0),
+                        textcoords="offset points",
+                        ha=side,
+                        va="center",
+                        fontsize=8.0,
+                    )
         axes.set_yticks(range(len(prices)), [price["item"] for price in prices])
         axes.invert_yaxis()
-        axes.set(xscale="log", xlabel="time: dark and number warm, light cold")
-        axes.set_xlim(0.02, 5.0 * axes.get_xlim()[1])
-        ticks = 10.0 ** np.arange(-1.0, 6.0)
-        axes.set_xticks(ticks, [_seconds(tick / 1e3) for tick in ticks])
+        axes.set(xscale="log", xlabel="time: full warm, open cold")
+        low, high = axes.get_xlim()
+        axes.set_xlim(low / 6.0, high * 6.0)
+        ticks = 10.0 ** np.arange(-4.0, 3.0)
+        axes.set_xticks(ticks, [_seconds(tick) for tick in ticks])
         axes.minorticks_off()
         axes.grid(visible=False, axis="y")
     save(figure, str(path))

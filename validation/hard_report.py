@@ -118,13 +118,14 @@ def draw(record: dict[str, Any], path: Path) -> None:
             if not error and not estimate:
                 continue
             y = row + 0.13 * (k - 2)
-            axes[0].plot([max(error, 1e-17), estimate], [y, y], color="0.7", lw=1.0, zorder=1)
+            axes[0].plot([max(error, 1e-16), estimate], [y, y], color="0.7", lw=1.0, zorder=1)
             style = {"marker": mark, "ms": 4.0, "ls": "", "color": "black"}
             label = LABEL[name] if row == 0 else None
-            axes[0].plot([max(error, 1e-17)], [y], **style, label=label)
+            axes[0].plot([max(error, 1e-16)], [y], **style, label=label)
             axes[0].plot([estimate], [y], marker="|", ms=6.0, color="0.35", ls="")
     axes[0].plot([], [], marker="|", ms=6.0, color="0.35", ls="", label="estimate")
-    axes[0].set(xscale="log", xlabel="true relative error; estimate", yticks=range(len(names)))
+    said = "true relative error (0 and less at $10^{-16}$); estimate"
+    axes[0].set(xscale="log", xlabel=said, yticks=range(len(names)))
     axes[0].set_yticklabels(names)
     axes[0].axvline(1e-12, color="0.5", lw=0.8, ls=":")
     axes[0].invert_yaxis()
@@ -135,7 +136,7 @@ def draw(record: dict[str, Any], path: Path) -> None:
             axes[1].plot([max(each["moved"], 1e-17)], [row + 0.1], "k.", ms=3.0)
     axes[1].plot([], [], marker="|", ms=6.0, color="0.35", ls="", label="explained by conditioning")
     axes[1].plot([], [], "k.", ms=3.0, label="shift")
-    axes[1].set(xscale="log", xlabel="shift by 1 ulp of an input")
+    axes[1].set(xscale="log", xlabel="shift by 1 ulp (0 at $10^{-17}$)")
     axes[1].legend(loc="upper right", fontsize=8)
     for ax in axes:
         ax.grid(axis="x", color="0.9")

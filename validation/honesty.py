@@ -236,7 +236,8 @@ def draw(rows: list[dict], path: Path) -> None:
         axis.set_title(name.replace("_", " "), fontsize=10)
         axis.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
         axis.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
-    figure.supxlabel("true error", fontsize=10)
+    clipped = "true error; 0 is drawn at the left rim, what is infinite or above 10 at the top"
+    figure.supxlabel(clipped, fontsize=10)
     figure.supylabel("estimate (lines: as large as the error, 100 times that)", fontsize=10)
     bar = {"fraction": 0.03, "pad": 0.01, "aspect": 50}
     figure.colorbar(mesh, ax=axes, label="scenes", ticks=[1, 10, 100, 1000, 10000], **bar)

@@ -25,7 +25,9 @@ from spectral_contact.sweep import sweep
 RESULTS = Path(__file__).parent / "results"
 #: Both maps are of kappa = 1/7, nu = 0.3.
 NU, FRICTION = 0.3, 0.2
-COARSE, FINE = np.geomspace(1e-3, 10.0, 31), np.geomspace(1e-3, 10.0, 201)
+COARSE, FINE = np.geomspace(1e-3, 10.0, 61), np.geomspace(1e-3, 10.0, 201)
+#: Every so many of them are written as numbers.
+EVERY_COARSE, EVERY_FINE = 2, 10
 
 
 def stick_radius():
@@ -52,46 +54,59 @@ def critical_friction():
 
 
 def draw_stick_radius(found, critical) -> Figure:
-    """Return filled contours of c*, the boundary of full stick, and where the edge sticks."""
+    """Return c* cell by cell, the boundary of full stick, and where the edge sticks.
+
+    Where slip starts inside, c* jumps to 1 at that boundary: cells show it.
+    """
     with style():
         figure, axes = _axes(rf"$\nu = {NU}$, $f = {FRICTION}$")
         values = found.stick_radius.transpose("tangential_compliance", "normal_compliance")
-        filled = axes.contourf(COARSE, COARSE, values, np.linspace(0.0, 1.0, 11), cmap="viridis")
-        lines = axes.contour(
-            COARSE, COARSE, values, [0.1, 0.3, 0.5, 0.7, 0.9], colors="white", linewidths=0.8
-        )
-        axes.clabel(lines, fmt="%g")
-        figure.colorbar(filled, ax=axes, label="stick radius $c^*$")
+        slips = values.where(values < 1.0)
+        low = np.floor(20.0 * float(slips.min())) / 20.0
+        cells = axes.pcolormesh(COARSE, COARSE, slips, cmap="viridis", vmin=low, vmax=1.0)
+        axes.set_facecolor("#DDDDDD")
+        axes.grid(visible=False)
+        levels = np.arange(low + 0.05, 1.0, 0.05)
+        lines = axes.contour(COARSE, COARSE, slips, levels, colors="white", linewidths=0.7)
+        axes.clabel(lines, lines.levels[1::2], fmt="%.3g")
+        figure.colorbar(cells, ax=axes, label="stick radius $c^*$")
         inside = (found.zone_kind == 1).sum("zone") > 1
         if inside.any():  # a stick disk, a slip annulus, and the edge sticks
-            where = np.argwhere(inside.transpose(*values.dims).values)
-            axes.plot(
-                COARSE[where[:, 1]], COARSE[where[:, 0]], "o", color="#D55E00", ms=3.5, mew=0.0
+            x, y = np.meshgrid(COARSE, COARSE)
+            inner = inside.transpose(*values.dims).values
+            axes.plot(x[inner], y[inner], "o", color="#D55E00", ms=2.2, mew=0.0)
+            axes.text(
+                *(0.012, 0.0065, "slip inside,\nthe edge sticks"),
+                **{"color": "white", "fontweight": "bold"},
             )
-            axes.text(0.0012, 0.007, "slip inside,\nthe edge sticks", color="#D55E00")
+            axes.plot([0.0105, 0.0045], [0.011, 0.026], color="white", lw=1.0)
         whole = critical.critical_friction.transpose(*values.dims)
         axes.contour(FINE, FINE, whole, [FRICTION], colors="black", linewidths=1.4)
-        axes.text(0.05, 1.0, "full stick")
+        axes.text(0.05, 1.0, "full stick, $c^* = 1$")
     return figure
 
 
 def draw_critical_friction(found) -> Figure:
     """Return contours of the critical friction, and where slip starts inside."""
+    from matplotlib.colors import LogNorm
+
     with style():
         figure, axes = _axes(rf"$\nu = {NU}$")
         order = "tangential_compliance", "normal_compliance"
         values = found.critical_friction.transpose(*order).values
-        levels = [1e-3, 3e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]
-        filled = axes.contourf(
-            FINE, FINE, np.log10(values), np.linspace(-3.0, 0.5, 15), cmap="viridis", extend="both"
-        )
+        # one list of levels for fills, lines and the bar
+        series = np.array([a * 10.0**k for k in range(-4, 3) for a in (1.0, 2.0, 5.0)])
+        first = np.searchsorted(series, values.min()) - 1
+        levels = series[first : np.searchsorted(series, values.max()) + 1]
+        norm = LogNorm(levels[0], levels[-1])
+        filled = axes.contourf(FINE, FINE, values, levels, norm=norm, cmap="viridis")
         bar = figure.colorbar(filled, ax=axes, label="critical friction $f_c$")
-        bar.set_ticks([-3.0, -2.0, -1.0, 0.0], labels=["0.001", "0.01", "0.1", "1"])
-        lines = axes.contour(FINE, FINE, values, levels, colors="white", linewidths=0.8)
-        axes.clabel(lines, fmt="%g")
+        bar.set_ticks(levels, labels=[f"{level:g}" for level in levels])
+        lines = axes.contour(FINE, FINE, values, levels[1:-1], colors="white", linewidths=0.8)
+        axes.clabel(lines, lines.levels[lines.levels < 0.9 * values.max()], fmt="%g")
         axes.plot(FINE, FINE, "--", color="#D55E00", lw=1.2)
-        axes.text(0.0015, 0.016, "slip starts inside", color="white")
-        axes.text(0.25, 0.04, "slip starts at the edge", color="white")
+        axes.text(0.0013, 0.013, "slip starts inside", color="white")
+        axes.text(0.25, 0.035, "slip starts at the edge", color="white")
     return figure
 
 
@@ -111,6 +126,12 @@ def _axes(title: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
+def _thinned(found, every: int):
+    """Return every so many of the compliances."""
+    some = slice(None, None, every)
+    return found.isel(normal_compliance=some, tangential_compliance=some)
+
+
 def main() -> None:
     """Solve, store and draw both maps."""
     stick = stick_radius()
@@ -122,11 +143,10 @@ def main() -> None:
         assert (found.ending == "converged").all()
         save(figure, str(RESULTS / f"{name}.png"))
         print(name, found.ending.size, "scenes")
-    numbers = stick[["stick_radius", "stick_radius_error"]].to_dataframe().reset_index()
+    some = _thinned(stick[["stick_radius", "stick_radius_error"]], EVERY_COARSE)
+    numbers = some.to_dataframe().reset_index()
     numbers.to_csv(RESULTS / "map_stick_radius.csv", index=False)
-    some = critical.isel(
-        normal_compliance=slice(0, None, 10), tangential_compliance=slice(0, None, 10)
-    )
+    some = _thinned(critical, EVERY_FINE)
     numbers = some.drop_vars(["ending", "message"]).to_dataframe().reset_index()
     numbers.to_csv(RESULTS / "map_critical_friction.csv", index=False)
 

@@ -4,13 +4,13 @@ This subpackage imports nothing else of the library, so that agreement with the 
 All quantities are dimensionless as in the paper, stars dropped: the punch has radius 1 and bears
 the load 1.
 
-=================  ===============================================================================
-`smooth`           no roughness, no coupling, stuck everywhere: elementary
-`partial_slip`     no roughness, no coupling, slip outside the stick radius: elliptic integrals
-`coupled`          no roughness, coupled, stuck everywhere: Mossakovskij and Spence
-`eigenpairs`       eigenvalues and eigenfunctions of the half-space operators
-`series`           rough normal problem, very rough or nearly smooth
-=================  ===============================================================================
+===================  ===============================================================================
+``smooth``           no roughness, no coupling, stuck everywhere: elementary
+``partial_slip``     no roughness, no coupling, slip outside the stick radius: elliptic integrals
+``coupled``          no roughness, coupled, stuck everywhere: Mossakovskij and Spence
+``eigenpairs``       eigenvalues and eigenfunctions of the half-space operators
+``series``           rough normal problem, very rough or nearly smooth
+===================  ===============================================================================
 """
 
 from ._stick_radius import StickRadius, stick_radius

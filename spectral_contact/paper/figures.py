@@ -42,7 +42,7 @@ class PaperFigure:
     Attributes
     ----------
     name : str
-        Out of `FIGURES`.
+        Out of ``FIGURES``.
     title : str
     given : str
         Parameters that the paper's text prints.
@@ -166,7 +166,7 @@ def figure_data(name: str, rtol: float = 1e-9) -> FigureData:
     Parameters
     ----------
     name : str
-        Out of `FIGURES`.
+        Out of ``FIGURES``.
     rtol : float
         Relative tolerance of every solve, 1e-12 to 1e-2.
 
@@ -192,7 +192,7 @@ def paper_figure(name: str) -> PaperFigure:
     Raises
     ------
     SceneError
-        For a name out of `FIGURES`.
+        For a name out of ``FIGURES``.
     """
     return _figures()[choices.one_of("name", name, FIGURES)]
 

@@ -179,16 +179,18 @@ def _draw_onset(axes: Sequence[Axes], data: FigureData) -> None:
     for one, values, levels, title in (
         (axes[0], critical / kappa, _CRITICAL, r"(a)  critical friction $f_c / \kappa$"),
         (axes[1], distance, _DISTANCE, "(b)  first slip, distance $1 - s$ from the edge"),
-        (axes[2], 100.0 * missed, _MISSED, "(c)  $f_c$ above the edge ratio by [%]"),
+        (axes[2], 100.0 * missed, _MISSED, "(c)  by how many % $f_c$ is above the edge ratio"),
     ):
         one.fill_between(alpha, alpha[0], alpha, color="#DDDDDD", lw=0.0, zorder=0.5)
         one.plot(alpha, alpha, color="black", lw=2.0)
-        one.set(xscale="log", yscale="log", xlabel=r"$\alpha^*$", ylabel=r"$\beta^*$")
+        one.set(xscale="log", yscale="log", xlabel=r"normal compliance $\alpha^*$")
+        one.set_ylabel(r"tangential compliance $\beta^*$")
         # the values range over decades: between the points of the grid their logarithms are even
         exponents = np.log10(sorted(levels))
         lines = one.contour(
             alpha, beta, np.log10(values), exponents, colors="black", linestyles="-", linewidths=0.9
         )
+        _whole(lines)
         one.clabel(lines, fmt=_power_of_ten, fontsize=7.0, manual=list(levels.values()))
         one.plot(*zip(*_NAMED, strict=True), "o", color="#0072B2", ms=4.0, mec="white", mew=0.6)
         one.set_title(title, loc="left")
@@ -198,6 +200,18 @@ def _draw_onset(axes: Sequence[Axes], data: FigureData) -> None:
         (axes[2], (0.55, 0.04), "dots: pairs of Section 4"),
     ):
         one.text(*place, text, transform=one.transAxes, style="italic")
+
+
+def _whole(lines: Any) -> None:
+    """Leave of every contour its longest piece: beside the diagonal the grid breaks it up."""
+    from matplotlib.path import Path
+
+    def length(piece: Array) -> float:
+        return float(np.sum(np.hypot(*np.diff(np.log(piece), axis=0).T)))
+
+    found = [max(pieces, key=length, default=np.empty((0, 2))) for pieces in lines.allsegs]
+    codes = [[Path.MOVETO, *[Path.LINETO] * (len(piece) - 1)][: len(piece)] for piece in found]
+    lines.set_paths([Path(*one) for one in zip(found, codes, strict=True)])
 
 
 def _power_of_ten(exponent: float) -> str:

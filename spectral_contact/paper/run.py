@@ -58,7 +58,7 @@ def reproduce(
     folder : str or path
         Made if it does not exist.
     figures : iterable of str
-        Out of `FIGURES`; the default is all.
+        Out of ``FIGURES``; the default is all.
     rtol : float
         Relative tolerance of every solve, 1e-12 to 1e-2.
     pictures : bool

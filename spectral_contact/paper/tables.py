@@ -27,7 +27,7 @@ def read_csv(path: str | os.PathLike[str], name: str, rtol: float = 1e-9) -> Fig
     ----------
     path : str or path
     name : str
-        Of the figure, out of `FIGURES`.
+        Of the figure, out of ``FIGURES``.
     rtol : float
         The tolerance it was computed with.
 
@@ -39,7 +39,7 @@ def read_csv(path: str | os.PathLike[str], name: str, rtol: float = 1e-9) -> Fig
     Raises
     ------
     SceneError
-        For a name out of `FIGURES`.
+        For a name out of ``FIGURES``.
     SolutionFileError
         If the file cannot be read, is not whole, or is of another figure, version or tolerance.
     """

@@ -34,9 +34,9 @@ _COLOURS = (
     *("#888888", "#8C510A"),
 )
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
-_LINES = ("-", "--", "-.")  # dotted are cold times
-#: Errors of zero are drawn here.
-_LEAST = 1e-17
+_LINES = ("-", "--", "-.")
+#: Doubles know no smaller error: what is below, and zero, is drawn here, and the axis says so.
+_LEAST = 1e-16
 _ERROR = "true relative error"
 
 
@@ -68,9 +68,10 @@ def _convergence(study: Convergence, wanted: Sequence[str]) -> Figure:
             _draw_rate(axes[0], study, quantity, index)
             for one, state in zip(axes[1:], states, strict=True):
                 x, timings, errors = _series(study.points, quantity, state)
-                _draw_times(one, x, timings, errors, index, filled=True)
+                _draw_times(one, x, timings, errors, index, cold=state == "cold")
         for one in axes:
             one.set_yscale("log")
+        _say_clamped(axes[0], study.points, study.quantities)
         _label_unknowns(axes[0], study)
         for one, state in zip(axes[1:], states, strict=True):
             one.set(xscale="log", xlabel=f"time {state} [ms]")
@@ -102,11 +103,12 @@ def _work_precision(study: WorkPrecision, states: Sequence[str]) -> Figure:
                         x, timings, errors = _series(points, quantity, state)
                         name = f"{solver}, {state}" if len(states) > 1 else solver
                         label = name if x else None
-                        warm = state == "warm"
-                        _draw_times(one, x, timings, errors, index, filled=warm, label=label)
+                        cold = state == "cold"
+                        _draw_times(one, x, timings, errors, index, cold=cold, label=label)
                 xlabel = "time [ms]" if len(states) > 1 else f"time {states[0]} [ms]"
                 one.set(xscale="log", yscale="log", xlabel=xlabel, title=_SYMBOLS[quantity])
                 _plain_ticks(one)
+            _say_clamped(axes[0], [p for p in study.points if p.scene == scene], study.quantities)
             axes[0].set_ylabel(_ERROR)
             part.suptitle(scene_title(scene))
         curves = len(states) * len(study.solvers)
@@ -155,12 +157,15 @@ def _draw_rate(axes: Axes, study: Convergence, quantity: str, index: int) -> Non
 
 def _law(rate: Rate) -> str:
     """Return the law of a rate as a formula, with the interval of its number."""
-    low, high = rate.interval
-    ends = f"[{low:.3g}, {high:.3g}]"
+    width = rate.interval[1] - rate.interval[0]
+    # no more digits than the interval tells
+    places = int(np.clip(np.ceil(-np.log10(max(width, 1e-3))), 0, 3))
+    value, low, high = (f"{round(one, places):g}" for one in (rate.value, *rate.interval))
+    number = f"{value} [{low}, {high}]"
     if rate.kind == "algebraic":
-        return rf"$\sim N^{{-k}}$, $k$ = {rate.value:.3g} {ends}"
+        return rf"$\sim N^{{-k}}$, $k$ = {number}"
     power = "N" if rate.kind == "geometric" else r"\sqrt{N}"
-    return rf"$\sim \rho^{{-{power}}}$, $\rho$ = {rate.value:.3g} {ends}"
+    return rf"$\sim \rho^{{-{power}}}$, $\rho$ = {number}"
 
 
 def _draw_times(
@@ -170,10 +175,13 @@ def _draw_times(
     errors: Sequence[float],
     index: int,
     *,
-    filled: bool,
+    cold: bool,
     label: str | None = None,
 ) -> None:
-    """Draw errors over times with their quartiles."""
+    """Draw errors over times with their quartiles.
+
+    Cold times, of a few processes, are points without a line: it would run back and forth.
+    """
     if not x:
         return
     colour = _colour(index)
@@ -186,14 +194,32 @@ def _draw_times(
         errors,
         xerr=spread,
         fmt=_marker(index),
-        ls=_line(index) if filled else ":",
+        ls="" if cold else _line(index),
         color=colour,
-        mfc=colour if filled else "white",
+        mfc="white" if cold else colour,
         ms=4.5,
         lw=0.8,
         elinewidth=0.5,
         label=label,
     )
+
+
+def _say_clamped(axes: Axes, points: Iterable[Point], quantities: Iterable[str]) -> None:
+    """End the axis where errors are drawn that are too small for it, and say so."""
+    names = list(quantities)
+    if any(point.errors.get(name, np.inf) < _LEAST for point in points for name in names):
+        axes.set_ylim(bottom=_LEAST / 3.0)
+        said = rf"$\leq 10^{{{np.log10(_LEAST):.0f}}}$, or 0"
+        axes.axhline(_LEAST, color="#888888", lw=0.6)
+        axes.annotate(
+            said,
+            (1.0, _LEAST),
+            (-3, 3),
+            xycoords=("axes fraction", "data"),
+            textcoords="offset points",
+            ha="right",
+            fontsize=7.0,
+        )
 
 
 def _label_unknowns(axes: Axes, study: Convergence) -> None:

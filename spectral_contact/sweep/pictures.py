@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,8 +20,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_slice"]
+__all__ = ["plot_slice", "varying"]
 
+#: The parameters in the symbols of all other figures.
+_SYMBOLS: Final = {
+    "poisson_ratio": r"$\nu$",
+    "normal_compliance": r"$\alpha^*$",
+    "tangential_compliance": r"$\beta^*$",
+    "friction": "$f$",
+    "s": "$s$",
+    "from_edge": "$1 - s$",
+}
 #: An axis whose values span more than this is logarithmic.
 _SPAN: Final = 30.0
 
@@ -54,25 +64,53 @@ def plot_slice(
     """
     instance("dataset", dataset, needed().Dataset)
     names = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
-    part = dataset[one_of("quantity", quantity, names)]
-    cut = _places(at, [str(name) for name in part.dims])
-    for name, value in cut.items():
-        part = part.sel({name: _nearest(part[name].values, value)})
+    part = _sliced(dataset[one_of("quantity", quantity, names)], at)
     left = [str(name) for name in part.dims if part.sizes[name] > 1]
     # full stick, friction infinite, has no place on an axis
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
     if len(left) not in (1, 2):
         said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
-        raise SceneError("at", cut, said)
+        raise SceneError("at", dict(at or {}), said)
     with style():
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(5.6, 4.2), layout="constrained")
         axes = figure.add_subplot()
         (_curve if len(left) == 1 else _map)(axes, part, left)
-        cuts = [f"{name} = {float(part[name]):.4g}" for name in cut]
-        axes.set_title(", ".join(cuts).replace("_", " "), fontsize="medium")
+        axes.set_title(_held(part), fontsize="medium")
     return figure
+
+
+def varying(dataset: xarray.Dataset, at: Mapping[str, float] | None = None) -> str:
+    """Return the quantity to draw: the first that varies in every direction of a slice.
+
+    To vary is to change by more than the error estimates. If none does, it is the first there is.
+    """
+    names = [str(name) for name in dataset.data_vars if f"{name}_error" in dataset]
+    for name in names:
+        part = _sliced(dataset[name], at)
+        error = float((np.abs(part) * _sliced(dataset[f"{name}_error"], at)).max())
+        left = [str(dim) for dim in part.dims if part.sizes[dim] > 1]
+        if all(float((part.max(dim) - part.min(dim)).max()) > 10.0 * error for dim in left):
+            return name
+    return names[0]
+
+
+def _sliced(part: xarray.DataArray, at: Any) -> xarray.DataArray:
+    """Return the slice of a quantity at the places that were solved nearest to those asked for."""
+    for name, value in _places(at, [str(name) for name in part.dims]).items():
+        part = part.sel({name: _nearest(part[name].values, value)})
+    return part
+
+
+def _held(part: xarray.DataArray) -> str:
+    """Return what is the same in a whole picture, with its values."""
+    numbers = {name: float(part[name]) for name in part.coords if part[name].ndim == 0}
+    held = [
+        "no friction" if np.isnan(value) else f"{_SYMBOLS.get(str(name), name)} = {value:.4g}"
+        for name, value in numbers.items()
+    ]
+    return ", ".join(held).replace("= inf", r"= $\infty$")
 
 
 def _places(at: Any, dims: list[str]) -> dict[str, float]:
@@ -136,5 +174,8 @@ def _edges(values: NDArray[Any]) -> NDArray[Any]:
 
 def _label(array: xarray.DataArray) -> str:
     unit = array.attrs.get("units", "1")
-    name = str(array.attrs.get("long_name", array.name))
+    name = str(array.attrs.get("long_name", array.name)).split(" = ")[0]
+    # symbols in the font of all formulas
+    name = re.sub(r"\b(u_r|[αβδpqcQ])\*", r"$\1^*$", name)
+    name = re.sub(r" ([νf])$", r" $\1$", name)
     return name if unit == "1" else f"{name} [{unit}]"

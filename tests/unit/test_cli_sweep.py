@@ -9,6 +9,7 @@ import pytest
 from spectral_contact import Scene, SceneError, cli_sweep, solve
 from spectral_contact.cli import main
 from spectral_contact.sweep import plot_slice, sweep
+from spectral_contact.sweep.pictures import varying
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 
@@ -88,16 +89,29 @@ def test_slices_are_curves_and_maps():
     )
     figure = plot_slice(found, "approach", {"friction": math.inf})
     [axes] = figure.axes
-    assert axes.get_title() == "friction = inf"
+    held = [r"$\nu$ = 0.3", r"$\beta^*$ = 0.5", r"$f$ = $\infty$"]
+    assert sorted(axes.get_title().split(", ")) == sorted(held)
     assert axes.get_xscale() == "log"
     assert np.array_equal(axes.lines[0].get_ydata(), found.approach[:, 2])
     figure = plot_slice(found, "approach")  # what is infinite has no place on an axis
-    assert figure.axes[0].get_xlabel() == "coefficient of friction f"
-    assert figure.axes[0].get_ylabel() == "normal compliance α* = αE/(4(1−ν²)a)"
+    assert figure.axes[0].get_xlabel() == "coefficient of friction $f$"
+    assert figure.axes[0].get_ylabel() == "normal compliance $α^*$"
     values = figure.axes[0].collections[0].get_array()
     assert np.array_equal(values, found.approach[:, :2])
     corners = figure.axes[0].collections[0].get_coordinates()
     assert np.allclose(corners[:, 0, 1], 10.0 ** np.array([-4.5, -1.5, 1.5]), rtol=1e-12)
+
+
+def test_a_quantity_that_varies_is_drawn():
+    found = sweep(Scene(0.3, 0.5, 0.5), friction=[0.05, 0.08])
+    assert varying(found) == "stick_radius"  # friction does not move the approach
+    assert varying(found[["approach", "approach_error"]]) == "approach"
+    both = sweep(Scene(0.3, 0.5, 0.5), normal_compliance=[0.1, 0.5], friction=[0.05, 0.08])
+    assert varying(both) == "stick_radius"
+    assert varying(both, {"friction": 0.05}) == "approach"
+    assert varying(both, {"normal_compliance": 0.1}) == "stick_radius"
+    none = sweep(Scene(0.3), normal_compliance=[0.1, 0.2], quantities=["approach"])
+    assert plot_slice(none, "approach").axes[0].get_title().endswith("no friction")
 
 
 @pytest.fixture(scope="module")

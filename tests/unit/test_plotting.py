@@ -69,14 +69,17 @@ def test_axes_have_symbols_and_units(slipping):
     labels = [(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes]
     radius, distance = "radius $s = r / a$", "distance from the edge $1 - s$"
     pressure, traction = "$p^* = a^2 p / P$", "$q^* = a^2 q / P$"
+    slip = r"$u_r^* = a E u_r / (4 (1 - \nu^2) P)$"
     assert labels == [
         (radius, pressure),
         (distance, pressure),
         (radius, traction),
         (distance, traction),
+        (radius, slip),
+        (distance, slip),
         ("estimate of the relative error", ""),
     ]
-    assert [axes.get_xscale() for axes in figure.axes] == ["linear", "log", "linear", "log", "log"]
+    assert [axes.get_xscale() for axes in figure.axes] == ["linear", "log"] * 3 + ["log"]
 
 
 def test_curves_are_the_values_of_the_solution(slipping):
@@ -92,6 +95,19 @@ def test_curves_are_the_values_of_the_solution(slipping):
     d, bound = tractions["$f p^*$"]
     assert np.allclose(bound, 0.1 * slipping.pressure(from_edge=d), rtol=1e-12)
     assert set(lines(figure.axes[2])) == {"$q^*$", "$f p^*$"}
+    d, slip = lines(figure.axes[5])["slip $u_r^*$"]
+    assert slip.min() < -0.01
+    assert np.allclose(slip, slipping.slip(from_edge=d), rtol=1e-9, atol=1e-15)
+
+
+def test_what_is_cut_off_at_the_edge_is_said(slipping):
+    def notes(solution):
+        return [text.get_text() for text in plotting.plot_solution(solution).axes[0].texts]
+
+    assert notes(slipping) == []
+    assert notes(solve(SMOOTH, 1e-4)) == ["cut off: infinite at the edge"]
+    thin = solve(Scene(0.1, 1e-6), 1e-4)
+    assert notes(thin) == [f"cut off: up to {thin.pressure(1.0):.3g} at the edge"]
 
 
 def test_slip_zones_are_shaded_from_both_ends(slipping):
@@ -132,6 +148,7 @@ def test_useless_estimates_are_drawn_at_one(slipping, tmp_path, error):
     figure = plotting.plot_solution(bad)
     plotting.save(figure, str(tmp_path / "x.png"))
     assert figure.axes[-1].get_lines()[0].get_xdata() == [1.0]
+    assert "no digit is known" in [text.get_text() for text in figure.axes[-1].texts]
 
 
 def test_full_stick_has_no_friction_bound_and_no_shade():
