@@ -64,7 +64,8 @@ _UNITS = (
 
 def _dimensional(scene: Scene) -> str:
     unit = 4.0 * (1.0 - scene.poisson_ratio**2) * _A / _E
-    alpha, beta = (_short(x * unit) for x in (scene.normal_compliance, scene.tangential_compliance))
+    compliances = {"α": scene.normal_compliance, "β": scene.tangential_compliance}
+    given = "".join(f", {one} = {_short(x * unit)} m/Pa" for one, x in compliances.items() if x)
     lines = [
         "A rigid cylinder with a flat end of radius a is pressed by a normal force P on the "
         "half-space z > 0, which is elastic with Young's modulus E and Poisson's ratio ν. "
@@ -73,9 +74,8 @@ def _dimensional(scene: Scene) -> str:
         "of the half-space's surface, inward into it and away from the axis. For r < a:",
         *_conditions(scene),
         "For example in SI: E = 210 GPa, "
-        f"ν = {scene.poisson_ratio!r}, a = 10 mm, P = 1 kN, α = {alpha} m/Pa"
-        + (f", β = {beta} m/Pa" if scene.friction is not None else "")
-        + f"; there P/a² = 10 MPa and 4 (1 − ν²) P/(aE) = {_short(unit * _P / _A**2)} m.",
+        f"ν = {scene.poisson_ratio!r}, a = 10 mm, P = 1 kN{given}"
+        f"; there P/a² = 10 MPa and 4 (1 − ν²) P/(aE) = {_short(unit * _P / _A**2)} m.",
     ]
     return "\n\n".join(lines)
 
@@ -90,12 +90,12 @@ def _conditions(scene: Scene) -> list[str]:
     lines = [f"- {normal};", f"- {held} {where};"]
     if scene.friction < math.inf:
         lines.append(
-            "- |q| = f p in slip, against the slip u_r + β q, which is inward; "
+            "- q = f p in slip, where the slip u_r + β q is inward (negative); "
             f"f = {scene.friction!r}."
         )
     effect = (
-        "Pressure and traction act on each other in full, as in any elastic body. The load grows "
-        "from zero; all is proportional to it, so one step will do."
+        "Pressure and traction act on each other in full, as in any elastic body, and the contact "
+        "does not open. The load grows from zero; all is proportional to it, so one step will do."
         if scene.coupling
         else "What the traction q adds to u_z is left out, as in Goodman's approximation; what the "
         "pressure adds to u_r is not. So p comes first, and is given when q is sought."
@@ -134,7 +134,8 @@ def _numbers(benchmark: Benchmark) -> str:
     check = benchmark.check
     first = (
         f"**{check.symbol} = {check.text}** ({_SHORT[check.quantity]}; {check.where}).\n\n"
-        f"Within {benchmark.tolerance:g} of it, relatively, a code passes: {benchmark.tolerance_of}"
+        f"A code passes whose relative difference is below {benchmark.tolerance:g}. "
+        f"To expect that, take {benchmark.tolerance_of}"
     )
     if not benchmark.values:
         return first
@@ -169,11 +170,15 @@ def _fields(benchmark: Benchmark, data: str) -> str:
     )
     if "slip" in columns:
         text += "; slip is u_r* + β* q*, inward negative"
-    return f"{text}. Their relative errors are below 1e-11. {files[1]} has all other numbers."
+    if benchmark.scene.couples:
+        errors = "The errors of p* and q* are below 1e-10 of the two together"
+    else:
+        errors = "The relative errors of p* and q* are below 1e-10"
+    return f"{text}. {errors}. {files[1]} has all other numbers."
 
 
 def _recipe(code: str, tried: bool, text: str) -> str:
-    return f"**{code}** ({'tried' if tried else 'from its manual, not tried'}). {text}"
+    return f"**{code}** ({'tried' if tried else 'not tried: a starting point'}). {text}"
 
 
 def _modulus(scene: Scene) -> float:

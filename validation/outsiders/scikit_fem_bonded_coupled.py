@@ -1,4 +1,4 @@
-"""The benchmark bonded_coupled with scikit-fem, from its page alone: python try_scikit_fem.py.
+"""The benchmark bonded_coupled with scikit-fem, from its page alone.
 
 Axisymmetric quadratic elements, graded geometrically to the edge, in a cylinder of 100 radii. The
 displacement of a unit point force is prescribed on its far sides: superposed with a unit approach

@@ -1,4 +1,4 @@
-"""The benchmark rough_normal with tamaas, from its page alone: python try_tamaas.py.
+"""The benchmark rough_normal with tamaas, from its page alone.
 
 Pixels whose middles are in the disk bear constant pressures; the grid is scaled so that their area
 is that of the disk. Conjugate gradients solve alpha p + N p = 1 on them.
