@@ -1,4 +1,4 @@
-"""The command line: ``spectral-contact solve``, ``sweep``, ``paper`` and ``study``.
+"""The command line: ``spectral-contact solve``, ``sweep``, ``paper``, ``study``, ``benchmark``.
 
 Also ``python -m spectral_contact``.
 
@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import spectral_contact
-from spectral_contact import cli_study, cli_sweep, plotting
+from spectral_contact import cli_benchmark, cli_scene, cli_study, cli_sweep, plotting
 from spectral_contact.choices import suggestion
-from spectral_contact.cli_options import friction, joined, number, whole
+from spectral_contact.cli_options import UsageError, joined, number, whole
 from spectral_contact.errors import (
     ConvergenceError,
     SceneError,
@@ -31,7 +31,6 @@ from spectral_contact.planning import plan
 from spectral_contact.processes import PROGRAM, failed, guarded
 from spectral_contact.progress import ProgressLine
 from spectral_contact.report import FIELDS, report, write_csv
-from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES, Plan, Solution
 from spectral_contact.solver import solve
 from spectral_contact.threads import one_thread
@@ -39,16 +38,6 @@ from spectral_contact.threads import one_thread
 __all__ = ["main"]
 
 _OUTPUTS = (".json", ".csv", ".npz")
-
-_COMPLIANCES = ("normal_compliance", "tangential_compliance")
-_SI_COMPLIANCES = ("normal_compliance_si", "tangential_compliance_si")
-_SI = ("youngs_modulus", "radius", "load", "approach", *_SI_COMPLIANCES)
-#: Dimensionless scene of a bare ``spectral-contact solve``; in SI the compliances default to 0.
-_DEFAULT_NU, _DEFAULT_COMPLIANCE, _DEFAULT_FRICTION = 0.1, 0.5, 0.1
-
-
-class _UsageError(SpectralContactError):
-    """The options do not make a request."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -79,7 +68,7 @@ def _run(argv: Sequence[str]) -> int:
         hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
         return failed(f"{error}{hint}", 1)
     except SceneError as error:
-        return failed(_in_options(error, _si_given(arguments)), 2)
+        return failed(cli_scene.in_options(error, cli_scene.si_given(arguments)), 2)
     except SpectralContactError as error:
         return failed(str(error), 2)
     return 0
@@ -100,7 +89,7 @@ class _Parser(argparse.ArgumentParser):
         return found, unknown
 
     def error(self, message: str) -> NoReturn:
-        raise _UsageError(f"{message} (see {self.prog} --help)")
+        raise UsageError(f"{message} (see {self.prog} --help)")
 
 
 def _parser() -> _Parser:
@@ -119,63 +108,15 @@ def _parser() -> _Parser:
         epilog="Exit status: 0 solved, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
         allow_abbrev=False,
     )
-    _add_scene(command)
-    _add_physical(command)
+    cli_scene.add_scene(command)
+    cli_scene.add_physical(command)
     _add_request(command)
     command.set_defaults(run=_solve)
     _add_paper(commands)
     _add_studies(commands)
     _add_sweep(commands)
+    _add_benchmarks(commands)
     return parser
-
-
-def _add_scene(command: _Parser) -> None:
-    group = command.add_argument_group("scene")
-    group.add_argument(
-        "--poisson-ratio",
-        type=number,
-        metavar="NU",
-        default=_DEFAULT_NU,
-        help="Poisson's ratio of the half-space, in (-1, 0.5] (default: %(default)s)",
-    )
-    for option, symbol in (("normal", "alpha"), ("tangential", "beta")):
-        group.add_argument(
-            f"--{option}-compliance",
-            type=number,
-            metavar=symbol.upper(),
-            help=f"{symbol}* = {symbol} E / (4 (1 - nu^2) a), 0 (smooth) or in [1e-14, 1e14] "
-            f"(default: {_DEFAULT_COMPLIANCE})",
-        )
-    group.add_argument(
-        "--friction",
-        type=friction,
-        metavar="F",
-        default=_DEFAULT_FRICTION,
-        help="Coulomb coefficient >= 0; inf is full stick, none the frictionless problem "
-        "(default: %(default)s)",
-    )
-    group.add_argument(
-        "--coupling",
-        action="store_true",
-        help="let the traction act back on the pressure, which the paper neglects",
-    )
-
-
-def _add_physical(command: _Parser) -> None:
-    group = command.add_argument_group(
-        "scene in SI units",
-        "Any of these replaces the dimensionless compliances: modulus, radius and either load or "
-        "approach are then required, the compliances default to 0.",
-    )
-    for name, metavar, meaning in (
-        ("youngs-modulus", "E", "Young's modulus of the half-space [Pa]"),
-        ("radius", "A", "radius of the punch [m]"),
-        ("load", "P", "normal force [N]"),
-        ("approach", "DELTA", "rigid approach of the punch [m]"),
-        ("normal-compliance-si", "ALPHA", "normal compliance of the roughness [m/Pa]"),
-        ("tangential-compliance-si", "BETA", "tangential compliance of the roughness [m/Pa]"),
-    ):
-        group.add_argument(f"--{name}", type=number, metavar=metavar, help=meaning)
 
 
 def _add_request(command: _Parser) -> None:
@@ -263,7 +204,7 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
             epilog="Exit status: 0 done, 1 no truth, 2 bad input or file, 130 interrupted.",
             allow_abbrev=False,
         )
-        _add_scene(command)
+        cli_scene.add_scene(command)
         cli_study.add_options(command, kind)
         command.set_defaults(run=_study)
 
@@ -283,17 +224,24 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
     command.set_defaults(run=_sweep)
 
 
-def _flag(name: str) -> str:
-    return "--" + name.replace("_", "-")
-
-
-def _in_options(error: SceneError, si: bool) -> str:
-    """Return the message with the parameter under the name that the command line gives it."""
-    names = [
-        _flag(name + "_si" if si and name in _COMPLIANCES else name)
-        for name in error.parameter.split(", ")
-    ]
-    return ", ".join(names) + str(error).removeprefix(error.parameter)
+def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
+    benchmark = commands.add_parser(
+        "benchmark",
+        help="problems to test other codes against",
+        description="Ten problems with numbers and fields to test other codes against.",
+        allow_abbrev=False,
+    )
+    kinds = benchmark.add_subparsers(dest="kind", metavar="kind", required=True)
+    for kind, about in cli_benchmark.KINDS.items():
+        command = kinds.add_parser(
+            kind,
+            help=about,
+            description=f"{about.capitalize()}.",
+            epilog="Exit status: 0 done, 2 bad input or file, 130 interrupted.",
+            allow_abbrev=False,
+        )
+        cli_benchmark.add_options(command, kind)
+        command.set_defaults(run=lambda arguments: print(cli_benchmark.run(arguments)))
 
 
 # --- from options to a solution -------------------------------------------------------------------
@@ -301,9 +249,9 @@ def _in_options(error: SceneError, si: bool) -> str:
 
 def _solve(arguments: argparse.Namespace) -> None:
     """Check everything that can be checked, solve, write the files and print the report."""
-    scene = _scene(arguments)
+    scene = cli_scene.scene(arguments)
     quantities = arguments.quantities
-    if quantities is not None and arguments.approach is not None:
+    if quantities is not None and "approach" in vars(arguments):
         quantities = ("approach", *quantities)  # SI values hang on the load, hence on it
     _check_files(arguments, plan(scene, quantities))
     solution = solve(
@@ -316,7 +264,7 @@ def _solve(arguments: argparse.Namespace) -> None:
     try:
         _write(solution, arguments)
     finally:  # a full disk must not cost the user the result
-        print(report(solution))
+        print(report(solution, cli_scene.defaults(arguments)))
 
 
 def _paper(arguments: argparse.Namespace) -> None:
@@ -335,7 +283,7 @@ def _paper(arguments: argparse.Namespace) -> None:
 def _study(arguments: argparse.Namespace) -> None:
     """Run a study, write the files and print the tables."""
     _check_paths(arguments, cli_study.OUTPUTS)
-    study = cli_study.run(arguments, _scene(arguments))
+    study = cli_study.run(arguments, cli_scene.scene(arguments))
     try:
         cli_study.write(study, arguments)
     finally:
@@ -352,50 +300,11 @@ def _sweep(arguments: argparse.Namespace) -> None:
         print(cli_sweep.summary(found))
 
 
-def _si_given(arguments: argparse.Namespace) -> bool:
-    return any(getattr(arguments, name, None) is not None for name in _SI)
-
-
-def _scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options, dimensionless or SI."""
-    given = {name for name in (*_COMPLIANCES, *_SI) if getattr(arguments, name, None) is not None}
-    if not _si_given(arguments):
-        alpha, beta = (
-            _DEFAULT_COMPLIANCE if getattr(arguments, name) is None else getattr(arguments, name)
-            for name in _COMPLIANCES
-        )
-        nu, friction = arguments.poisson_ratio, arguments.friction
-        return Scene(nu, alpha, beta, friction, coupling=arguments.coupling)
-    mixed = [name for name in _COMPLIANCES if name in given]
-    if mixed:
-        raise _UsageError(
-            f"{_flag(mixed[0])} is dimensionless and cannot be mixed with SI input "
-            f"({_flag(next(name for name in _SI if name in given))}); "
-            f"use {_flag(mixed[0])}-si, in m/Pa"
-        )
-    missing = [_flag(name) for name in ("youngs_modulus", "radius") if name not in given]
-    if missing:
-        raise _UsageError(f"SI input needs {' and '.join(missing)}")
-    if ("load" in given) == ("approach" in given):
-        raise _UsageError("SI input needs either --load or --approach, not both")
-    return Scene.from_physical(
-        youngs_modulus=arguments.youngs_modulus,
-        poisson_ratio=arguments.poisson_ratio,
-        radius=arguments.radius,
-        load=arguments.load,
-        approach=arguments.approach,
-        normal_compliance=arguments.normal_compliance_si or 0.0,
-        tangential_compliance=arguments.tangential_compliance_si or 0.0,
-        friction=arguments.friction,
-        coupling=arguments.coupling,
-    )
-
-
 def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:
     """Refuse, before the work, files that could not be written after it."""
     _check_paths(arguments, _OUTPUTS)
     if _is_csv(arguments.output) and not set(FIELDS).intersection(todo.quantities):
-        raise _UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
+        raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
     if arguments.plot is not None:
         plotting.check(todo)
 

@@ -8,12 +8,18 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-__all__ = ["friction", "joined", "number", "resolution", "whole"]
+from spectral_contact.errors import SpectralContactError
+
+__all__ = ["UsageError", "friction", "joined", "number", "resolution", "whole"]
 
 # Narrower than float() and int(), which take 1_000 and the digits of every script.
 _DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
 _NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+
+
+class UsageError(SpectralContactError):
+    """The options do not make a request."""
 
 
 def number(text: str) -> float:

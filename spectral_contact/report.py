@@ -19,13 +19,25 @@ __all__ = ["FIELDS", "report", "scene_text", "table", "write_csv"]
 
 #: Quantities that are functions of the radius: the columns of a table.
 FIELDS = ("pressure", "traction", "slip")
+# Of a dimensionless compliance: beyond, another unit is likelier than such a surface.
+_LEAST, _MOST = 1e-9, 1e3
 
 
-def report(solution: Solution) -> str:
-    """Return everything that is printed; only the timings differ from run to run."""
+def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
+    """Return everything that is printed; only the timings differ from run to run.
+
+    Parameters
+    ----------
+    solution : Solution
+    remarks : sequence of str
+        What is to be said about the scene besides what its SI data call for.
+    """
     parts = [_scene_text(solution), _quantity_table(_rows(solution), "quantity")]
     if solution.scene.physical is not None:
         parts.append(_quantity_table(_si_rows(solution), "SI"))
+    remarks = [*remarks, *_odd_compliances(solution.scene)]
+    if remarks:
+        parts.append("\n".join(["remarks", *map(_indented, remarks)]))
     if "zones" in solution.plan.quantities:
         parts.append(_zone_table(solution))
     parts += [f"plan\n{_indented(str(solution.plan))}", _work_table(solution)]
@@ -159,6 +171,22 @@ def _scene_text(solution: Solution) -> str:
             f"alpha = {data.normal_compliance!r} m/Pa, beta = {data.tangential_compliance!r} m/Pa"
         )
     return text
+
+
+def _odd_compliances(scene: Scene) -> list[str]:
+    """Return a remark about every compliance in SI units that is far from that of roughness."""
+    remarks = []
+    for name, symbol in (("normal_compliance", "alpha"), ("tangential_compliance", "beta")):
+        star = getattr(scene, name)
+        if scene.physical is None or star == 0.0 or _LEAST <= star <= _MOST:
+            continue
+        limit = f"> {_MOST:g}" if star > _MOST else f"< {_LEAST:g}"
+        value = getattr(scene.physical, name)
+        remarks.append(
+            f"{symbol}* = {star:.3g} is {limit}: {symbol} = {value!r} is in m/Pa "
+            f"({1e15 * value:.3g} nm/MPa), is that what was meant?"
+        )
+    return remarks
 
 
 def _quantity_table(rows: list[_Row], title: str) -> str:

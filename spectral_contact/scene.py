@@ -18,6 +18,7 @@ from typing import Any, Final, Self
 from spectral_contact.checks import exactly_one, flag, real
 from spectral_contact.documents import YOUNGER, key_complaint, left_out
 from spectral_contact.errors import SceneError, SolutionFileError, shown
+from spectral_contact.units import Measured, in_si
 
 __all__ = ["PhysicalData", "Scene"]
 
@@ -220,17 +221,20 @@ class Scene:
     def from_physical(
         cls,
         *,
-        youngs_modulus: float,
+        youngs_modulus: Measured,
         poisson_ratio: float,
-        radius: float,
-        load: float | None = None,
-        approach: float | None = None,
-        normal_compliance: float = 0.0,
-        tangential_compliance: float = 0.0,
+        radius: Measured,
+        load: Measured | None = None,
+        approach: Measured | None = None,
+        normal_compliance: Measured = 0.0,
+        tangential_compliance: Measured = 0.0,
         friction: float | None = None,
         coupling: bool = False,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
+
+        Where pint is installed, everything that has a unit may also be text, as ``"210 GPa"`` and
+        ``"50 nm/MPa"``, or a quantity of pint.
 
         Parameters
         ----------
@@ -258,15 +262,17 @@ class Scene:
         SceneError
             If a value is not a real number in its range, or both or neither of load and approach
             are given.
+        MissingDependencyError
+            If text has a unit and pint is not installed.
         """
         poisson_ratio = _poisson_ratio(poisson_ratio)
         physical = PhysicalData(
-            youngs_modulus=youngs_modulus,
-            radius=radius,
-            load=load,
-            approach=approach,
-            normal_compliance=normal_compliance,
-            tangential_compliance=tangential_compliance,
+            youngs_modulus=in_si("youngs_modulus", youngs_modulus, "Pa"),
+            radius=in_si("radius", radius, "m"),
+            load=in_si("load", load, "N"),
+            approach=in_si("approach", approach, "m"),
+            normal_compliance=in_si("normal_compliance", normal_compliance, "m/Pa"),
+            tangential_compliance=in_si("tangential_compliance", tangential_compliance, "m/Pa"),
         )
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
         return cls(poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling)

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import spectral_contact
-from spectral_contact import ErrorEstimates, Scene, Solution, cli, solve
+from spectral_contact import ErrorEstimates, Scene, Solution, cli, solve, units
 from spectral_contact.cli import main
 from spectral_contact.cli_options import number
 
 STEEL = ("--youngs-modulus", "2.1e11", "--poisson-ratio", "0.3", "--radius", "0.013")
+SLIDING = (*STEEL, "--friction", "0.1")
 STEEL_SCENE = {"youngs_modulus": 2.1e11, "poisson_ratio": 0.3, "radius": 0.013}
 QUICK = ("--rtol", "1e-4")
 STUCK = ("--friction", "inf", *QUICK)
@@ -126,7 +127,7 @@ def test_si_input_makes_a_physical_scene(capsys, solved):
 
 
 def test_an_approach_yields_the_load(capsys, solved):
-    options = ("--approach", "1e-6", "--quantities", "pressure", *QUICK)
+    options = ("--approach", "1e-6", "--friction", "0.1", "--quantities", "pressure", *QUICK)
     status, out, _ = run(capsys, *STEEL, *options)
     scene = Scene.from_physical(**STEEL_SCENE, approach=1e-6, friction=0.1)
     table = out[out.index("\nSI ") :]
@@ -135,6 +136,52 @@ def test_an_approach_yields_the_load(capsys, solved):
     assert value_of(table, "approach") == "1e-06 m"
     load = float(value_of(table, "load").split()[0])
     assert load == pytest.approx(solve(scene, 1e-4, ["approach"]).physical.load, rel=1e-12)
+
+
+def test_what_was_not_given_in_si_is_named(capsys):
+    given = (*SLIDING, "--load", "1000", *QUICK)
+    _, out, _ = run(capsys, *given, "--normal-compliance-si", "1e-14")
+    assert "\nremarks\n  --tangential-compliance-si was not given: 0, a smooth surface" in out
+    assert "--normal-compliance-si was not given" not in out
+    both = ("--normal-compliance-si", "1e-14", "--tangential-compliance-si", "0")
+    assert "remarks" not in run(capsys, *given, *both)[1]
+    assert "remarks" not in run(capsys, *QUICK)[1]
+
+
+@pytest.mark.parametrize(
+    ("alpha", "remark"),
+    [
+        ("5e-8", r"alpha\* = 2.22e+05 is > 1000: alpha = 5e-08 is in m/Pa (5e+07 nm/MPa)"),
+        ("5e-24", r"alpha\* = 2.22e-11 is < 1e-09: alpha = 5e-24 is in m/Pa (5e-09 nm/MPa)"),
+    ],
+)
+def test_a_compliance_in_another_unit_is_remarked(capsys, alpha, remark):
+    options = ("--load", "1", "--friction", "none", "--normal-compliance-si", alpha, *QUICK)
+    _, out, _ = run(capsys, *STEEL, *options, "--tangential-compliance-si", "0")
+    assert remark.replace("\\", "") in out
+
+
+def test_numbers_may_have_units(capsys, solved):
+    pytest.importorskip("pint")
+    options = ("--youngs-modulus", "210 GPa", "--radius", "13mm", "--load", "1 kN")
+    compliance = ("--normal-compliance-si", "10 nm/MPa", "--friction", "none")
+    status, _, err = run(capsys, *options, *compliance, "--poisson-ratio", "0.3", *QUICK)
+    assert (status, err) == (0, "")
+    assert solved[0][0][0] == Scene.from_physical(**STEEL_SCENE, load=1e3, normal_compliance=1e-14)
+
+
+def test_a_unit_of_another_kind_is_one_line(capsys):
+    pytest.importorskip("pint")
+    line = complaint(capsys, *SLIDING, "--load", "1 mm")
+    assert "--load = '1 mm': must be a number in N, or in a unit like it" in line
+
+
+def test_a_missing_pint_is_one_line(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pint", None)
+    units._registry.cache_clear()
+    line = complaint(capsys, *SLIDING, "--load", "1 kN")
+    assert line.startswith("spectral-contact: pint is not installed")
+    assert line.endswith('pip install "spectral_contact[units]"\n')
 
 
 # --- the report -----------------------------------------------------------------------------------
@@ -303,11 +350,13 @@ def test_a_plot(capsys, tmp_path):
         (["--quantities", "aproach"], "critical_friction; did you mean approach?"),
         (["more"], "more"),
         (["--radius", "1"], "SI input needs --youngs-modulus"),
-        (["--load", "1"], "SI input needs --youngs-modulus and --radius"),
-        ([*STEEL], "either --load or --approach"),
-        ([*STEEL, "--load", "1", "--approach", "1"], "either --load or --approach"),
-        ([*STEEL, "--load", "-1"], "--load = -1.0"),
-        ([*STEEL, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
+        (["--load", "1"], "SI input needs --youngs-modulus and --poisson-ratio and --radius"),
+        ([*SLIDING], "either --load or --approach"),
+        ([*SLIDING, "--load", "1", "--approach", "1"], "either --load or --approach"),
+        ([*SLIDING, "--load", "-1"], "--load = -1.0"),
+        ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
+        ([*STEEL, "--load", "1"], "SI input needs --friction: there are no defaults"),
+        (["--load", "1", "--friction", "0"], "needs --youngs-modulus and --poisson-ratio and --ra"),
         ([*STEEL, "--load", "1", "--normal-compliance", "1"], "cannot be mixed"),
         (["--normal-compliance-si", "1", "--tangential-compliance", "1"], "cannot be mixed"),
         (["--output", "solution.txt"], "solution.txt: the suffix must be one of .json, .csv, .npz"),

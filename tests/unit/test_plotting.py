@@ -352,3 +352,39 @@ def test_plotting_leaves_the_users_settings_alone(slipping):
 def test_only_solutions_are_plotted(plot, value):
     with pytest.raises(SceneError, match=r"solution = .* must be a Solution"):
         plot(value)
+
+
+# --- SI -------------------------------------------------------------------------------------------
+
+STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "radius": 5e-3}
+LAYERS = {"normal_compliance": 5e-14, "tangential_compliance": 5e-14, "friction": 0.05}
+
+
+def labels(figure):
+    return {text for axes in figure.axes for text in (axes.get_xlabel(), axes.get_ylabel())}
+
+
+def test_a_scene_in_si_has_axes_in_si():
+    solution = solve(Scene.from_physical(**STEEL, **LAYERS, load=1e3), 1e-6)
+    figure = plotting.plot_solution(solution)
+    expected = {"radius $r$ [mm]", "distance from the edge $a - r$ [mm]", "$p$ [MPa]", "$q$ [MPa]"}
+    assert expected <= labels(figure)
+    assert not any("^*" in one for one in labels(figure))
+    left, right = figure.axes[:2]
+    radius, pressure = left.get_lines()[0].get_data()
+    assert (radius[0], radius[-1]) == (0.0, 5.0)
+    inside = radius < 4.9
+    si = solution.physical.pressure(1e-3 * radius[inside])
+    assert np.allclose(1e6 * pressure[inside], si, rtol=1e-12)
+    assert left.get_xlim() == (0.0, 5.0)
+    assert right.get_xlim()[0] == 5.0
+    stuck = 1e3 * solution.physical.stick_radius
+    assert any(np.isclose(patch.get_x(), stuck) for patch in left.patches)
+    assert r"$P = 1000$ N" in figure.get_suptitle()
+
+
+def test_an_approach_in_si_is_drawn_dimensionless_if_it_leaves_the_load_open():
+    scene = Scene.from_physical(**STEEL, **LAYERS, approach=1e-6)
+    assert r"radius $s = r / a$" in labels(plotting.plot_solution(solve(scene, 1e-4, ["pressure"])))
+    whole = solve(scene, 1e-4, ["approach", "pressure"])
+    assert "$p$ [MPa]" in labels(plotting.plot_solution(whole))
