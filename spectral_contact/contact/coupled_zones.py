@@ -51,10 +51,16 @@ from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 
-__all__ = ["CoupledZones", "find_coupled_zones", "solve_coupled_zones"]
+__all__ = ["CoupledZones", "find_coupled_zones", "solve_coupled_slip", "solve_coupled_zones"]
 
 Array = NDArray[np.float64]
 
+#: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
+_UNFELT = -40.0
+#: Friction that is felt as little.
+_FRICTIONLESS = 1e-14
+#: A slope of a condition so steep that its boundary does not move.
+_FIXED = 1e300
 #: Tolerance of the spaces in which boundaries are found first, and are looked at by the way.
 _ROUGH, _PROBE = 1e-3, 1e-2
 #: How short the last step of the boundaries is in the first.
@@ -133,7 +139,8 @@ class CoupledProblem:
     @property
     def layout(self) -> Layout:
         """The boundaries as they are known, with the slopes of their conditions."""
-        return Layout(tuple(self.logits.tolist()), self.states, self.slopes)
+        slopes = self.slopes  # boundaries are found with them
+        return Layout(tuple(self.logits.tolist()), self.states, slopes)
 
     @property
     def slopes(self) -> Array:
@@ -150,10 +157,11 @@ class CoupledProblem:
             def mismatch(logit: float) -> float:
                 return float(self.rough([logit]).mismatch[0])
 
-            logit, slope = root_near(mismatch, float(self.logits[0]), _SLOPE, _SETTLED, 1.0)
+            start = float(self.logits[0])
+            logit, slope = root_near(mismatch, start, _SLOPE, _SETTLED, 1.0, _UNFELT)
             self.logits, self._slopes = np.array([logit]), np.array([[slope]])
             return
-        start = self.logits
+        begin = self.logits
         self._slopes = self._differences()
         spaces = self._spaces(_ROUGH)
         state = self._found(spaces, _ROUGH, _SETTLED)
@@ -161,7 +169,7 @@ class CoupledProblem:
         left = np.abs(np.linalg.solve(self._slopes, state.mismatch))
         if not float(left.max()) < _LOST * narrowest:
             raise NoBoundariesError("no such boundaries are found")
-        if float(np.abs(self.logits - start).max()) > _STALE * narrowest:
+        if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
             self._slopes = self._differences()
 
     def rough(self, logits: Sequence[float]) -> CoupledState:
@@ -316,6 +324,8 @@ class CoupledProblem:
 
     def _assess(self, spaces: list[Resolution], state: CoupledState) -> Attempt[CoupledZones]:
         """Turn the final trial into a solution with its errors."""
+        if not np.isfinite(state.solution).all():
+            raise NoBoundariesError("the system has no solution that is finite")
         system = state.system
         whole = state.solution * state.approach
         effects = state.effects()
@@ -464,3 +474,16 @@ def solve_coupled_zones(
     """
     problem = CoupledProblem(parameters, layout, tolerance)
     return refine(problem, tolerance, max_unknowns // 2)
+
+
+def solve_coupled_slip(
+    parameters: Parameters, tolerance: float, max_unknowns: int
+) -> Refinement[CoupledZones]:
+    """Solve with slip everywhere but in a disk too small to be felt, whose radius is given.
+
+    Parameters are those of `solve_coupled_zones`.
+    """
+    alpha, beta, kappa, friction = parameters
+    felt = Parameters(alpha, beta, kappa, max(friction, _FRICTIONLESS))
+    disk = Layout((_UNFELT,), (0, 1), np.array([[_FIXED]]))
+    return solve_coupled_zones(felt, disk, tolerance, max_unknowns)
