@@ -46,6 +46,7 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.fields import EDGE, Radius
+from spectral_contact.solution import Ending
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.parameters import Parameters
@@ -61,6 +62,10 @@ _UNFELT = -40.0
 _FRICTIONLESS = 1e-14
 #: A slope of a condition so steep that its boundary does not move.
 _FIXED = 1e300
+#: Shares of the tolerance that the first spaces are for, one after the other where the estimate does
+#: not fall any more: what is added to a space here and there may not help, a better one does. And
+#: the least tolerance.
+_FINER, _TIGHTEST = (1.0, 0.1, 0.01), 1e-12
 #: Tolerance of the spaces in which boundaries are found first, and are looked at by the way.
 _ROUGH, _PROBE = 1e-3, 1e-2
 #: How short the last step of the boundaries is in the first.
@@ -472,8 +477,16 @@ def solve_coupled_zones(
     NoBoundariesError
         If there are no such boundaries.
     """
-    problem = CoupledProblem(parameters, layout, tolerance)
-    return refine(problem, tolerance, max_unknowns // 2)
+    best: Refinement[CoupledZones] | None = None
+    for finer in _FINER:
+        aim = max(finer * tolerance, _TIGHTEST)
+        found = refine(CoupledProblem(parameters, layout, aim), tolerance, max_unknowns // 2)
+        if best is None or found.best.error < best.best.error:
+            best = found
+        if best.ending is not Ending.ROUNDING or aim == _TIGHTEST:
+            break
+    assert best is not None
+    return best
 
 
 def solve_coupled_slip(
