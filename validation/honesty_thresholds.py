@@ -1,10 +1,11 @@
 """Whether solutions at thresholds obey the friction law within their estimates.
 
 Run as ``python validation/honesty_thresholds.py [seconds]``; writes
-validation/results/honesty_thresholds.json and .md. Scenes lie at relative distances 10^-2 ... 10^-14
-from the friction at which slip begins, at the edge or inside, and from the second threshold, at
-which the edge begins to slip, too. The law is evaluated with the elliptic kernels, which share
-nothing with the solver, on both sides of all boundaries; a zone that must be there is looked for.
+validation/results/honesty_thresholds.json and .md. Scenes lie at relative distances of
+10^-2 ... 10^-14 from the friction at which slip begins, at the edge or inside, and from the second
+threshold, at which the edge begins to slip, too. The law is
+evaluated with the elliptic kernels, which share nothing with the solver, on both sides of all
+boundaries; a zone that must be there is looked for.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import functools
+import itertools
 import json
 import math
 import sys
@@ -89,7 +91,7 @@ def places(solution: Solution, rtol: float) -> np.ndarray:
     """Return distances from the edge, graded to all boundaries, but for what is too near them."""
     ends = [0.0, *(z.outer_from_edge for z in reversed(solution.zones[:-1])), 1.0]
     found = [10.0 ** -np.arange(1.0, 8.0), np.linspace(0.15, 0.95, 9)]
-    for near, far in zip(ends[:-1], ends[1:], strict=True):
+    for near, far in itertools.pairwise(ends):
         half = (far - near) / 2.0
         graded = half * 10.0 ** -np.linspace(0.0, 5.0, 8)
         found += [near + graded, far - graded]

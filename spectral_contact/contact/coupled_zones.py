@@ -62,7 +62,7 @@ _UNFELT = -40.0
 _FRICTIONLESS = 1e-14
 #: A slope of a condition so steep that its boundary does not move.
 _FIXED = 1e300
-#: Shares of the tolerance that the first spaces are for, one after the other where the estimate does
+#: Shares of the tolerance that first spaces are for, one after the other where the estimate does
 #: not fall any more: what is added to a space here and there may not help, a better one does. And
 #: the least tolerance.
 _FINER, _TIGHTEST = (1.0, 0.1, 0.01), 1e-12
