@@ -71,7 +71,8 @@ def draw(number: int) -> Record:
         base = BASES[0 if coupled else int(rng.integers(2))]
         threshold = second_threshold(base, coupled)
     else:
-        larger = 10.0 ** rng.uniform(-3.0, 1.0)
+        # thinner layers have no critical friction with coupling: full stick would open at the edge
+        larger = 10.0 ** rng.uniform(-1.5 if coupled else -3.0, 1.0)
         pair = larger, larger * 10.0 ** rng.uniform(-1.5, -0.1)
         base = (float(rng.uniform(-0.5, 0.49)), *(pair if kind == "edge" else pair[::-1]))
         stick = Scene(*base, math.inf, coupling=coupled)

@@ -207,8 +207,10 @@ def checked(
     wrong = max(float(one.max()) for one in samples) / largest
     missing = tuple(
         interval
-        for (annulus, _), sample in zip(misfits, samples, strict=True)
-        for interval in missing_stick(annulus, sample, largest)
+        for zone, field, sample in zip(slipping, fields, samples, strict=True)
+        for interval in missing_stick(
+            zone.annulus, sample, largest, zone.sign * field.toward_outer.limit
+        )
     )
     if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
         raise NoCoupledSlipError("the surface slips with the traction", _further(solved, missing))

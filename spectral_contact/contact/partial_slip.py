@@ -415,7 +415,7 @@ def _one_disk_outcome(
         violation,
         consistent,
         False,
-        missing_stick(annulus, samples[0], largest),
+        missing_stick(annulus, samples[0], largest, fields[0].toward_outer.limit),
         Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
     )
 
@@ -467,8 +467,10 @@ def _zones_outcome(
         True,
         tuple(
             interval
-            for zone, sample in zip(solved.slipping, samples, strict=True)
-            for interval in missing_stick(zone.annulus, sample, largest)
+            for zone, field, sample in zip(solved.slipping, fields, samples, strict=True)
+            for interval in missing_stick(
+                zone.annulus, sample, largest, zone.sign * field.toward_outer.limit
+            )
         ),
         solved.layout,
     )

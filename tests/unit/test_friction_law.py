@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact.contact.friction_law import known_share, obeys, unknown_slip, wrong_intervals
+from spectral_contact.contact.friction_law import known_share, missing_stick, obeys, unknown_slip
 from spectral_contact.fields import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
@@ -35,9 +35,15 @@ def test_no_digit_is_infinite():
 def test_intervals_of_the_wrong_sense():
     annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
     y, _ = annulus.sampling
-    assert wrong_intervals(annulus, -np.ones(len(y))) == ()
+    assert missing_stick(annulus, -np.ones(len(y)), 1.0) == ()
     deep = np.sort(y)
     inside = (y >= deep[3]) & (y <= deep[6])
     at_the_edge = y <= deep[1]
-    found = wrong_intervals(annulus, np.where(inside | at_the_edge, 1.0, -1.0))
+    found = missing_stick(annulus, np.where(inside | at_the_edge, 1.0, -1.0), 1.0, 1.0)
     assert found == ((deep[6], deep[3]), (deep[1], 0.0))
+
+
+def test_at_the_edge_slip_is_looked_at_past_all_samples():
+    annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
+    y, _ = annulus.sampling
+    assert missing_stick(annulus, -np.ones(len(y)), 1.0, 1e-5) == ((y.min(), 0.0),)
