@@ -207,6 +207,12 @@ def test_next_to_the_critical_friction_there_is_an_answer(layers, below):
     assert solution.error.zones >= 1.0 - solution.stick_radius or len(solution.zones) > 1
 
 
+@pytest.mark.parametrize("rtol", [1e-9, 1.4e-10])
+def test_an_estimate_that_one_tolerance_reaches_every_looser_one_does(rtol):
+    # of the first space for 1e-9 more degrees make the estimate worse; 1.36e-10 was reached
+    assert solve(Scene(0.0, friction=0.647468127, coupling=True), rtol).converged
+
+
 def test_next_to_the_critical_friction_the_error_of_the_slip_says_that_it_is_not_known():
     critical = solve(Scene(0.3, 0.5, 0.2, math.inf, coupling=True), 1e-12).critical_friction
     just = solve(Scene(0.3, 0.5, 0.2, (1.0 - 1e-10) * critical, coupling=True), 1e-8)
