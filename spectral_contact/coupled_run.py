@@ -32,6 +32,14 @@ if TYPE_CHECKING:
 __all__ = ["CoupledRun"]
 
 
+#: Relative distance from the critical friction up to which full stick may stand for slip that is
+#: not found, and its error at that distance, in units of it.
+_ONSET, _ROOM = 1e-4, 3.0
+#: A distance at which slip is not looked for if full stick is good enough, or if slip is inside: an
+#: annulus that narrow is never found.
+_HIDDEN = 1e-8
+
+
 class CoupledRun(Run):
     """The steps of a plan with elastic coupling; at friction 0 the traction is idle.
 
@@ -141,9 +149,16 @@ class CoupledRun(Run):
             self.max_unknowns,
             self.record,
         )
+        lack = 1.0 - friction / stick.critical
+        if lack <= _HIDDEN and (_ROOM * lack < 0.5 * self.rtol or stick.slips_inside):
+            self._about_to_slip(stick, lack, search.about_to_slip(lack))
+            return
         try:
             found = search.outcome()
         except NoCoupledSlipError as missing:
+            if lack <= _ONSET:
+                self._about_to_slip(stick, lack, search.about_to_slip(lack))
+                return
             raise NotComputedError(
                 "coupled partial slip",
                 f"no zones were found that obey the friction law ({missing}); "
@@ -156,7 +171,7 @@ class CoupledRun(Run):
         self.values.update(
             approach=solved.approach,
             total_shear=solved.total_shear,
-            stick_radius=found.zones[0].outer,
+            stick_radius=found.zones[0].outer if found.zones[0].kind == "stick" else 0.0,
             zones=found.zones,
         )
         self.errors.update(
@@ -172,7 +187,7 @@ class CoupledRun(Run):
         below = f"friction is below the critical {stick.critical:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
         one = "pressure and traction are one system"
-        others = search.others(solved.radii[0])
+        others = search.others(solved.radii[0]) if found.zones[0].kind == "stick" else []
         if others:
             radii = ", ".join(f"{radius:.3g}" for radius in others)
             one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
@@ -186,6 +201,21 @@ class CoupledRun(Run):
         self.outcome[SLIP_FIELD] = checked
         if not found.consistent:
             self.endings.append(Ending.ZONES)
+
+    def _about_to_slip(self, stick: CoupledStick, lack: float, radius_error: float) -> None:
+        """Take full stick, with room for the slip that was not found.
+
+        It exceeds friction by no more than friction lacks, and what that changes is of its size.
+        """
+        self.all_stick()
+        room = _ROOM * lack
+        for name in ("approach", "pressure", "traction", "total_shear"):
+            self.errors[name] += room
+        self.errors.update(
+            stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0, violation=lack
+        )
+        reason = f"slip is too narrow to be found: friction is {lack:.1e} below the critical"
+        self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
 
     def _plain_zones(self) -> Layout:
         """Return the zones without coupling."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 from spectral_contact import checks
 from spectral_contact.errors import ConvergenceError, SceneError
@@ -18,6 +19,10 @@ __all__ = ["Continuation", "checked_tolerance", "solve"]
 
 #: Integral quantities, which may be asked for at 1e-13.
 _INTEGRAL = frozenset({"approach", "total_shear", "stick_radius"})
+
+#: A scene whose zones are not known is solved anew at so much of the tolerance, if the fields reach
+#: that.
+_CLOSER, _LOOSE = 1e-3, 1e-8
 
 
 def solve(
@@ -67,6 +72,10 @@ def solve(
     run = _run(scene, todo, rtol, max_unknowns, Shared())
     with one_thread():
         solution = run.solution()
+        if _unsure(solution):
+            closer = _run(scene, todo, _CLOSER * rtol, max_unknowns, Shared()).solution()
+            if closer.converged and not _zone_missing(closer):
+                solution = replace(closer, rtol=rtol)
     if strict and not solution.converged:
         worst = max(run.bounded_errors(), default=math.nan)
         raise ConvergenceError(
@@ -75,6 +84,16 @@ def solve(
             solution,
         )
     return solution
+
+
+def _unsure(solution: Solution) -> bool:
+    """Return whether there is slip in places, and at a tighter tolerance zones may be known."""
+    return _zone_missing(solution) and len(solution.zones) > 1 and solution.rtol >= _LOOSE
+
+
+def _zone_missing(solution: Solution) -> bool:
+    zones = solution.error.zones
+    return zones is not None and zones >= 1.0
 
 
 def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:

@@ -195,7 +195,8 @@ def checked(
     if not np.min(values) > 0.0:
         raise NoCoupledSlipError("the pressure is not positive")
     ratios = (s * np.abs(u(DISTANCES)) / (friction * p(DISTANCES)) for s, p, u in sticking)
-    excess = max(max(float(one.max()) for one in ratios) - 1.0, 0.0)
+    excess = max((float(one.max()) - 1.0 for one in ratios), default=0.0)
+    excess = max(excess, 0.0)
     if excess > _BROKEN:
         raise NoCoupledSlipError("the traction in stick exceeds friction")
     # beta f p is part of the displacement, as large as the rest of it or less
@@ -206,8 +207,10 @@ def checked(
     wrong = max(float(one.max()) for one in samples) / largest
     missing = tuple(
         interval
-        for (annulus, _), sample in zip(misfits, samples, strict=True)
-        for interval in missing_stick(annulus, sample, largest)
+        for zone, field, sample in zip(slipping, fields, samples, strict=True)
+        for interval in missing_stick(
+            zone.annulus, sample, largest, zone.sign * field.toward_outer.limit
+        )
     )
     if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
         raise NoCoupledSlipError("the surface slips with the traction", _further(solved, missing))

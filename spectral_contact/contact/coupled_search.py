@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.active_set import ring_layout
 from spectral_contact.contact.boundaries import NoBoundariesError
-from spectral_contact.contact.coupled_annuli import slip_in_annuli
+from spectral_contact.contact.coupled_annuli import slip_everywhere, slip_in_annuli
 from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
 from spectral_contact.contact.coupled_radii import scanned, stick_radii
 from spectral_contact.contact.coupled_stick import CoupledStick
 from spectral_contact.contact.coupled_zones import (
     CoupledProblem,
     find_coupled_zones,
+    solve_coupled_slip,
     solve_coupled_zones,
 )
 from spectral_contact.contact.layout import Layout, logit_at
@@ -46,12 +47,16 @@ _CLEAR, _APART = 1.0, 3.0
 #: Square of friction times compliance, which is about how wide a smooth surface sticks at the edge,
 #: below which no digit of it is found, measured.
 _RESOLVED = 1e-29
+#: Friction may lack four times what the onset of slip is away, and what a grid of places can miss.
+_WIDENED, _MISSED = 4.0, 1e-3
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
+#: An estimate of the fields' errors from which on they are none.
+_UNKNOWN = 0.1
 #: The first and the least step of the coupling by which zones are followed.
 _STEP, _LEAST_STEP = 0.25, 0.05
 #: What a guess of the zones ends in, if they do not fit.
-_MISFITS = (NoCoupledSlipError, NoStickDiskError, NoBoundariesError, np.linalg.LinAlgError)
+_MISFITS = (NoCoupledSlipError, NoBoundariesError, np.linalg.LinAlgError)
 
 
 @dataclass(slots=True)
@@ -98,11 +103,24 @@ class CoupledSearch:
             while layout is not None:
                 try:
                     return self._solved(layout, far)
+                except NoStickDiskError as missing:
+                    if missing.at_centre:
+                        return self._all_slip()
+                    reasons.append(f"{len(layout.states)} zones: {missing}")
+                    layout = None
                 except _MISFITS as missing:
                     reasons.append(f"{len(layout.states)} zones: {missing}")
                     further = getattr(missing, "further", None)
                     layout = further if further and self._possible(further) else None
         raise NoCoupledSlipError("; ".join(reasons))
+
+    def about_to_slip(self, lack: float) -> float:
+        """Return the relative error of a stick radius of 1 where friction lacks so little of it."""
+        near = self._violated(self.stick.critical * (1.0 - max(_WIDENED * lack, _MISSED)))
+        if near.states[0] != 0 or not near.logits:
+            return 1.0
+        first = Radius.from_logit(near.logits[0])
+        return first.from_edge / first.value
 
     def others(self, radius: Radius) -> list[float]:
         """Return what other stick radii than that of a solution there may be, roughly.
@@ -168,10 +186,22 @@ class CoupledSearch:
                 slip_in_annuli(rough.best.value, parameters)
             begin = perf_counter()
             zones = solve_coupled_zones(parameters, layout, self.tolerance, most)
+            if not zones.best.error < _UNKNOWN:
+                raise NoCoupledSlipError("no digit of the fields is known")
             solved = perf_counter()
             outcome = slip_in_annuli(zones.best.value, parameters)
         self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
         self.record(SLIP_FIELD, outcome, solved)
+        return outcome
+
+    def _all_slip(self) -> CoupledSlip:
+        """Return slip everywhere but in a disk too small to be felt."""
+        begin = perf_counter()
+        zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)
+        self.record(PARTIAL_SLIP, zones, begin)
+        begin = perf_counter()
+        outcome = slip_everywhere(zones.best.value, self.parameters)
+        self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
     def _found(self, layout: Layout, far: bool) -> Layout:
@@ -193,15 +223,16 @@ class CoupledSearch:
                 share = part
         return layout
 
-    def _violated(self) -> Layout:
-        """Return slip where full stick exceeds friction."""
+    def _violated(self, friction: float | None = None) -> Layout:
+        """Return slip where full stick exceeds friction, or another one."""
+        friction = self.parameters.friction if friction is None else friction
         pressure, traction = self.stick.pressure, self.stick.traction
         if pressure is None or traction is None:
             return _NOWHERE
         x = np.linspace(1e-3, _DEPTH, _PLACES)
         y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
         p, q = pressure.at(y), traction(s, y / (1.0 + s))
-        beyond = (np.abs(q) > self.parameters.friction * p) | (p <= 0.0)
+        beyond = (np.abs(q) > friction * p) | (p <= 0.0)
         edges = np.flatnonzero(beyond[1:] != beyond[:-1])
         middles = (x[edges] + x[edges + 1]) / 2.0
         logits = tuple(logit_at(one) for one in middles.tolist())

@@ -84,6 +84,11 @@ class CoupledStick:
     edge_error: float = 4.0 * ROUNDING
     critical_error: float = 4.0 * ROUNDING
 
+    @property
+    def slips_inside(self) -> bool:
+        """Whether slip begins away from the edge."""
+        return self.edge_ratio is not None and self.edge_ratio < self.critical
+
 
 class _CoupledProblem:
     """Spaces for the coupled problem; pointwise, or for approach and shear alone."""

@@ -46,15 +46,26 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.fields import EDGE, Radius
+from spectral_contact.solution import Ending
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 
-__all__ = ["CoupledZones", "find_coupled_zones", "solve_coupled_zones"]
+__all__ = ["CoupledZones", "find_coupled_zones", "solve_coupled_slip", "solve_coupled_zones"]
 
 Array = NDArray[np.float64]
 
+#: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
+_UNFELT = -40.0
+#: Friction that is felt as little.
+_FRICTIONLESS = 1e-14
+#: A slope of a condition so steep that its boundary does not move.
+_FIXED = 1e300
+#: Shares of the tolerance that first spaces are for, one after the other where the estimate does
+#: not fall any more: what is added to a space here and there may not help, a better one does. And
+#: the least tolerance.
+_FINER, _TIGHTEST = (1.0, 0.1, 0.01), 1e-12
 #: Tolerance of the spaces in which boundaries are found first, and are looked at by the way.
 _ROUGH, _PROBE = 1e-3, 1e-2
 #: How short the last step of the boundaries is in the first.
@@ -133,7 +144,8 @@ class CoupledProblem:
     @property
     def layout(self) -> Layout:
         """The boundaries as they are known, with the slopes of their conditions."""
-        return Layout(tuple(self.logits.tolist()), self.states, self.slopes)
+        slopes = self.slopes  # boundaries are found with them
+        return Layout(tuple(self.logits.tolist()), self.states, slopes)
 
     @property
     def slopes(self) -> Array:
@@ -150,10 +162,11 @@ class CoupledProblem:
             def mismatch(logit: float) -> float:
                 return float(self.rough([logit]).mismatch[0])
 
-            logit, slope = root_near(mismatch, float(self.logits[0]), _SLOPE, _SETTLED, 1.0)
+            start = float(self.logits[0])
+            logit, slope = root_near(mismatch, start, _SLOPE, _SETTLED, 1.0, _UNFELT)
             self.logits, self._slopes = np.array([logit]), np.array([[slope]])
             return
-        start = self.logits
+        begin = self.logits
         self._slopes = self._differences()
         spaces = self._spaces(_ROUGH)
         state = self._found(spaces, _ROUGH, _SETTLED)
@@ -161,7 +174,7 @@ class CoupledProblem:
         left = np.abs(np.linalg.solve(self._slopes, state.mismatch))
         if not float(left.max()) < _LOST * narrowest:
             raise NoBoundariesError("no such boundaries are found")
-        if float(np.abs(self.logits - start).max()) > _STALE * narrowest:
+        if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
             self._slopes = self._differences()
 
     def rough(self, logits: Sequence[float]) -> CoupledState:
@@ -316,6 +329,8 @@ class CoupledProblem:
 
     def _assess(self, spaces: list[Resolution], state: CoupledState) -> Attempt[CoupledZones]:
         """Turn the final trial into a solution with its errors."""
+        if not np.isfinite(state.solution).all():
+            raise NoBoundariesError("the system has no solution that is finite")
         system = state.system
         whole = state.solution * state.approach
         effects = state.effects()
@@ -462,5 +477,26 @@ def solve_coupled_zones(
     NoBoundariesError
         If there are no such boundaries.
     """
-    problem = CoupledProblem(parameters, layout, tolerance)
-    return refine(problem, tolerance, max_unknowns // 2)
+    best: Refinement[CoupledZones] | None = None
+    for finer in _FINER:
+        aim = max(finer * tolerance, _TIGHTEST)
+        found = refine(CoupledProblem(parameters, layout, aim), tolerance, max_unknowns // 2)
+        if best is None or found.best.error < best.best.error:
+            best = found
+        if best.ending is not Ending.ROUNDING or aim == _TIGHTEST:
+            break
+    assert best is not None
+    return best
+
+
+def solve_coupled_slip(
+    parameters: Parameters, tolerance: float, max_unknowns: int
+) -> Refinement[CoupledZones]:
+    """Solve with slip everywhere but in a disk too small to be felt, whose radius is given.
+
+    Parameters are those of `solve_coupled_zones`.
+    """
+    alpha, beta, kappa, friction = parameters
+    felt = Parameters(alpha, beta, kappa, max(friction, _FRICTIONLESS))
+    disk = Layout((_UNFELT,), (0, 1), np.array([[_FIXED]]))
+    return solve_coupled_zones(felt, disk, tolerance, max_unknowns)

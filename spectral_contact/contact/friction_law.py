@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields import Radius
-from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.annulus import Annulus, gap
 
 __all__ = [
     "Interval",
@@ -28,15 +28,17 @@ Interval: TypeAlias = tuple[float, float]
 
 #: Slip in the wrong sense that rounding makes, relative to the largest.
 _NEGLIGIBLE = 1e-10
+#: Distance from an end, of the width, at which slip, which grows like its power 3/2, is its error.
+_TOUCHING = 1e-6
 
 
 def missing_stick(
-    annulus: Annulus, sample: Array, largest: float, known: float = 0.0
+    annulus: Annulus, sample: Array, largest: float, at_edge: float = 0.0, known: float = 0.0
 ) -> tuple[Interval, ...]:
     """Return where a slip zone moves with its traction, so that stick is missing there.
 
     What touches an end at which there is stick is the error of that end, and no zone; so is inside
-    what its errors make. At the edge, where slip is not small by itself, they do not excuse it.
+    what errors make. At the edge, where slip is not small by itself, they do not excuse it.
 
     Parameters
     ----------
@@ -46,27 +48,38 @@ def missing_stick(
         The displacement times the sign of the traction, at its sampling points.
     largest : float
         The largest displacement of all zones; less than 1e-10 of it is rounding.
+    at_edge : float
+        The same as the sample at the edge, past all sampling points.
     known : float
-        What of it errors make.
+        What of the largest errors make.
 
     Returns
     -------
     tuple of (float, float)
         Intervals of ``y = 1 - s**2``, outward; one that ends at 0 reaches the edge.
     """
+    y, _ = annulus.sampling
+    to_edge = annulus.outer.from_edge == 0.0
+    if to_edge:
+        y, sample = np.append(y, 0.0), np.append(sample, at_edge)
     if not (sample > _NEGLIGIBLE * largest).any():
         return ()
-    y, _ = annulus.sampling
     order = np.argsort(-y)
-    y, wrong = y[order], sample[order] > _NEGLIGIBLE * largest
+    y, sample = y[order], sample[order]
+    wrong = sample > _NEGLIGIBLE * largest
     starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
     ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
-    last, to_edge = len(y) - 1, annulus.outer.from_edge == 0.0
-    seen = sample[order] > known * largest
+    last = len(y) - 1
+    touching = _TOUCHING * gap(annulus.inner, annulus.outer)
+    near, far = annulus.outer.rest + touching, annulus.inner.rest - touching
     return tuple(
-        (float(y[a]), 0.0 if b == last else float(y[b]))
+        (float(y[a]) or float(y[a - 1]), 0.0 if b == last else float(y[b]))
         for a, b in zip(starts, ends, strict=True)
-        if a > 0 and ((b < last and seen[a : b + 1].any()) or (b == last and to_edge))
+        if y[a] < far
+        and (
+            (to_edge and b == last)
+            or ((to_edge or y[b] > near) and sample[a : b + 1].max() > known * largest)
+        )
     )
 
 

@@ -415,7 +415,7 @@ def _one_disk_outcome(
         violation,
         consistent,
         False,
-        missing_stick(annulus, samples[0], largest, slip_error),
+        missing_stick(annulus, samples[0], largest, fields[0].toward_outer.limit, slip_error),
         Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
     )
 
@@ -467,9 +467,13 @@ def _zones_outcome(
         True,
         tuple(
             interval
-            for zone, sample in zip(solved.slipping, samples, strict=True)
+            for zone, field, sample in zip(solved.slipping, fields, samples, strict=True)
             for interval in missing_stick(
-                zone.annulus, sample, largest, slip_error + min(loose, 0.5)
+                zone.annulus,
+                sample,
+                largest,
+                zone.sign * field.toward_outer.limit,
+                slip_error + min(loose, 0.5),
             )
         ),
         solved.layout,

@@ -44,8 +44,11 @@ def root_near(
     slope: float,
     error: float,
     longest: float = 0.3,
+    least: float = LEAST_LOGIT,
 ) -> tuple[float, float]:
     """Return a rough root in logit(c**2), and the slope there; else that of a bracket.
+
+    Below the least logit none is looked for.
 
     The slope is a guess at first, and steps are no longer than a longest one.
 
@@ -54,13 +57,13 @@ def root_near(
     `longest` then.
     """
     if slope == 0.0:
-        return bracketed_root(function)
+        return bracketed_root(function, least)
     x, value = start, function(start)
     last: tuple[float, float, float] | None = None  # x, value and secant at the point before
     step, product, inverse = -value / slope, 1.0, 1.0 / slope
     for _ in range(8):
         step = max(min(step, longest), -longest)
-        if not LEAST_LOGIT < x + step < LARGEST_LOGIT:
+        if not least < x + step < LARGEST_LOGIT:
             break
         fresh = function(x + step)
         if fresh == value:
@@ -78,11 +81,16 @@ def root_near(
         last, x, value, longest, step = (x, value, secant), x + step, fresh, 3.0, following
         if abs(step) * product < error * max(1.0, abs(x)):
             return x + step, 1.0 / inverse
-    return bracketed_root(function)
+    return bracketed_root(function, least)
 
 
-def bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
-    """Return a rough root in logit(c**2), and the slope there; the function rises with c."""
+def bracketed_root(
+    function: Callable[[float], float], least: float = LEAST_LOGIT
+) -> tuple[float, float]:
+    """Return a rough root in logit(c**2), and the slope there; the function rises with c.
+
+    One below the least logit is none: the stick disk is at the centre.
+    """
     low, high, step = -2.0, 2.0, 2.0
     at_low, at_high = function(low), function(high)
     while at_high < 0.0:
@@ -91,8 +99,8 @@ def bracketed_root(function: Callable[[float], float]) -> tuple[float, float]:
             raise NoStickDiskError(at_centre=False)
         at_high = function(high)
     while at_low > 0.0:
-        high, at_high, low, step = low, at_low, max(low - step, LEAST_LOGIT), 2.0 * step
-        if high <= LEAST_LOGIT:
+        high, at_high, low, step = low, at_low, max(low - step, least), 2.0 * step
+        if high <= least:
             raise NoStickDiskError(at_centre=True)
         at_low = function(low)
     if at_low == at_high:  # so flat that nothing is known of a root

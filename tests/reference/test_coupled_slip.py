@@ -183,6 +183,36 @@ def test_thin_layers_keep_twelve_digits(layers):
     assert solution.stick_radius == pytest.approx(smooth.stick_radius, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("layers", "friction"), [((0.0, 0.0), 3e-3), ((0.1, 0.1), 1e-10), ((0.1, 0.1), 1e-80)]
+)
+def test_where_the_stick_disk_is_too_small_to_be_felt_all_slips(layers, friction):
+    scene = Scene(0.3, *layers, friction, coupling=True)
+    solution = solve(scene, 1e-8)
+    assert [zone.kind for zone in solution.zones] == ["slip"]
+    assert solution.stick_radius == 0.0
+    assert solution.total_shear == pytest.approx(friction, rel=1e-14)
+    assert solution.error.zones == solution.error.stick_radius == 1.0
+    assert check_solution(solution, scene, 1e-8).passed
+
+
+@pytest.mark.parametrize("layers", [(0.5, 0.2), (0.2, 0.5)])
+@pytest.mark.parametrize("below", [1e-7, 1e-9, 1e-12])
+def test_next_to_the_critical_friction_there_is_an_answer(layers, below):
+    stuck = solve(Scene(0.3, *layers, math.inf, coupling=True), 1e-12, ("critical_friction",))
+    friction = (1.0 - below) * stuck.critical_friction
+    solution = solve(Scene(0.3, *layers, friction, coupling=True), 1e-4)
+    # whatever sticks or slips, the estimates leave room for what is not seen
+    assert solution.error.violation <= max(2.0 * below, solution.error.slip)
+    assert solution.error.zones >= 1.0 - solution.stick_radius or len(solution.zones) > 1
+
+
+@pytest.mark.parametrize("rtol", [1e-9, 1.4e-10])
+def test_an_estimate_that_one_tolerance_reaches_every_looser_one_does(rtol):
+    # of the first space for 1e-9 more degrees make the estimate worse; 1.36e-10 was reached
+    assert solve(Scene(0.0, friction=0.647468127, coupling=True), rtol).converged
+
+
 def test_next_to_the_critical_friction_the_error_of_the_slip_says_that_it_is_not_known():
     critical = solve(Scene(0.3, 0.5, 0.2, math.inf, coupling=True), 1e-12).critical_friction
     just = solve(Scene(0.3, 0.5, 0.2, (1.0 - 1e-10) * critical, coupling=True), 1e-8)

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from spectral_contact import Scene, solve
 from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import solve_full_stick
@@ -68,6 +69,17 @@ def field(one):
 def inside(zone, shares):
     """Return distances from the edge in a zone."""
     return zone.outer_from_edge + (zone.inner_from_edge - zone.outer_from_edge) * np.array(shares)
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-8])
+@pytest.mark.parametrize(
+    "scene", [Scene(0.3, 0.05, 1.0, 0.02941066), Scene(0.3, 0.2, 0.5, 0.592739 / 7)]
+)
+def test_stick_at_the_edge_about_to_vanish_is_found_at_any_tolerance(scene, rtol):
+    solution = solve(scene, rtol)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert solution.zones[1].outer_from_edge < 1e-6
+    assert solution.error.zones < 0.1
 
 
 def test_there_are_two():

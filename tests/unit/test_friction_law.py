@@ -39,17 +39,21 @@ def test_intervals_of_the_wrong_sense():
     deep = np.sort(y)
     inside = (y >= deep[3]) & (y <= deep[6])
     at_the_edge = y <= deep[1]
-    sample = np.where(inside | at_the_edge, 1.0, -1.0)
-    assert missing_stick(annulus, sample, 1.0) == ((deep[6], deep[3]), (deep[1], 0.0))
+    found = missing_stick(annulus, np.where(inside | at_the_edge, 1.0, -1.0), 1.0, 1.0)
+    assert found == ((deep[6], deep[3]), (deep[1], 0.0))
+
+
+def test_at_the_edge_slip_is_looked_at_past_all_samples():
+    annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
+    y, _ = annulus.sampling
+    assert missing_stick(annulus, -np.ones(len(y)), 1.0, 1e-5) == ((y.min(), 0.0),)
+
+
+def test_inside_what_errors_make_is_no_zone_and_at_the_edge_it_is():
+    annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
+    y, _ = annulus.sampling
+    deep = np.sort(y)
+    sample = np.where(((y >= deep[3]) & (y <= deep[6])) | (y <= deep[1]), 1e-3, -1.0)
+    assert missing_stick(annulus, sample, 1.0, 1e-3, known=1e-2) == ((deep[1], 0.0),)
     # rounding of what slips more elsewhere
-    assert missing_stick(annulus, sample, 1e11) == ()
-
-
-def test_what_touches_stick_is_the_error_of_its_end():
-    inner, panels = Radius.from_logit(0.0), LogPanels(4, 2.0, 4)
-    to_the_edge = Annulus(inner, EDGE, panels, panels)
-    y, _ = to_the_edge.sampling
-    assert missing_stick(to_the_edge, np.where(y >= np.sort(y)[-3], 1.0, -1.0), 1.0) == ()
-    inside = Annulus(inner, Radius.from_logit(1.0), panels, panels)
-    y, _ = inside.sampling
-    assert missing_stick(inside, np.where(y <= np.sort(y)[2], 1.0, -1.0), 1.0) == ()
+    assert missing_stick(annulus, sample, 1e8, 1e-3) == ()

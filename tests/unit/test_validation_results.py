@@ -37,6 +37,7 @@ def record(study):
         ("coupled_uniqueness", "scenes", 600),
         ("coupling", "count", 450),
         ("hard_cases", "count", 19),
+        ("honesty_thresholds", "scenes", 40),
         ("honesty", "scenes", 10_000),
         ("honesty_coupled", "scenes", 1_000),
         ("mutants", "mutants", 50),
@@ -60,6 +61,10 @@ def test_results_are_fresh_and_of_full_size(study, counted, least):
 def test_no_estimate_of_coupled_slip_was_too_small(study):
     rows = record(study)["rows"]
     assert max(ratio for row in rows for ratio in row.get("ratios", {}).values()) <= 1.0
+
+
+def test_no_scene_at_a_threshold_was_wrong():
+    assert all(row["verdict"] != "wrong" for row in record("honesty_thresholds")["rows"])
 
 
 def test_no_coupled_scene_had_two_stick_radii_that_may_be_contacts():
