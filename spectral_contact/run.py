@@ -33,7 +33,7 @@ from spectral_contact.solution import (
 if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.full_stick import FullStick
-    from spectral_contact.contact.partial_slip import PartialSlip
+    from spectral_contact.contact.slip_outcome import PartialSlip
 
 __all__ = ["Run"]
 

@@ -23,8 +23,8 @@ import numpy as np
 
 import spectral_contact
 from spectral_contact import Scene, solve
+from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_radii import StickRadius, scanned, stick_radii
-from spectral_contact.contact.coupled_zones import CoupledProblem
 from spectral_contact.contact.layout import Layout
 from spectral_contact.spectral.parameters import Parameters
 

@@ -13,8 +13,8 @@ from math import inf, log
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_state import CoupledState
-from spectral_contact.contact.coupled_zones import CoupledProblem
 from spectral_contact.contact.resolution import series_of
 
 __all__ = ["StickRadius", "scanned", "stick_radii"]

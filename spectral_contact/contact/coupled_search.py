@@ -18,10 +18,10 @@ from spectral_contact.contact.active_set import ring_layout
 from spectral_contact.contact.boundaries import NoBoundariesError
 from spectral_contact.contact.coupled_annuli import slip_everywhere, slip_in_annuli
 from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
+from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_radii import scanned, stick_radii
 from spectral_contact.contact.coupled_stick import CoupledStick
 from spectral_contact.contact.coupled_zones import (
-    CoupledProblem,
     find_coupled_zones,
     solve_coupled_slip,
     solve_coupled_zones,

@@ -370,13 +370,10 @@ _CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
 )
 
 
-def charges_on(width: float, degrees: tuple[int, ...]) -> Charges:
-    """Return functions of these degrees on panels as charges (cached)."""
+def charges_on(width: float, degrees: int | tuple[int, ...], panels: int = 0) -> Charges:
+    """Return functions of these degrees on panels, or of one on so many, as charges (cached)."""
+    degrees = (degrees,) * panels if isinstance(degrees, int) else degrees
     return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
-
-
-def _each(panels: int, degree: int | tuple[int, ...]) -> tuple[int, ...]:
-    return (degree,) * panels if isinstance(degree, int) else degree
 
 
 def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> tuple[Array, Array]:
@@ -385,7 +382,7 @@ def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> 
     There may be a highest degree for each panel; only these functions have columns then.
     """
     end = np.exp(-panels * width)
-    charges = charges_on(width, _each(panels, degree))
+    charges = charges_on(width, degree, panels)
     near, far = np.sqrt(charges.d), np.sqrt(charges.d + e[:, None])
     plain = np.hstack([charges.onto(charges.d / far), _beyond_tail(e, end)])
     blocks = charges.onto(near * (e[:, None] / (far * (near + far))))
@@ -422,7 +419,7 @@ def far_fall(
         near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None])
         return np.asarray(e[:, None] / (near * far * (near + far)))
 
-    charges = charges_on(width, _each(panels, degree))
+    charges = charges_on(width, degree, panels)
     blocks = charges.onto(charges.d ** (1.0 + power) * kernel(charges.d))
     g, w = gauss_rule(TAIL_TERMS + TAIL_EXTRA)
     v = (1.0 + g) / 2.0

@@ -10,6 +10,7 @@ places.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -42,7 +43,7 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
-__all__ = ["Block", "block", "points_of"]
+__all__ = ["Block", "Seen", "block", "points_of"]
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
@@ -108,6 +109,95 @@ class Block:
         """Return the transpose of `onto`."""
         sums = self.scale * sums
         return sums if self.gathered is None else self.gathered.T @ sums
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Integrals of several parts at the nodes of one.
+
+    Attributes
+    ----------
+    nodes : GradedNodes
+    blocks : dict of int to Block
+        By the part that is integrated.
+    """
+
+    nodes: GradedNodes
+    blocks: dict[int, Block]
+
+    def at(self, values: Sequence[Array]) -> Array:
+        """Return integrals at the boundary, of coefficients part by part, as columns."""
+        return np.asarray(sum(one.scale * (one.at @ values[k]) for k, one in self.blocks.items()))
+
+    def more(self, values: Sequence[Array]) -> Array:
+        """Return by how much they are more at the nodes."""
+        direct: Array | float = 0.0
+        sampled: Array | float = 0.0
+        for k, one in self.blocks.items():
+            part = one.more @ one.onto(values[k])
+            if one.sampled:
+                sampled = sampled + part
+            else:
+                direct = direct + part
+        if isinstance(sampled, float):
+            return np.asarray(direct)
+        return np.asarray(direct + self.nodes.spread(sampled))
+
+    def tested(self, weighted: Array) -> Iterable[tuple[int, Array]]:
+        """Yield, part by part, the sums of weighted values at the nodes times its integrals."""
+        gathered = self.nodes.gathered(weighted)
+        for k, one in self.blocks.items():
+            yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
+
+    def _columns(self, *, whole: bool) -> tuple[list[tuple[int, slice, bool]], Array, Array]:
+        """Return which columns are whose, and the integrals at the nodes and at the samples."""
+        places: list[tuple[int, slice, bool]] = []
+        parts: tuple[list[Array], list[Array]] = [], []
+        ends = [0, 0]
+        for k, one in self.blocks.items():
+            values, kind = one.whole if whole else one.more, int(one.sampled)
+            places.append((k, slice(ends[kind], ends[kind] + values.shape[1]), one.sampled))
+            parts[kind].append(values)
+            ends[kind] += values.shape[1]
+        shapes = len(self.nodes.d), len(self.nodes.samples)
+        direct, sampled = (
+            np.hstack(each) if each else np.zeros((rows, 0))
+            for each, rows in zip(parts, shapes, strict=True)
+        )
+        return places, direct, sampled
+
+    def products(
+        self, other: Seen, weights: Array, *, whole: bool = False
+    ) -> Iterable[tuple[int, int, Array]]:
+        """Yield, for pairs of parts, the sums over the nodes of these integrals times others.
+
+        Parameters
+        ----------
+        other : Seen
+            At the same nodes; by how much its integrals are more there, or `whole` ones.
+        weights : ndarray, shape (nodes,)
+        whole : bool
+        """
+        rows, direct, sampled = self._columns(whole=True)
+        columns, direct_other, sampled_other = other._columns(whole=whole)
+        spread, gathered = self.nodes.spread, self.nodes.gathered
+        w = weights[:, None]
+        # what is smooth is summed over the samples
+        left = np.hstack([gathered(w * direct), gathered(w * spread(sampled))])
+        right = gathered(w * direct_other)
+        if other is self and whole:  # of a matrix and its own transpose NumPy computes one triangle
+            root = np.sqrt(w) * direct
+            on_nodes = root.T @ root
+        else:
+            on_nodes = (w * direct).T @ direct_other
+        below, beside = sampled.T @ right, left.T @ sampled_other
+        split = direct.shape[1]
+        parts = ((on_nodes, beside[:split]), (below, beside[split:]))
+        for k, row, of_samples in rows:
+            for j, column, from_samples in columns:
+                product = parts[of_samples][from_samples][row, column]
+                one, two = self.blocks[k], other.blocks[j]
+                yield k, j, two.back(one.back(product).T).T
 
 
 class _Own:

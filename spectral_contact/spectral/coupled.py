@@ -36,7 +36,9 @@ __all__ = [
     "coupled_space",
     "inner_moments",
     "moments",
+    "outer_moments",
     "tail_rule",
+    "unit_masses",
 ]
 
 Array = NDArray[np.float64]
@@ -45,6 +47,10 @@ _SPACES: BoundedCache[tuple[LogPanels, float, tuple[int, ...]], CoupledSpace] = 
     "coupled spaces", 12
 )
 _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 48)
+_MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...]], tuple[Array, Array]] = BoundedCache(
+    "masses", 32
+)
+_OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
 #: Gauss points on a tail, whose polynomials in ``d`` they integrate exactly.
 _TAIL_POINTS = 12
 
@@ -134,6 +140,24 @@ def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
     within = np.einsum("iq,iqk->ik", values, tails)
     matrix[tail:, tail:] = (basis * (weights * d**panels.power)[:, None]).T @ within
     return matrix
+
+
+def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
+    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent."""
+
+    def made() -> Array:
+        deeper = inner_moments(panels, other)
+        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
+
+    return _OUTER.get((panels, other, sign), made)
+
+
+def unit_masses(panels: LogPanels, degrees: tuple[int, ...]) -> tuple[Array, Array]:
+    """Return ``int phi psi dd`` and ``int phi psi d dd`` of functions, on a part of unit extent."""
+    columns = panels.functions(degrees)
+    return _MASSES.get(
+        (panels, degrees), lambda: (panels.mass(columns, 1.0, 0.0), panels.mass(columns, 0.0, 1.0))
+    )
 
 
 def _panel_rule(panels: LogPanels) -> tuple[Array, Array, Array]:

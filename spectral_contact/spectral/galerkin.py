@@ -41,8 +41,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Most strips into which the half-integral is cut, so that its zeros cost nothing, and of how many
-#: functions one has to be to be worth its calls.
+#: Most strips of half-integrals, so that their zeros cost nothing, and the least functions of one.
 _STRIPS, _WORTH = 8, 40
 #: So many targets are solved for one by one: products with few vectors take BLAS more time.
 _FEW = 3

@@ -18,10 +18,9 @@ continuous. That each is what p and q make it is the condition of its boundary.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +28,8 @@ from numpy.typing import NDArray
 from spectral_contact.fields import Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.annulus import Family
-from spectral_contact.spectral.blocks import Block, block
-from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.coupled import inner_moments, moments
+from spectral_contact.spectral.blocks import Block, Seen, block
+from spectral_contact.spectral.coupled import moments, outer_moments, unit_masses
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.over_radius import OverRadius, finer
 from spectral_contact.spectral.panels import LogPanels, top_functions
@@ -51,95 +49,6 @@ class Misfit:
 
     normal: list[Array]
     tangential: list[Array | None]
-
-
-@dataclass(frozen=True, slots=True)
-class _Seen:
-    """Integrals of several parts at the nodes of one.
-
-    Attributes
-    ----------
-    nodes : GradedNodes
-    blocks : dict of int to Block
-        By the part that is integrated.
-    """
-
-    nodes: GradedNodes
-    blocks: dict[int, Block]
-
-    def at(self, values: Sequence[Array]) -> Array:
-        """Return integrals at the boundary, of coefficients part by part, as columns."""
-        return np.asarray(sum(one.scale * (one.at @ values[k]) for k, one in self.blocks.items()))
-
-    def more(self, values: Sequence[Array]) -> Array:
-        """Return by how much they are more at the nodes."""
-        direct: Array | float = 0.0
-        sampled: Array | float = 0.0
-        for k, one in self.blocks.items():
-            part = one.more @ one.onto(values[k])
-            if one.sampled:
-                sampled = sampled + part
-            else:
-                direct = direct + part
-        if isinstance(sampled, float):
-            return np.asarray(direct)
-        return np.asarray(direct + self.nodes.spread(sampled))
-
-    def tested(self, weighted: Array) -> Iterable[tuple[int, Array]]:
-        """Yield, part by part, the sums of weighted values at the nodes times its integrals."""
-        gathered = self.nodes.gathered(weighted)
-        for k, one in self.blocks.items():
-            yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
-
-    def _columns(self, *, whole: bool) -> tuple[list[tuple[int, slice, bool]], Array, Array]:
-        """Return which columns are whose, and the integrals at the nodes and at the samples."""
-        places: list[tuple[int, slice, bool]] = []
-        parts: tuple[list[Array], list[Array]] = [], []
-        ends = [0, 0]
-        for k, one in self.blocks.items():
-            values, kind = one.whole if whole else one.more, int(one.sampled)
-            places.append((k, slice(ends[kind], ends[kind] + values.shape[1]), one.sampled))
-            parts[kind].append(values)
-            ends[kind] += values.shape[1]
-        shapes = len(self.nodes.d), len(self.nodes.samples)
-        direct, sampled = (
-            np.hstack(each) if each else np.zeros((rows, 0))
-            for each, rows in zip(parts, shapes, strict=True)
-        )
-        return places, direct, sampled
-
-    def products(
-        self, other: _Seen, weights: Array, *, whole: bool = False
-    ) -> Iterable[tuple[int, int, Array]]:
-        """Yield, for pairs of parts, the sums over the nodes of these integrals times others.
-
-        Parameters
-        ----------
-        other : _Seen
-            At the same nodes; by how much its integrals are more there, or `whole` ones.
-        weights : ndarray, shape (nodes,)
-        whole : bool
-        """
-        rows, direct, sampled = self._columns(whole=True)
-        columns, direct_other, sampled_other = other._columns(whole=whole)
-        spread, gathered = self.nodes.spread, self.nodes.gathered
-        w = weights[:, None]
-        # what is smooth is summed over the samples
-        left = np.hstack([gathered(w * direct), gathered(w * spread(sampled))])
-        right = gathered(w * direct_other)
-        if other is self and whole:  # of a matrix and its own transpose NumPy computes one triangle
-            root = np.sqrt(w) * direct
-            on_nodes = root.T @ root
-        else:
-            on_nodes = (w * direct).T @ direct_other
-        below, beside = sampled.T @ right, left.T @ sampled_other
-        split = direct.shape[1]
-        parts = ((on_nodes, beside[:split]), (below, beside[split:]))
-        for k, row, of_samples in rows:
-            for j, column, from_samples in columns:
-                product = parts[of_samples][from_samples][row, column]
-                one, two = self.blocks[k], other.blocks[j]
-                yield k, j, two.back(one.back(product).T).T
 
 
 class System:
@@ -245,12 +154,9 @@ class System:
 
     def _assemble_nodes(self) -> None:
         alpha, beta, _, _ = self.parameters
-        self.nodes: list[GradedNodes] = []
-        self.offsets: list[Array] = []
-        self._t: list[Array] = []
-        self._beyond: list[Array] = []
-        self._weights: list[Array] = []
-        self._shear_tests: list[Array] = []
+        self.nodes, self.offsets = list[GradedNodes](), list[Array]()
+        self._t, self._beyond = list[Array](), list[Array]()
+        self._weights, self._shear_tests = list[Array](), list[Array]()
         #: weights of ``t**2 dt / pi``
         self.shear_weights: list[Array] = []
         for part in self.parts:
@@ -279,9 +185,7 @@ class System:
         """Find the integrals of every part at the nodes of every other."""
         count, last = len(self.parts), max(self.stick)
         #: of p outside and inside of the nodes, and of q/s
-        self._f, self._j, self._g, self._i = (
-            [_Seen(nodes, {}) for nodes in self.nodes] for _ in range(4)
-        )
+        self._f, self._j, self._g, self._i = ([Seen(n, {}) for n in self.nodes] for _ in range(4))
         for i in range(count):
             for k in range(count):
                 for side in (1, -1):
@@ -297,17 +201,15 @@ class System:
     def _pair(self, k: int, i: int, side: int) -> tuple[Block, Block]:
         """Return what is seen of p and of q/s of a part at the nodes of another."""
         part, nodes = self.parts[k], self.parts[i]
-        shear = self._block(part.shear, self._finer[k], nodes, side, part)
-        if part.shear is not part.family:
-            return self._block(part.family, part.degrees, nodes, side, part), shear
-        if self._over[k] is None:
+        shear = self._block(part.shear, self._finer[k], nodes, side)
+        if part.shear is part.family and self._over[k] is None:
             return shear, shear
-        if not shear.sampled:
-            return self._block(part.family, part.degrees, nodes, side, part), shear
+        if part.shear is not part.family or not shear.sampled:
+            return self._block(part.family, part.degrees, nodes, side), shear
         return shear.of(np.searchsorted(self._columns[k], self._index[k])), shear
 
     @staticmethod
-    def _block(source: Any, degrees: Degrees, nodes: Part, side: int, part: Part) -> Block:
+    def _block(source: Family, degrees: Degrees, nodes: Part, side: int) -> Block:
         found = block(source, degrees, nodes.family, nodes.degrees, side)
         assert found is not None
         return found
@@ -466,10 +368,10 @@ class System:
             missed[own] -= mass @ values[own]
         return missed
 
-    def _stuck(self, i: int) -> _Seen:
+    def _stuck(self, i: int) -> Seen:
         """Return half-integrals of the functions in stick at the nodes of a part."""
         own = self._g[i]
-        return _Seen(own.nodes, {k: one for k, one in own.blocks.items() if k in self.shear})
+        return Seen(own.nodes, {k: one for k, one in own.blocks.items() if k in self.shear})
 
     def matrix(self) -> Array:
         """Return the matrix of both equations; it is that of `residual` but for roundings."""
@@ -507,19 +409,19 @@ class System:
         for k, (part, own) in enumerate(zip(self.parts, self.pressure, strict=True)):
             if alpha > 0.0:
                 load = self.load[own][:, None]
-                self._add(matrix[own], -kappa * self._within(k, self._index[k]), k)
+                self._add(matrix[own], -kappa * self._within(k), k)
                 for j in range(k + 1, len(self.parts)):
                     self._add(matrix[own], -kappa * load * self._pull[j], j)
             if beta > 0.0 and part.state == 0:
                 rows = matrix[self.shear[k]]
-                rows[:, own] -= kappa * self._within(k, self._index[k]).T
+                rows[:, own] -= kappa * self._within(k).T
                 rows[:, : own.start] -= kappa * self._pull[k][:, None] * self.load[: own.start]
 
-    def _within(self, k: int, rows: NDArray[np.int_]) -> Array:
+    def _within(self, k: int) -> Array:
         """Return ``int phi s ds int psi s ds`` over what of psi lies outside of phi, on a part."""
         part = self.parts[k]
         matrix = outer_moments(part.family.panels, part.shear.panels, part.family.sign)
-        return (0.5 * part.family.reach) ** 2 * matrix[np.ix_(rows, self._columns[k])]
+        return (0.5 * part.family.reach) ** 2 * matrix[np.ix_(self._index[k], self._columns[k])]
 
     def _add_driving(self, matrix: Array, i: int) -> None:
         """Add what the traction does to the normal equation at the nodes of a part."""
@@ -545,25 +447,3 @@ class System:
         for k, sums in stuck.tested(falls[:, None]):
             for j, one in inner.blocks.items():
                 matrix[self.shear[k], self.pressure[j]] += one.scale * sums * one.at
-
-
-_MASSES: BoundedCache[tuple[LogPanels, Degrees], tuple[Array, Array]] = BoundedCache("masses", 32)
-_OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
-
-
-def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
-    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent."""
-
-    def made() -> Array:
-        deeper = inner_moments(panels, other)
-        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
-
-    return _OUTER.get((panels, other, sign), made)
-
-
-def unit_masses(panels: LogPanels, degrees: Degrees) -> tuple[Array, Array]:
-    """Return ``int phi psi dd`` and ``int phi psi d dd`` of functions, on a part of unit extent."""
-    columns = panels.functions(degrees)
-    return _MASSES.get(
-        (panels, degrees), lambda: (panels.mass(columns, 1.0, 0.0), panels.mass(columns, 0.0, 1.0))
-    )

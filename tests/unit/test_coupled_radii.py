@@ -5,8 +5,8 @@ import pytest
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact import coupled_search
+from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_radii import StickRadius, stick_radii
-from spectral_contact.contact.coupled_zones import CoupledProblem
 from spectral_contact.contact.layout import Layout
 from spectral_contact.spectral.parameters import Parameters
 

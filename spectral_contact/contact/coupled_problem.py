@@ -1,0 +1,431 @@
+"""Elastic coupling with any zones of stick and slip: their boundaries are solved for.
+
+Pressure and traction are unknown together. At given boundaries the system is linear in the lifts,
+the values there of what the half-integral of the traction lacks. Continuity gives them, and that
+each is what the fields make it is the condition of its boundary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.adaptive import Attempt, Resolution
+from spectral_contact.contact.boundaries import (
+    NoBoundariesError,
+    differences,
+    longest,
+    zones_error,
+)
+from spectral_contact.contact.coupled_outcome import Solved
+from spectral_contact.contact.coupled_parts import (
+    joined,
+    leading_depth,
+    parted,
+    root_error,
+    rounding_depth,
+)
+from spectral_contact.contact.coupled_spaces import first_spaces
+from spectral_contact.contact.coupled_state import CoupledState
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.resolution import (
+    LEAST_RATE,
+    ROUNDING,
+    SAFETY,
+    TRACTION_ROUNDING,
+    boundary_error,
+    decay_rates,
+    expected_error,
+    series_of,
+    share_of_change,
+)
+from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
+from spectral_contact.contact.stick_radius import root_near
+from spectral_contact.fields import EDGE, Radius
+from spectral_contact.spectral.annulus import Points
+from spectral_contact.spectral.factored import Factored
+from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.system import System
+
+__all__ = ["ROUGH", "UNFELT", "CoupledProblem", "CoupledZones"]
+
+Array = NDArray[np.float64]
+
+#: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
+UNFELT = -40.0
+#: Tolerance of the spaces in which boundaries are found first, and are looked at by the way.
+ROUGH, _PROBE = 1e-3, 1e-2
+#: How short the last step of the boundaries is in the first.
+_SETTLED = 1e-3
+#: A first guess of how fast the condition of one stick disk rises with its logit.
+_SLOPE = 0.3
+#: Where more of a step is left, of the narrowest zone, there are no such boundaries.
+_LOST = 0.1
+#: At the edge nothing happens in less than this of the layer.
+_NARROWEST = 1e-12
+#: A step as short as this is not taken, and one as short as that says nothing of slopes.
+_ENOUGH, _MEANT = 1e-13, 1e-8
+#: How far boundaries may move, of the narrowest zone, before their slopes are found anew.
+_STALE = 0.1
+#: Most corrections at given boundaries, and with boundaries that move.
+_CORRECTIONS, _STEPS = 10, 40
+#: The share of its step that a correction leaves at least, and from which share on it is the factor
+#: or rounding that is not good enough.
+_LEFT, _SLOW = 1e-2, 0.2
+#: Corrections of a solution from nothing, which do not tell how good the factors are; what is left
+#: by those of other boundaries, over their distance; and how far these may be, of a zone, in thick
+#: layers and in thin ones.
+_FIRST, _DRIFT = 2, 3.0
+_FAR, _FAR_THIN, _THICK = 0.03, 1e-4, 1e-2
+#: What of a step of the boundaries the fields may be off by, for that step and for its slopes.
+_SHARE, _KNOWN = 0.3, 0.03
+#: Compliances from which on corrections with factors in single precision are not more.
+_SINGLE = 5e-7
+#: What corrections should leave, of the tolerance, as boundaries are known better than the fields.
+_FURTHER, _LEAST = 1e-3, 5e-15
+#: A correction that is smaller and does not fall any more is rounding.
+_ROUNDED = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class CoupledZones(Solved):
+    """Coupled partial slip on any zones, for unit load.
+
+    Attributes
+    ----------
+    system : System
+    solution : ndarray, shape (unknowns, 2)
+        The vector of the system, and what the top two degrees contribute to it.
+    """
+
+    system: System
+    solution: Array
+
+
+@dataclass(frozen=True, slots=True)
+class _Move:
+    """A step of the boundaries, and what their conditions missed before it."""
+
+    step: Array
+    length: float
+    mismatch: Array
+
+
+class CoupledProblem:
+    """Spaces for given states of the zones; the boundaries are found anew in each of them.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    layout : Layout
+    tolerance : float
+        Bound on the relative errors of both fields, pointwise.
+    """
+
+    def __init__(self, parameters: Parameters, layout: Layout, tolerance: float) -> None:
+        self.parameters, self.tolerance = parameters, tolerance
+        self.states = layout.states
+        self.logits = np.array(layout.logits)
+        self._slopes = layout.slopes
+
+    @property
+    def layout(self) -> Layout:
+        """The boundaries as they are known, with the slopes of their conditions."""
+        slopes = self.slopes  # boundaries are found with them
+        return Layout(tuple(self.logits.tolist()), self.states, slopes)
+
+    @property
+    def slopes(self) -> Array:
+        """By how much the conditions rise with the boundaries, as logits."""
+        if self._slopes is None:
+            self._look_near()
+        assert self._slopes is not None
+        return self._slopes
+
+    def _look_near(self) -> None:
+        """Find the boundaries roughly, and the slopes of their conditions."""
+        if len(self.logits) == 1:
+
+            def mismatch(logit: float) -> float:
+                return float(self.rough([logit]).mismatch[0])
+
+            start = float(self.logits[0])
+            logit, slope = root_near(mismatch, start, _SLOPE, _SETTLED, 1.0, UNFELT)
+            self.logits, self._slopes = np.array([logit]), np.array([[slope]])
+            return
+        begin = self.logits
+        self._slopes = self._differences()
+        spaces = self._spaces(ROUGH)
+        state = self._found(spaces, ROUGH, _SETTLED)
+        narrowest = self._narrowest
+        left = np.abs(np.linalg.solve(self._slopes, state.mismatch))
+        if not float(left.max()) < _LOST * narrowest:
+            raise NoBoundariesError("no such boundaries are found")
+        if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
+            self._slopes = self._differences()
+
+    def rough(self, logits: Sequence[float]) -> CoupledState:
+        """Return the contact with given boundaries, as logits, in a small space."""
+        at = np.array(logits)
+        system = self._system(self._spaces(_PROBE, at), at)
+        return self._settled(self._factored(system), 1e-2 * _PROBE)
+
+    def _differences(self) -> Array:
+        """Return the slopes of the conditions in a small space."""
+        spaces = self._spaces(ROUGH)
+
+        def conditions(logits: Array) -> Array:
+            factored = self._factored(self._system(spaces, logits))
+            return self._settled(factored, 1e-2 * ROUGH).mismatch
+
+        return differences(conditions, self.logits)
+
+    # spaces
+
+    def _spaces(self, tolerance: float, logits: Array | None = None) -> list[Resolution]:
+        alpha, beta, _, _ = self.parameters
+        radii = _radii(self.logits if logits is None else logits)
+        return first_spaces(alpha, beta, radii, self.states, tolerance)
+
+    def start(self) -> Resolution:
+        """Return the first space, of all parts one after the other."""
+        assert self.slopes is not None
+        # boundaries superconverge: a space for half the digits has nearly all of theirs
+        halfway = np.sqrt(self.tolerance)
+        if halfway < 0.1 * ROUGH:
+            self._found(self._spaces(halfway), halfway, max(self.tolerance, _ENOUGH))
+        spaces = self._spaces(self.tolerance)
+        self._counts = [one.panels.panels for one in spaces]
+        return joined(spaces)
+
+    def _system(self, spaces: list[Resolution], logits: Array) -> System:
+        radii = _radii(logits)
+        narrowest = _NARROWEST * self.parameters.alpha
+        if len(radii) > 1 and radii[-1].rest < narrowest:
+            raise NoBoundariesError("the last zone vanishes")
+        panels, degrees = [one.panels for one in spaces], [one.degrees for one in spaces]
+        return System(radii, self.states, panels, degrees, self.parameters)
+
+    def _factored(self, system: System) -> Factored:
+        alpha, beta, _, _ = self.parameters
+        thick = alpha >= _SINGLE and (beta == 0.0 or beta >= _SINGLE)
+        return Factored(system, exact=not thick)
+
+    # solutions
+
+    def _settled(self, factored: Factored, aim: float) -> CoupledState:
+        """Correct a solution at given boundaries as far as is aimed."""
+        state, size = CoupledState.begin(factored.system, factored), inf
+        for _ in range(_CORRECTIONS):
+            state, change = state.corrected()
+            before, size = size, self._size(state, change)
+            if size * max(_LEFT, min(size / before, 1.0)) < aim or size > before:
+                break
+        return state
+
+    def _size(self, state: CoupledState, change: Array) -> float:
+        """Return the largest share of a change."""
+        shares = self._shares(state.system, change, state.solution)
+        return max(float(one.max()) for pair in shares for one in pair)
+
+    def _found(self, spaces: list[Resolution], aim: float, settle: float) -> CoupledState:
+        """Correct fields and boundaries together, until neither moves any more.
+
+        The boundaries move when more is left of them than the fields may be off. Factors serve as
+        long as corrections with them shrink.
+        """
+        factored = self._factored(self._system(spaces, self.logits))
+        state, begin = CoupledState.begin(factored.system, factored), self.logits
+        moved: _Move | None = None
+        size, alike = 1.0, -_FIRST  # corrections with these factors at these boundaries
+        for _ in range(_STEPS):
+            state, change = state.corrected()
+            before, size, alike = size, self._size(state, change), alike + 1
+            # factors of other boundaries are off by about their distance, in units of a layer: they
+            # make an error next to the boundaries first, which the next correction takes back
+            drift = float(np.abs(self.logits - begin).max()) / self._narrowest
+            astray = drift > _LEFT / _DRIFT * self._thinnest
+            expected = max(_LEFT, _DRIFT * drift, size / before if alike > 1 + astray else 0.0)
+            self.left = size * (1.0 if astray and alike < 2 else min(expected, 1.0))
+            if moved is not None and self.left < _KNOWN * moved.length:
+                self._learn(moved, state.mismatch)
+                moved = None
+            step: Array = -np.linalg.solve(self.slopes, state.mismatch).astype(float)
+            self.off = float(np.abs(step).max())
+            if self.left < aim and self.off < settle:
+                break
+            slow, own = (
+                alike > 1 + astray and size > _SLOW * before,
+                factored.system is state.system,
+            )
+            if slow and ((own and factored.exact) or (size < _ROUNDED and self.off < settle)):
+                break
+            if self.off > max(0.5 * settle, self.left / _SHARE):
+                step *= min(1.0, longest(self.logits, step))
+                moved = _Move(step, float(np.abs(step).max()), state.mismatch)
+                self.logits = self.logits + step
+                state, alike = state.at(self._system(spaces, self.logits)), 0
+                far = _FAR if self._thinnest > _THICK else _FAR_THIN
+                slow = float(np.abs(self.logits - begin).max()) > far * self._narrowest
+            if slow:
+                factored = Factored(state.system, exact=factored.exact or (own and alike > 0))
+                state, begin, alike = state.by(factored), self.logits, 0
+        return state
+
+    @property
+    def _thinnest(self) -> float:
+        return min(1.0, *self.parameters[:2])
+
+    @property
+    def _narrowest(self) -> float:
+        return float(min([1.0, *np.diff(self.logits)]))
+
+    def _learn(self, move: _Move, mismatch: Array) -> None:
+        """Take from a step what it shows of the slopes (Broyden)."""
+        if move.length > _MEANT:
+            missed = mismatch - move.mismatch - self.slopes @ move.step
+            self._slopes = self.slopes + np.outer(missed, move.step) / float(move.step @ move.step)
+
+    def _shares(self, system: System, change: Array, size: Array) -> list[list[Array]]:
+        """Return a change of p and of q/s on every panel, relative to their sizes there."""
+        alpha, beta, _, _ = self.parameters
+        shares: list[list[Array]] = []
+        moved, values = system.split(change), system.split(size)
+        for k, part in enumerate(system.parts):
+            panels, reach = part.family.panels, part.family.reach
+            leading = leading_depth(alpha, beta, reach) if panels.power else inf
+            known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
+            pairs = [(panels, moved[0][k], values[0][k])]
+            if k in moved[1]:
+                pairs.append((part.shear.panels, moved[1][k], values[1][k]))
+            shares.append([])
+            for own, step, whole in pairs:
+                ends = series_of(own, whole).at_ends()
+                share = share_of_change(own, step, ends, leading=leading, known=known)
+                shares[-1].append(share)
+        return shares
+
+    # outcome
+
+    def attempt(self, resolution: Resolution) -> Attempt[CoupledZones]:
+        """Solve in a space."""
+        spaces = parted(resolution, self._counts, self.parameters.alpha)
+        aim, settle = max(_FURTHER * self.tolerance, _LEAST), max(0.01 * self.tolerance, _ENOUGH)
+        state = self._found(spaces, aim, settle)
+        return self._assess(spaces, state)
+
+    def _assess(self, spaces: list[Resolution], state: CoupledState) -> Attempt[CoupledZones]:
+        """Turn the final trial into a solution with its errors."""
+        if not np.isfinite(state.solution).all():
+            raise NoBoundariesError("the system has no solution that is finite")
+        system = state.system
+        whole = state.solution * state.approach
+        effects = state.effects()
+        moved = [state.approach * one.change for one in effects]
+        pressure, shear = system.split(whole)
+        rates = [
+            [decay_rates(space, one) for one in (pressure[k], shear.get(k)) if one is not None]
+            for k, space in enumerate(spaces)
+        ]
+        shares = self._shares(system, moved[0], whole)
+        expected = [
+            [expected_error(*pair) for pair in zip(*both, strict=True)]
+            for both in zip(shares, rates, strict=True)
+        ]
+        # what the boundaries still are off is felt everywhere
+        inverse = np.abs(np.linalg.inv(self.slopes))
+        off = 2.0 * float((inverse @ np.abs(state.mismatch)).max())
+        left = self.left + off
+        pressure_error = max(float(one[0].max()) for one in expected)
+        pressure_error += left + 20.0 * ROUNDING
+        traction_error = max(float(one[-1].max()) for one in expected)
+        traction_error = max(traction_error, self._edge_error(system, moved[0], whole))
+        traction_error += left + TRACTION_ROUNDING
+        error = max(pressure_error, traction_error)
+        # what superconverges may change little by accident, but hardly against the square
+        squared = error**2
+        total = system.total_shear(whole)
+        sheared = max(abs(system.total_shear(one)) for one in moved) / abs(total)
+        noise = 40.0 * ROUNDING + self.left * 1e-2
+        known = squared + noise + off
+        kept = 2.0 * SAFETY * LEAST_RATE
+        missed = kept * np.max([np.abs(one.mismatch) for one in effects], axis=0)
+        missed = missed + squared + noise + self.left + 2.0 * np.abs(state.mismatch)
+        shifts = inverse @ missed + float(np.finfo(float).eps) * np.abs(self.logits)
+        scales = (state.approach, state.lifts), (0.0, effects[0].lifts)
+        stuck, lost = (
+            self._stuck(system, state.lacking(vector, approach, state.approach * lifts))
+            for vector, (approach, lifts) in zip((whole, moved[0]), scales, strict=True)
+        )
+        boundary_errors = tuple(
+            boundary_error(float(d), r) for d, r in zip(shifts, system.radii, strict=True)
+        )
+        bend = 2.0 * max(float(d) ** 2 * r.rest for d, r in zip(shifts, system.radii, strict=True))
+        value = CoupledZones(
+            system.radii,
+            system.states,
+            state.approach,
+            total,
+            [series_of(p.family.panels, c) for p, c in zip(system.parts, pressure, strict=True)],
+            [
+                series_of(p.shear.panels, shear[k]) if k in shear else None
+                for k, p in enumerate(system.parts)
+            ],
+            stuck,
+            max(abs(one.approach) for one in effects) + known,
+            sheared + known + bend,
+            pressure_error,
+            traction_error,
+            boundary_errors[0][0],
+            zones_error(system.radii, boundary_errors),
+            SAFETY * self._largest_displacement(system, lost),
+            system,
+            np.column_stack([whole, moved[0]]),
+        )
+        indicators = np.concatenate([np.max(one, axis=0) for one in expected])
+        # no degree lowers what rounding leaves
+        indicators[indicators <= self.left] = 0.0
+        rate = np.concatenate([np.max(one, axis=0) for one in rates])
+        return Attempt(value, error, indicators, rate, system.unknowns)
+
+    def _edge_error(self, system: System, change: Array, whole: Array) -> float:
+        """Return the error of q/s at an edge where it has a root."""
+        part = system.parts[-1]
+        if self.parameters.alpha > 0.0 or part.state != 0:
+            return 0.0
+        moved, values = (system.split(one)[1][len(system.parts) - 1] for one in (change, whole))
+        panels = part.shear.panels
+        return root_error(panels, moved, series_of(panels, values).at_ends()[-1])
+
+    @staticmethod
+    def _stuck(system: System, misfit: Sequence[Array | None]) -> list[Stuck]:
+        """Return the quadrature of ``t^2 E dt`` over the stick zones."""
+        stuck = []
+        for zone, state in enumerate(system.states):
+            if state == 0:
+                each = zip(system.parts, system.offsets, system.shear_weights, misfit, strict=True)
+                parts = tuple(
+                    (Points(part.family.boundary, offsets), pi * weights * missed)
+                    for part, offsets, weights, missed in each
+                    if part.zone == zone and missed is not None
+                )
+                stuck.append(Stuck((*system.radii, EDGE)[zone], parts))
+        return stuck
+
+    @staticmethod
+    def _largest_displacement(system: System, stuck: list[Stuck]) -> float:
+        """Return the largest displacement in the slip zones that E in the stick zones makes."""
+        bounds = (*system.radii, EDGE)
+        return max(
+            largest_displacement(stuck, bounds[k - 1], bounds[k])
+            for k, state in enumerate(system.states)
+            if state != 0
+        )
+
+
+def _radii(logits: Array) -> tuple[Radius, ...]:
+    return tuple(Radius.from_logit(float(x)) for x in logits)

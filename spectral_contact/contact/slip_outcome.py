@@ -1,0 +1,258 @@
+"""What partial slip ends in: zones and fields that are held against the friction law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.friction_law import (
+    Interval,
+    displacement_error,
+    known_share,
+    missing_stick,
+    obeys,
+    stick_excess,
+    unknown_slip,
+)
+from spectral_contact.contact.full_stick import FullStick
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.one_disk import OneDisk
+from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.slip_displacement import (
+    Slipping,
+    annulus_between,
+    slip_displacement,
+    slip_misfit,
+)
+from spectral_contact.fields import (
+    CENTRE,
+    EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
+from spectral_contact.solution import Zone
+from spectral_contact.spectral.annulus import Annulus
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.zones import ZonesSolution
+
+__all__ = ["PartialSlip", "all_slip", "mended", "no_slip", "one_disk_outcome", "zones_outcome"]
+
+Array = NDArray[np.float64]
+
+#: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
+#: by 1, and zones that follow from less are made of noise.
+_DOUBTFUL = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class PartialSlip:
+    """Traction, zones and displacement for kappa = 1, with estimates of relative errors.
+
+    Attributes
+    ----------
+    zones : tuple of Zone
+    traction, slip : ZonalField
+    total_shear : float
+    traction_error, shear_error, radius_error, zones_error, slip_error : float
+    violation : float
+        By how much the friction law is broken, see `ErrorEstimates`.
+    consistent : bool
+        Whether the violation is within the errors.
+    searched : bool
+        Whether one stick disk was not enough.
+    missing : tuple of (float, float)
+        Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense: stick is missing.
+    layout : Layout or None
+        Where a like scene may begin, if these zones were solved for.
+    """
+
+    zones: tuple[Zone, ...]
+    traction: ZonalField
+    slip: ZonalField
+    total_shear: float
+    traction_error: float
+    shear_error: float
+    radius_error: float
+    zones_error: float
+    slip_error: float
+    violation: float
+    consistent: bool
+    searched: bool
+    missing: tuple[Interval, ...] = ()
+    layout: Layout | None = None
+
+    @property
+    def settled(self) -> bool:
+        """Whether there is nothing to search for: the friction law holds, and that is known."""
+        known = self.slip_error < inf or self.violation <= _DOUBTFUL
+        return self.consistent and known and not self.missing
+
+
+def mended(outcome: PartialSlip) -> Layout | None:
+    """Return the zones of a solution with the stick that is missing, if any is."""
+    if outcome.layout is None or not outcome.missing:
+        return None
+    layout = outcome.layout.with_stick(outcome.missing)
+    return layout if len(layout.states) > len(outcome.layout.states) else None
+
+
+def no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> PartialSlip:
+    """Return full stick: the slip there is is narrower than what can be resolved."""
+    from spectral_contact.contact.onset import unresolved_slip
+
+    radius_error = unresolved_slip(drive, stick, beta, friction)
+    error = max(stick.traction_error, drive.contact.pressure_error)
+    return PartialSlip(
+        (Zone.between("stick", CENTRE, EDGE),),
+        ZonalField((ZonePiece(EDGE, stick.traction),)),
+        ZonalField((ZonePiece(EDGE, None),)),
+        stick.total_shear,
+        error,
+        stick.shear_error,
+        radius_error,
+        max(radius_error, 1.0),
+        1.0,
+        0.0,
+        True,
+        False,
+    )
+
+
+def all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> PartialSlip:
+    """Return slip everywhere: the stick disk is smaller than 1e-65."""
+    centre = Radius.from_logit(-74.0)
+    annulus = _edge_annulus(drive, centre, beta, tolerance)
+    misfit = slip_misfit(drive, [annulus], [1], friction, [])
+    fields, samples, largest, unresolved = slip_displacement(
+        [], [Slipping(annulus, 1, misfit[0])], drive.pressure, beta, friction
+    )
+    error = drive.contact.pressure_error
+    stray = unresolved + 4.0 * error + tolerance * 1e-3
+    slip_error = displacement_error(drive, EDGE, stray, beta, friction, largest)
+    wrong = float(samples[0].max()) / largest
+    return PartialSlip(
+        (Zone.between("slip", CENTRE, EDGE),),
+        ZonalField((ZonePiece(EDGE, drive.pressure, friction),)),
+        ZonalField((ZonePiece(centre, None), ZonePiece(EDGE, fields[0]))),
+        friction,
+        error,
+        2.0 * ROUNDING,
+        1.0,
+        1.0,
+        slip_error,
+        max(wrong, 0.0),
+        obeys(0.0, error, wrong, slip_error),
+        False,
+    )
+
+
+def _edge_annulus(drive: Drive, inner: Radius, beta: float, tolerance: float) -> Annulus:
+    """Return the panels of a slip zone that reaches the edge."""
+    alpha = drive.contact.compliance
+    layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
+    return annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
+
+
+def one_disk_outcome(
+    drive: Drive, disk: OneDisk, beta: float, friction: float, tolerance: float
+) -> PartialSlip:
+    """Add zones, displacement and checks to the one-disk solution."""
+    radius = disk.radius
+    annulus = _edge_annulus(drive, radius, beta, tolerance)
+    pressure = drive.pressure
+    misfit = slip_misfit(drive, [annulus], [1], friction, [])
+    slipping = Slipping(annulus, 1, misfit[0])
+    fields, samples, largest, unresolved = slip_displacement(
+        [disk.stuck], [slipping], pressure, beta, friction
+    )
+    traction = ZonalField((ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction)))
+    slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
+    excess = stick_excess(disk.traction, pressure, friction, CENTRE, radius, disk.depth)
+    error = max(disk.traction_error, drive.contact.pressure_error)
+    slip_error = displacement_error(drive, EDGE, disk.stray + unresolved, beta, friction, largest)
+    violation = max(excess, float(samples[0].max()) / largest, 0.0)
+    consistent = obeys(excess, error, float(samples[0].max()) / largest, slip_error)
+    return PartialSlip(
+        (Zone.between("stick", CENTRE, radius), Zone.between("slip", radius, EDGE)),
+        traction,
+        slip,
+        disk.total_shear,
+        error,
+        disk.shear_error,
+        disk.radius_error,
+        max(disk.radius_error, disk.edge_error),
+        max(slip_error, unknown_slip(disk.edge_error)),
+        violation,
+        consistent,
+        False,
+        missing_stick(annulus, samples[0], largest, fields[0].toward_outer.limit, slip_error),
+        Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
+    )
+
+
+def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: float) -> PartialSlip:
+    """Add displacement and checks to the solution on any zones."""
+    pressure = drive.pressure
+    fields, samples, largest, unresolved = slip_displacement(
+        solved.stuck, solved.slipping, pressure, beta, friction
+    )
+    bounds = solved.bounds
+    sticks: Iterator[DiskSeries | AnnulusSeries] = iter((solved.disk, *solved.annuli))
+    slips = iter(fields)
+    traction, displacement, zones, excess = [], [], [], 0.0
+    for state, inner, outer in zip(solved.states, bounds[:-1], bounds[1:], strict=True):
+        zones.append(Zone.between("stick" if state == 0 else "slip", inner, outer))
+        if state == 0:
+            stuck = next(sticks)
+            traction.append(ZonePiece(outer, stuck))
+            displacement.append(ZonePiece(outer, None))
+            beyond = stick_excess(stuck, pressure, friction, inner, outer, solved.depth)
+            excess = max(excess, beyond)
+        else:
+            traction.append(ZonePiece(outer, pressure, state * friction))
+            displacement.append(ZonePiece(outer, next(slips)))
+    error = max(solved.traction_error, drive.contact.pressure_error)
+    outermost = max(
+        (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
+    )
+    stray, loose = solved.stray + unresolved, solved.loose_ends
+    slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
+    wrong = max(float(v.max()) for v in samples)
+    zones_error = solved.zones_error
+    return PartialSlip(
+        tuple(zones),
+        ZonalField(tuple(traction)),
+        ZonalField(tuple(displacement)),
+        solved.total_shear,
+        error,
+        solved.shear_error,
+        solved.boundary_errors[0][0],
+        zones_error,
+        max(known_share(slip_error + loose), unknown_slip(zones_error)),
+        max(excess, wrong / largest, 0.0),
+        # zones whose ends say nothing of the sense are not taken for granted
+        obeys(excess, error, wrong / largest, slip_error + min(loose, 0.5)),
+        True,
+        tuple(
+            interval
+            for zone, field, sample in zip(solved.slipping, fields, samples, strict=True)
+            for interval in missing_stick(
+                zone.annulus,
+                sample,
+                largest,
+                zone.sign * field.toward_outer.limit,
+                slip_error + min(loose, 0.5),
+            )
+        ),
+        solved.layout,
+    )
