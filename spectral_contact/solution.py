@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +34,9 @@ from spectral_contact.records import (
     Zone,
 )
 from spectral_contact.scene import Scene
+
+if TYPE_CHECKING:
+    from spectral_contact.interior import Inside
 
 __all__ = [
     "COUPLING",
@@ -247,6 +250,21 @@ class Solution:
         return self._field(self.slip_field, "slip", s, from_edge)
 
     @property
+    def inside(self) -> Inside:
+        """Stress and displacement anywhere in the half-space (docs/inside), dimensionless.
+
+        It prepares its quadrature, so keep it if you call it often.
+
+        Raises
+        ------
+        NotComputedError
+            If the pressure or the traction was not asked for.
+        """
+        from spectral_contact.interior import Inside, Units
+
+        return Inside(self, Units())
+
+    @property
     def physical(self) -> PhysicalSolution:
         """The same quantities in Pa, m and N.
 
@@ -413,6 +431,14 @@ class PhysicalSolution:
         if from_edge is None:
             return evaluate(checks.lengths("r", r, a, "m") / a) * factor
         return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
+
+    @property
+    def inside(self) -> Inside:
+        """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
+        from spectral_contact.interior import Inside, Units
+
+        stress = float(self._data.pressure_scale(self.load))
+        return Inside(self.solution, Units(self.radius, stress, self._length))
 
     def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
