@@ -251,18 +251,10 @@ class Solution:
 
     @property
     def inside(self) -> Inside:
-        """Stress and displacement anywhere in the half-space (docs/inside), dimensionless.
+        """Stress and displacement anywhere in the half-space; needs pressure and traction."""
+        from spectral_contact.interior import Inside
 
-        It prepares its quadrature, so keep it if you call it often.
-
-        Raises
-        ------
-        NotComputedError
-            If the pressure or the traction was not asked for.
-        """
-        from spectral_contact.interior import Inside, Units
-
-        return Inside(self, Units())
+        return Inside(self)
 
     @property
     def physical(self) -> PhysicalSolution:

@@ -23,12 +23,7 @@ from .coupled import (
     oscillation_exponent,
 )
 from .eigenpairs import eigenfunction, eigenfunction_image, eigenvalue
-from .flat_punch import (
-    PunchDisplacement,
-    PunchStress,
-    flat_punch_displacement,
-    flat_punch_stress,
-)
+from .flat_punch import flat_punch_displacement, flat_punch_stress
 from .partial_slip import partial_slip_shear, partial_slip_traction, slip_displacement
 from .series import (
     approach_large_compliance,
@@ -39,8 +34,6 @@ from .series import (
 from .smooth import full_stick_shear, full_stick_traction, smooth_approach, smooth_pressure
 
 __all__ = [
-    "PunchDisplacement",
-    "PunchStress",
     "StickRadius",
     "approach_large_compliance",
     "approach_small_compliance",

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._inputs import check_poisson_ratio, refusal
+from ._inputs import check_poisson_ratio, real_numbers, refusal
 
 __all__ = [
     "PunchDisplacement",
@@ -46,18 +46,32 @@ class _Place(NamedTuple):
 
 
 def _place(r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None) -> _Place:
+    depth = _lengths("z", z)
     if (r is None) == (from_edge is None):
         raise refusal("r, from_edge", (r, from_edge), "one value and one None")
-    depth = np.asarray(z, dtype=np.float64)
-    given = np.asarray(r if from_edge is None else from_edge, dtype=np.float64)
-    radius, edge = (given, 1.0 - given) if from_edge is None else (1.0 - given, given)
-    if not (np.all(radius >= 0.0) and np.all(np.isfinite(radius))):
-        raise refusal("r" if from_edge is None else "from_edge", given, "finite, with r >= 0")
-    if not (np.all(depth >= 0.0) and np.all(np.isfinite(depth))):
-        raise refusal("z", depth, "finite and >= 0")
+    if from_edge is None:
+        radius = _lengths("r", r)
+        edge = 1.0 - radius
+    else:
+        edge = _lengths("from_edge", from_edge, low=-np.inf, high=1.0)
+        radius = 1.0 - edge
+    try:
+        np.broadcast_shapes(radius.shape, depth.shape)
+    except ValueError:
+        name = "r, z" if from_edge is None else "from_edge, z"
+        raise refusal(name, (radius.shape, depth.shape), "of shapes that broadcast") from None
     # r**2 - 1 from the distance to the edge; the root is the one with a positive real part
     square = depth**2 - edge * (1.0 + radius) + 2j * depth
     return _Place(radius, depth, depth + 1j, np.sqrt(square))
+
+
+def _lengths(name: str, values: Any, low: float = 0.0, high: float = np.inf) -> Array:
+    allowed = "finite and >= 0" if low == 0.0 else "finite and <= 1"
+    given = real_numbers(name, values, allowed)
+    bad = ~(np.isfinite(given) & (given >= low) & (given <= high))
+    if np.any(bad):
+        raise refusal(name, float(given[bad].flat[0]), allowed)
+    return given
 
 
 def _source(values: Complex) -> Array:

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact import checks
+from spectral_contact import checks, choices
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
 from spectral_contact.interior.mesh import Evaluator, Mesh, Points, graded
 from spectral_contact.interior.results import Displacement, Stress, Surface
-
-if TYPE_CHECKING:
-    from spectral_contact.solution import Solution
+from spectral_contact.solution import Solution
 
 __all__ = ["Inside", "Units"]
 
@@ -33,11 +32,13 @@ _CLOSEST = 1e-16
 _AXIS = 1e-30
 
 
+@dataclass(frozen=True, slots=True)
 class Units:
     """What a length, a stress and a displacement are multiplied by; 1 for dimensionless ones."""
 
-    def __init__(self, length: float = 1.0, stress: float = 1.0, displacement: float = 1.0) -> None:
-        self.length, self.stress, self.displacement = length, stress, displacement
+    length: float = 1.0
+    stress: float = 1.0
+    displacement: float = 1.0
 
 
 class Inside:
@@ -54,16 +55,19 @@ class Inside:
     Parameters
     ----------
     solution : Solution
-    units : Units
+    units : Units, optional
 
     Raises
     ------
+    SceneError
+        If one of them is something else.
     NotComputedError
         If the pressure or the traction was not asked for.
     """
 
-    def __init__(self, solution: Solution, units: Units) -> None:
-        self._solution, self._units = solution, units
+    def __init__(self, solution: Solution, units: Units | None = None) -> None:
+        self._solution = choices.instance("solution", solution, Solution)
+        self._units = Units() if units is None else choices.instance("units", units, Units)
         self._nu = solution.scene.poisson_ratio
         pressure, traction = solution.pressure_field, solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed
@@ -85,9 +89,9 @@ class Inside:
     def _points(
         self, r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None
     ) -> tuple[Points, tuple[int, ...]]:
-        checks.exactly_one("r", r, "from_edge", from_edge)
         length = self._units.length
         depth = _length("z", z, length)
+        checks.exactly_one("r", r, "from_edge", from_edge)
         if from_edge is None:
             radius = _length("r", r, length)
             distance = 1.0 - radius

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields import Radius
 
-__all__ = ["Mesh", "Nodes", "Points", "graded"]
+__all__ = ["Evaluator", "Mesh", "Nodes", "Points", "graded"]
 
 Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]

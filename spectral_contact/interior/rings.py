@@ -15,8 +15,14 @@ from numpy.typing import NDArray
 
 from spectral_contact.interior.elliptic import Elliptic, elliptic, solid_angle
 
-__all__ = ["Geometry", "normal_displacement", "normal_stress", "radial_displacement"]
-__all__ += ["geometry", "radial_stress"]
+__all__ = [
+    "Geometry",
+    "geometry",
+    "normal_displacement",
+    "normal_stress",
+    "radial_displacement",
+    "radial_stress",
+]
 
 Array = NDArray[np.float64]
 
