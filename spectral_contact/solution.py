@@ -1,13 +1,10 @@
-"""What a solve returns: values, fields, errors, the plan and the work; all of it immutable data.
-
-The plain records are defined in `spectral_contact.records`, and are exported here, too.
-"""
+"""What a solve returns, all of it immutable data; plain records are those of `records`."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +31,9 @@ from spectral_contact.records import (
     Zone,
 )
 from spectral_contact.scene import Scene
+
+if TYPE_CHECKING:
+    from spectral_contact.interior import Inside
 
 __all__ = [
     "COUPLING",
@@ -247,6 +247,13 @@ class Solution:
         return self._field(self.slip_field, "slip", s, from_edge)
 
     @property
+    def inside(self) -> Inside:
+        """Stress and displacement anywhere in the half-space; needs pressure and traction."""
+        from spectral_contact.interior import Inside
+
+        return Inside(self)
+
+    @property
     def physical(self) -> PhysicalSolution:
         """The same quantities in Pa, m and N.
 
@@ -319,17 +326,8 @@ class Solution:
 
     @property
     def less_certain(self) -> dict[str, float]:
-        """Estimates above `rtol`, by quantity, though the solve may have converged.
-
-        `rtol` bounds approach, pressure, traction and total shear. Zone boundaries and slip are as
-        certain as their conditioning lets them be: next to the friction at which a zone appears its
-        width is known to fewer digits than all else. Infinite where no digit is known.
-        """
-        return {
-            name: error
-            for name in self.plan.quantities
-            if (error := getattr(self.error, name)) is not None and not error <= self.rtol
-        }
+        """Estimates above `rtol`, by quantity; see `ErrorEstimates.above`."""
+        return self.error.above(self.rtol, self.plan.quantities)
 
     def __repr__(self) -> str:
         known = ", ".join(
@@ -337,10 +335,9 @@ class Solution:
             for name in ("approach", "total_shear", "stick_radius")
             if isinstance(self.values.get(name), float)
         )
-        opening = self.values.get("opening")
+        opening, unsure = self.values.get("opening"), self.less_certain.items()
         opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
-        less = ", ".join(f"{name} to {error:.1e}" for name, error in self.less_certain.items())
-        less = f" but for {less}" if less else ""
+        less = " but for" * bool(unsure) + ",".join(f" {k} to {error:.1e}" for k, error in unsure)
         return f"<Solution {known}{opens} converged={self.converged}{less}>"
 
 
@@ -429,6 +426,14 @@ class PhysicalSolution:
         if from_edge is None:
             return evaluate(checks.lengths("r", r, a, "m") / a) * factor
         return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
+
+    @property
+    def inside(self) -> Inside:
+        """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
+        from spectral_contact.interior import Inside, Units
+
+        stress = float(self._data.pressure_scale(self.load))
+        return Inside(self.solution, Units(self.radius, stress, self._length))
 
     def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""

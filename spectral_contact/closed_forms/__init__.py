@@ -6,6 +6,7 @@ the load 1.
 
 ===================  ===============================================================================
 ``smooth``           no roughness, no coupling, stuck everywhere: elementary
+``flat_punch``       no roughness, no friction: stress and displacement in the body, elementary
 ``partial_slip``     no roughness, no coupling, slip outside the stick radius: elliptic integrals
 ``coupled``          no roughness, coupled, stuck everywhere: Mossakovskij and Spence
 ``eigenpairs``       eigenvalues and eigenfunctions of the half-space operators
@@ -22,6 +23,7 @@ from .coupled import (
     oscillation_exponent,
 )
 from .eigenpairs import eigenfunction, eigenfunction_image, eigenvalue
+from .flat_punch import flat_punch_displacement, flat_punch_stress
 from .partial_slip import partial_slip_shear, partial_slip_traction, slip_displacement
 from .series import (
     approach_large_compliance,
@@ -44,6 +46,8 @@ __all__ = [
     "eigenfunction",
     "eigenfunction_image",
     "eigenvalue",
+    "flat_punch_displacement",
+    "flat_punch_stress",
     "full_stick_shear",
     "full_stick_traction",
     "oscillation_exponent",

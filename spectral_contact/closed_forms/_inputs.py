@@ -49,13 +49,7 @@ def position(s: ArrayLike | None, from_edge: ArrayLike | None) -> Position:
         allowed = "one value and one None: give either the distance from the centre or the edge"
         raise refusal("s, from_edge", (s, from_edge), allowed)
     name, values = ("from_edge", from_edge) if s is None else ("s", s)
-    try:
-        given = np.asarray("" if _becomes_a_number(values) else values)
-    except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
-        raise refusal(name, values, "real numbers in [0, 1], of one shape") from error
-    if given.dtype.kind not in "fiu":
-        raise refusal(name, values, "real numbers in [0, 1], neither masked nor boolean")
-    given = np.asarray(given, dtype=np.float64)
+    given = real_numbers(name, values, "in [0, 1]")
     outside = ~((given >= 0.0) & (given <= 1.0))
     if np.any(outside):
         raise ValueError(f"{name} = {given[outside][0]}: must be in [0, 1]")
@@ -67,6 +61,23 @@ def position(s: ArrayLike | None, from_edge: ArrayLike | None) -> Position:
         # Where y is near 1 its logarithm is small, and only −s² still knows its digits.
         log_y = np.where(radius < 0.5, np.log1p(-radius * radius), np.log(y))
     return Position(np.asarray(radius), np.asarray(edge), y, log_y, given.ndim == 0)
+
+
+def real_numbers(name: str, values: ArrayLike | None, allowed: str) -> Array:
+    """Return real numbers as an array of doubles.
+
+    Raises
+    ------
+    ValueError
+        If they are not numbers, masked, boolean or not of one shape.
+    """
+    try:
+        given = np.asarray("" if _becomes_a_number(values) else values)
+    except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
+        raise refusal(name, values, f"real numbers {allowed}, of one shape") from error
+    if given.dtype.kind not in "fiu":
+        raise refusal(name, values, f"real numbers {allowed}, neither masked nor boolean")
+    return np.asarray(given, dtype=np.float64)
 
 
 def check_poisson_ratio(value: float) -> float:

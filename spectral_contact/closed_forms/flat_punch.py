@@ -1,0 +1,133 @@
+"""Below a smooth, frictionless flat punch: Sneddon's solution, elementary functions throughout.
+
+With ``zeta = z + i`` and ``rho = sqrt(r**2 + zeta**2)`` every component is the imaginary part of an
+algebraic function of r, z, rho (Sneddon 1946): the contact is a source at the imaginary depth -i.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._inputs import check_poisson_ratio, real_numbers, refusal
+
+__all__ = [
+    "PunchDisplacement",
+    "PunchStress",
+    "flat_punch_displacement",
+    "flat_punch_stress",
+]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+class PunchStress(NamedTuple):
+    """Stresses below the punch, tension positive, dimensionless: ``a**2 sigma / P``."""
+
+    rr: Array
+    tt: Array
+    zz: Array
+    rz: Array
+
+
+class PunchDisplacement(NamedTuple):
+    """Displacements outward and into the body: ``u a E / (4 (1 - nu**2) P)``."""
+
+    r: Array
+    z: Array
+
+
+class _Place(NamedTuple):
+    r: Array
+    z: Array
+    zeta: Complex
+    rho: Complex
+
+
+def _place(r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None) -> _Place:
+    depth = _lengths("z", z)
+    if (r is None) == (from_edge is None):
+        raise refusal("r, from_edge", (r, from_edge), "one value and one None")
+    if from_edge is None:
+        radius = _lengths("r", r)
+        edge = 1.0 - radius
+    else:
+        edge = _lengths("from_edge", from_edge, low=-np.inf, high=1.0)
+        radius = 1.0 - edge
+    try:
+        np.broadcast_shapes(radius.shape, depth.shape)
+    except ValueError:
+        name = "r, z" if from_edge is None else "from_edge, z"
+        raise refusal(name, (radius.shape, depth.shape), "of shapes that broadcast") from None
+    # r**2 - 1 from the distance to the edge; the root is the one with a positive real part
+    square = depth**2 - edge * (1.0 + radius) + 2j * depth
+    return _Place(radius, depth, depth + 1j, np.sqrt(square))
+
+
+def _lengths(name: str, values: Any, low: float = 0.0, high: float = np.inf) -> Array:
+    allowed = "finite and >= 0" if low == 0.0 else "finite and <= 1"
+    given = real_numbers(name, values, allowed)
+    bad = ~(np.isfinite(given) & (given >= low) & (given <= high))
+    if np.any(bad):
+        raise refusal(name, float(given[bad].flat[0]), allowed)
+    return given
+
+
+def _source(values: Complex) -> Array:
+    return np.asarray(-np.imag(values) / (2.0 * np.pi))
+
+
+def flat_punch_stress(
+    poisson_ratio: float,
+    r: ArrayLike | None = None,
+    z: ArrayLike = 0.0,
+    *,
+    from_edge: ArrayLike | None = None,
+) -> PunchStress:
+    """Return the stress anywhere in the half-space, but at the edge.
+
+    Parameters
+    ----------
+    poisson_ratio : float
+    r, z : array_like
+        Distance from the axis and depth, in punch radii.
+    from_edge : array_like, optional
+        Instead of `r`: ``1 - r``, negative outside.
+
+    Raises
+    ------
+    ValueError
+        For a point outside the half-space, both or neither of `r` and `from_edge`, or a Poisson's
+        ratio outside (-1, 1/2].
+    """
+    nu = check_poisson_ratio(poisson_ratio)
+    r_, z_, zeta, rho = _place(r, z, from_edge)
+    harmonic = _source(1.0 / rho)
+    zz = -harmonic - _source(z_ * zeta / rho**3)
+    rz = -_source(z_ * r_ / rho**3)
+    out = -(1.0 - 2.0 * nu) * _source(1.0 / (rho + zeta)) + _source(z_ / (rho * (rho + zeta)))
+    tt = out - 2.0 * nu * harmonic
+    return PunchStress(-2.0 * harmonic - zz - out, tt, zz, rz)
+
+
+def flat_punch_displacement(
+    poisson_ratio: float,
+    r: ArrayLike | None = None,
+    z: ArrayLike = 0.0,
+    *,
+    from_edge: ArrayLike | None = None,
+) -> PunchDisplacement:
+    """Return the displacement anywhere in the half-space.
+
+    Parameters and errors are those of `flat_punch_stress`.
+    """
+    nu = check_poisson_ratio(poisson_ratio)
+    r_, z_, zeta, rho = _place(r, z, from_edge)
+    shear = 4.0 * (1.0 - nu)
+    with np.errstate(divide="ignore", invalid="ignore"):  # at the edge z / rho is 0 / 0
+        sink = np.where(z_ > 0.0, _source(z_ / rho), 0.0)
+        across = np.where(z_ > 0.0, _source(z_ / (rho * (rho + zeta))), 0.0)
+    down = (1.0 - nu) / np.pi * np.angle(zeta + rho) + sink
+    out = r_ * (across - (1.0 - 2.0 * nu) * _source(1.0 / (rho + zeta)))
+    return PunchDisplacement(out / shear, down / shear)

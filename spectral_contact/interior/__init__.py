@@ -1,0 +1,9 @@
+"""Inside the body: stress and displacement anywhere in the half-space, from the loads on it.
+
+A solution imports this when `Solution.inside` is asked for; it knows no solver, only the fields.
+"""
+
+from spectral_contact.interior.body import Inside, Units
+from spectral_contact.interior.results import Displacement, Stress, Surface
+
+__all__ = ["Displacement", "Inside", "Stress", "Surface", "Units"]

@@ -1,0 +1,105 @@
+"""Displacement and stress at points of the body, and the shape of its surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Displacement", "Stress", "Surface"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Displacement:
+    """Displacement of points of the body, in the units of the solution that was asked.
+
+    Attributes
+    ----------
+    r, z : float or ndarray
+        Outward, and into the body, of the shape of the points.
+    error : float or ndarray
+        Estimated error of either, relative to the length of the displacement.
+    """
+
+    r: Any
+    z: Any
+    error: Any
+
+    @property
+    def modulus(self) -> Any:
+        """Length of the displacement."""
+        return np.hypot(self.r, self.z)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stress:
+    """Stress at points of the body, tension positive, in the units of the solution that was asked.
+
+    Attributes
+    ----------
+    rr, tt, zz, rz : float or ndarray
+        Radial, hoop and axial stress, and the shear, of the shape of the points.
+    error : float or ndarray
+        Estimated error of each, relative to `norm`.
+    """
+
+    rr: Any
+    tt: Any
+    zz: Any
+    rz: Any
+    error: Any
+
+    @property
+    def norm(self) -> Any:
+        """Root of the sum of the squares of the nine components."""
+        return np.sqrt(self.rr**2 + self.tt**2 + self.zz**2 + 2.0 * self.rz**2)
+
+    @property
+    def mean(self) -> Any:
+        """A third of the trace; minus this is the hydrostatic pressure."""
+        return (self.rr + self.tt + self.zz) / 3.0
+
+    @property
+    def von_mises(self) -> Any:
+        """Equivalent stress of von Mises."""
+        apart = (self.rr - self.tt) ** 2 + (self.tt - self.zz) ** 2 + (self.zz - self.rr) ** 2
+        return np.sqrt(apart / 2.0 + 3.0 * self.rz**2)
+
+    @property
+    def principal(self) -> Array:
+        """Principal stresses, largest first: an array with the shape (3, ...)."""
+        middle = (self.rr + self.zz) / 2.0
+        radius = np.hypot((self.rr - self.zz) / 2.0, self.rz)
+        three = np.stack(np.broadcast_arrays(middle + radius, middle - radius, self.tt))
+        return np.asarray(-np.sort(-three, axis=0))
+
+    @property
+    def max_shear(self) -> Any:
+        """Largest shear stress in any plane: half the range of the principal stresses."""
+        three = self.principal
+        return (three[0] - three[2]) / 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Shape of the deformed surface, in the units of the solution that was asked.
+
+    Attributes
+    ----------
+    r, z : float or ndarray
+        Displacement of the surface outward and into the body, of the shape of the radii.
+    gap : float or ndarray
+        Approach minus `z`: how far the body's surface is from the plane of the punch's face.
+        Inside the contact this is what the layer of roughness is compressed by.
+    error : float or ndarray
+        Estimated error of `r` and `z`, relative to the length of the displacement.
+    """
+
+    r: Any
+    z: Any
+    gap: Any
+    error: Any

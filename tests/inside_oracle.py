@@ -1,0 +1,143 @@
+"""Fields below a contact by Hankel integrals: for tests, and free of the library's kernels.
+
+Two routes. `stuck` has the half-integrals of a smooth contact, stuck all over, in closed form, and
+integrates elementary complex functions over them in mpmath, at any depth. `hankel` integrates the
+loads of any solution times Bessel functions, twice, at depths that are not small.
+"""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
+
+import mpmath as mp
+import numpy as np
+from scipy.special import j0, j1
+
+
+class Fields(NamedTuple):
+    """Stresses and displacements, as the library's results name them."""
+
+    rr: float
+    tt: float
+    zz: float
+    rz: float
+    out: float
+    down: float
+
+
+def assemble(nu, r, loads):
+    """Return the fields from the integrals, by name, of the two transforms.
+
+    `loads` holds pairs (of A, of B) of the integrals of ``A exp(-k z) J_n k**l``: keys (n, l),
+    and (n, l, "z") with a further factor k z.
+    """
+
+    def both(key, of_a, of_b):
+        a, b = loads[key]
+        return of_a * a + of_b * b
+
+    zz = both((0, 1), -1, 0) + both((0, 1, "z"), -1, 1)
+    rz = both((1, 1), 0, -1) + both((1, 1, "z"), -1, 1)
+    out = both((1, 0), -(1 - 2 * nu), 2 * (1 - nu)) + both((1, 0, "z"), 1, -1)
+    down = both((0, 0), 2 * (1 - nu), -(1 - 2 * nu)) + both((0, 0, "z"), 1, -1)
+    slope = both((0, 1), -(1 - 2 * nu), 2 * (1 - nu)) + both((0, 1, "z"), 1, -1) - out / r
+    dilation = 2 * nu * both((0, 1), 1, -1)
+    shear = 4 * (1 - nu)
+    return Fields(slope - dilation, out / r - dilation, zz, rz, out / shear, down / shear)
+
+
+def _elementary(r, z, t) -> dict[tuple, mp.mpc]:
+    """Return ``int exp(-k (z + i t)) J_n k**l dk``, times k z where the key says so."""
+    depth = mp.mpc(z, t)
+    root = mp.sqrt(r**2 + depth**2)
+    return {
+        (0, -1): -mp.log(depth + root),
+        (0, 0): 1 / root,
+        (0, 1): depth / root**3,
+        (0, 2): (2 * depth**2 - r**2) / root**5,
+        (1, -1): r / (root + depth),
+        (1, 0): r / (root * (root + depth)),
+        (1, 1): r / root**3,
+        (1, 2): 3 * r * depth / root**5,
+    }
+
+
+_RULE = mp.calculus.quadrature.GaussLegendre(mp.mp).calc_nodes(4, 110)
+_KEYS = [(n, power) for n in (0, 1) for power in (0, 1)]
+
+
+def _parts(r, z, t, lower: int, take: Callable[[mp.mpc], mp.mpf]) -> dict[tuple, mp.mpf]:
+    table = _elementary(r, z, t)
+    parts = {(n, power): take(table[n, power - lower]) for n, power in _KEYS}
+    return parts | {(n, power, "z"): z * take(table[n, power + 1 - lower]) for n, power in _KEYS}
+
+
+def stuck(nu: float, r: float, z: float, from_edge: float | None = None) -> Fields:
+    """Return the fields of a smooth contact that is stuck all over, without coupling.
+
+    ``F = 1/4``, so that ``A = sin k / (2 pi k)``, and ``t G = (kappa/pi) artanh t``.
+    """
+    with mp.workdps(30):
+        radius = mp.mpf(r) if from_edge is None else 1 - mp.mpf(from_edge)
+        nu, z = mp.mpf(nu), mp.mpf(z)
+        kappa = (1 - 2 * nu) / (4 * (1 - nu))
+        normal = _parts(radius, z, mp.mpf(1), 1, lambda value: -mp.im(value) / (2 * mp.pi))
+        shear = _over_stuck(radius, z, kappa)
+        loads = {key: (normal[key], shear[key]) for key in normal}
+        return Fields(*(float(value) for value in assemble(nu, radius, loads)))
+
+
+def _over_stuck(radius, z, kappa) -> dict[tuple, mp.mpf]:
+    """Integrate over t with Gauss's rule on panels graded to the edge and to the point."""
+    here = 1 - radius
+    places = {mp.mpf(0), mp.mpf(1), here}
+    for step in range(-44, 1):
+        distance = mp.mpf(10) ** (mp.mpf(step) / 2)
+        places |= {distance, here + distance, here - distance}
+    ends = sorted(place for place in places if 0 <= place <= 1)
+    total: dict[tuple, mp.mpf] = {}
+    for low, high in pairwise(ends):
+        for node, weight in _RULE:
+            rest = low + (high - low) * (1 + node) / 2  # 1 - t, which may be tiny
+            share = weight * (high - low) / 2 * mp.log((2 - rest) / rest) / 2
+            parts = _parts(radius, z, 1 - rest, 0, lambda value: -mp.im(value))
+            for key, value in parts.items():
+                total[key] = total.get(key, 0) + share * value
+    return {key: 2 * kappa / mp.pi**2 * value for key, value in total.items()}
+
+
+def hankel(solution, r: float, z: float) -> Fields:
+    """Return the fields of any solution from Bessel functions; `z` should not be below 0.1."""
+    s, from_edge, weight = _over_contact(solution)
+    pressure = solution.pressure(from_edge=from_edge) * s * weight
+    traction = solution.traction(from_edge=from_edge) * s * weight
+    k, dk = _gauss(np.linspace(0.0, 42.0 / z, int(42.0 / z / 2.5) + 6), 14)
+    a = np.concatenate([j0(part[:, None] * s) @ pressure for part in np.array_split(k, 20)])
+    b = np.concatenate([j1(part[:, None] * s) @ traction for part in np.array_split(k, 20)])
+    loads = {}
+    for n, bessel in ((0, j0), (1, j1)):
+        for power in (0, 1):
+            kernel = np.exp(-k * z) * bessel(k * r) * k**power * dk
+            loads[n, power] = (kernel @ a, kernel @ b)
+            loads[n, power, "z"] = ((kernel * k * z) @ a, (kernel * k * z) @ b)
+    return Fields(*(float(value) for value in assemble(solution.scene.poisson_ratio, r, loads)))
+
+
+def _gauss(ends, order):
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    half, middle = np.diff(ends)[:, None] / 2, (ends[1:] + ends[:-1])[:, None] / 2
+    return (middle + half * nodes).ravel(), (half * weights).ravel()
+
+
+def _over_contact(solution):
+    """Return nodes graded to every boundary, from both sides, and to the edge."""
+    inner = [zone.outer_from_edge for zone in solution.zones if zone.outer_from_edge > 0.0]
+    boundaries = [1.0, *inner, 0.0]
+    ends = set(boundaries)
+    for outer, one in pairwise(boundaries):
+        half = (outer - one) / 2.0
+        steps = half * 0.4 ** np.arange(90 if one == 0.0 else 36)
+        ends |= set(one + steps) | set(np.linspace(one, outer, 25)[1:-1])
+        ends |= set(outer - steps[:36])
+    from_edge, weight = _gauss(np.array(sorted(ends)), 14)
+    return 1.0 - from_edge, from_edge, weight

@@ -1,0 +1,212 @@
+"""Stress and displacement in the body: closed forms, Hankel integrals, identities, bad input."""
+
+import math
+
+import numpy as np
+import pytest
+from inside_oracle import hankel, stuck
+
+from spectral_contact import NotComputedError, Scene, SceneError, solve
+from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress
+
+SCENES = {
+    "slip": Scene(0.1, 0.5, 0.5, 0.1),
+    "interior slip": Scene(0.3, 0.05, 1.0, 0.23 / 7.0),
+    "coupled slip": Scene(0.2, 1e-3, 1e-3, 0.2, coupling=True),
+    "coupled stick": Scene(0.0, 0.2, 0.5, math.inf, coupling=True),
+    "oscillating": Scene(0.0, friction=math.inf, coupling=True),
+}
+
+
+@pytest.fixture(scope="module")
+def solutions():
+    return {name: solve(scene, rtol=1e-11) for name, scene in SCENES.items()}
+
+
+def deviations(body, expected, **points):
+    """Return the true errors of stress and displacement, relative to their sizes."""
+    stress, moved = body.stress(**points), body.displacement(**points)
+    got = np.array([stress.rr, stress.tt, stress.zz, stress.rz])
+    of_stress = np.abs(got - np.array(expected[:4])).max(axis=0) / np.maximum(stress.norm, 1e-300)
+    of_moved = np.abs(np.array([moved.r, moved.z]) - np.array(expected[4:])).max(axis=0)
+    return (of_stress, stress.error), (of_moved / moved.modulus, moved.error)
+
+
+def scattered(count):
+    """Return points at every distance from the edge, the axis and the surface."""
+    rng = np.random.default_rng(7)
+    size = 10.0 ** rng.uniform(-12.0, 0.0, (4, count))
+    from_edge = np.concatenate([size[0], -10.0 * size[1], 1.0 - size[2]])
+    z = 10.0 ** rng.uniform(-12.0, 1.5, 3 * count)
+    z[::10] = 0.0
+    from_edge[-1], z[-1] = 1.0, 0.0  # the centre of the surface
+    z[1 : 2 * count : 3] = np.abs(from_edge[1 : 2 * count : 3]) * rng.uniform(0.1, 3.0, 1)
+    return {"from_edge": from_edge, "z": z}
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_sneddons_punch_is_met_everywhere_and_estimates_are_honest(nu):
+    points = scattered(40)
+    expected = [
+        *flat_punch_stress(nu, **points),
+        *flat_punch_displacement(nu, **points),
+    ]
+    for true, estimate in deviations(solve(Scene(nu)).inside, expected, **points):
+        assert np.all(true <= estimate)
+        assert np.all(estimate < 1e-12)
+
+
+def test_closed_form_has_the_stress_on_the_axis():
+    z = np.array([0.0, 0.3, 1.0, 20.0])
+    stress = flat_punch_stress(0.3, 0.0, z)
+    np.testing.assert_allclose(stress.zz, -(1 + 3 * z**2) / (2 * np.pi * (1 + z**2) ** 2), 1e-14)
+    np.testing.assert_allclose(stress.rr, stress.tt, 1e-14)
+    np.testing.assert_allclose(flat_punch_displacement(0.3, 0.7).z, 0.125, 1e-15)
+
+
+@pytest.mark.parametrize("z", [1e-12, 0.3])
+@pytest.mark.parametrize("from_edge", [0.5, 1e-10, -1e-6])
+def test_smooth_contact_that_sticks_is_met_down_to_edge_and_surface(from_edge, z):
+    body = solve(Scene(0.2, friction=math.inf)).inside
+    expected = stuck(0.2, 1.0 - from_edge, z, from_edge)
+    for true, estimate in deviations(body, expected, from_edge=from_edge, z=z):
+        assert true <= estimate < 1e-12
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(("r", "z"), [(0.64, 0.12), (1.2, 0.2), (1e-6, 0.4)])
+def test_hankel_integrals_of_any_solution_are_met(solutions, name, r, z):
+    solution = solutions[name]
+    for true, estimate in deviations(solution.inside, hankel(solution, r, z), r=r, z=z):
+        assert true <= estimate < 1e-10
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_on_the_surface_tractions_are_the_fields(solutions, name):
+    solution = solutions[name]
+    from_edge = np.array([1.0, 0.4, 1e-3, 1e-12])
+    stress = solution.inside.stress(from_edge=from_edge)
+    np.testing.assert_array_equal(stress.zz, -solution.pressure(from_edge=from_edge))
+    np.testing.assert_array_equal(stress.rz, -solution.traction(from_edge=from_edge))
+    outside = solution.inside.stress([1.0 + 1e-12, 3.0])
+    assert np.all(outside.zz == 0.0)
+    assert np.all(outside.rz == 0.0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_surface_is_the_limit_from_below(solutions, name):
+    body, radii = solutions[name].inside, np.array([0.3, 0.9, 1.1])
+    above, below = body.stress(radii), body.stress(radii, 1e-13)
+    for component in ("rr", "tt", "zz", "rz"):
+        apart = np.abs(getattr(above, component) - getattr(below, component))
+        assert np.all(apart < 1e-11 * above.norm)
+
+
+@pytest.mark.parametrize("name", ["coupled slip", "coupled stick", "oscillating"])
+def test_coupled_displacements_of_the_surface_meet_the_boundary_conditions(solutions, name):
+    solution = solutions[name]
+    from_edge = np.array([0.99, 0.6, 0.3, 1e-2, 1e-6, 1e-12])
+    scene = solution.scene
+    surface = solution.inside.surface(from_edge=from_edge)
+    layer = scene.normal_compliance * solution.pressure(from_edge=from_edge)
+    size = np.hypot(surface.r, surface.z)
+    assert np.all(np.abs(surface.gap - layer) <= 1e-10 * size)
+    sticks = 1.0 - from_edge < solution.stick_radius
+    sheared = scene.tangential_compliance * solution.traction(from_edge=from_edge)
+    assert sticks.sum() >= 2
+    assert np.all(np.abs(surface.r + sheared)[sticks] <= 1e-10 * size[sticks])
+
+
+def test_without_coupling_the_surface_also_moves_under_the_traction(solutions):
+    solution, radii = solutions["slip"], np.array([0.2, 0.8])
+    gap = solution.inside.surface(radii).gap - 0.5 * solution.pressure(radii)
+    for radius, extra in zip(radii, gap, strict=True):
+        s, ds = np.polynomial.legendre.leggauss(400)
+        s, ds = radius + (1.0 - radius) * (1.0 + s) / 2.0, ds * (1.0 - radius) / 2.0
+        assert extra == pytest.approx(solution.scene.kappa * solution.traction(s) @ ds, rel=1e-5)
+
+
+def test_far_away_the_stress_is_that_of_a_point_force(solutions):
+    stress, distance = solutions["slip"].inside.stress(3e4, 4e4), 5e4
+    zz = -3.0 / (2.0 * np.pi) * 4e4**3 / distance**5
+    assert stress.zz == pytest.approx(zz, rel=1e-8)
+    assert stress.rz == pytest.approx(zz * 0.75, rel=1e-8)
+
+
+@pytest.mark.parametrize("name", ["coupled slip", "interior slip"])
+def test_fields_are_in_equilibrium_and_obey_hooke(solutions, name):
+    body, nu = solutions[name].inside, SCENES[name].poisson_ratio
+    r, z, h = 0.7, 0.2, 2e-3
+    steps = np.array([-2.0, -1.0, 1.0, 2.0]) * h
+    rule = np.array([1.0, -8.0, 8.0, -1.0]) / (12.0 * h)
+    across, down = body.stress(r + steps, z), body.stress(r, z + steps)
+    here = body.stress(r, z)
+    radial = rule @ across.rr + rule @ down.rz + (here.rr - here.tt) / r
+    axial = rule @ across.rz + rule @ down.zz + here.rz / r
+    moved, sunk = body.displacement(r + steps, z), body.displacement(r, z + steps)
+    strain = np.array([rule @ moved.r, body.displacement(r, z).r / r, rule @ sunk.z])
+    double = 4.0 * (1.0 - nu)  # twice the shear modulus
+    hooke = double * (strain + nu / (1.0 - 2.0 * nu) * strain.sum())
+    shear = double / 2.0 * (rule @ moved.z + rule @ sunk.r)
+    assert max(abs(radial), abs(axial)) < 1e-6
+    np.testing.assert_allclose([here.rr, here.tt, here.zz, here.rz], [*hooke, shear], atol=1e-7)
+
+
+def test_invariants_are_those_of_the_tensor(solutions):
+    stress = solutions["slip"].inside.stress([[0.3], [1.4]], [0.1, 0.5, 2.0])
+    assert stress.rr.shape == (2, 3)
+    tensor = np.zeros((2, 3, 3, 3))
+    tensor[..., 0, 0], tensor[..., 1, 1], tensor[..., 2, 2] = stress.rr, stress.tt, stress.zz
+    tensor[..., 0, 2] = tensor[..., 2, 0] = stress.rz
+    values = np.moveaxis(np.linalg.eigvalsh(tensor)[..., ::-1], -1, 0)
+    np.testing.assert_allclose(stress.principal, values, atol=1e-14)
+    np.testing.assert_allclose(stress.max_shear, (values[0] - values[2]) / 2.0, atol=1e-14)
+    deviator = values - stress.mean
+    np.testing.assert_allclose(stress.von_mises, np.sqrt(1.5 * (deviator**2).sum(axis=0)), 1e-12)
+    np.testing.assert_allclose(stress.norm, np.sqrt((values**2).sum(axis=0)), 1e-12)
+
+
+def test_physical_units_are_those_of_the_solution():
+    scene = Scene.from_physical(
+        radius=0.01, youngs_modulus=2e11, poisson_ratio=0.3, load=1e3, friction=None
+    )
+    solution = solve(scene)
+    body, same = solution.physical.inside, solution.inside
+    stress = body.stress(0.004, 0.002)
+    assert stress.zz == pytest.approx(same.stress(0.4, 0.2).zz * 1e3 / 1e-4, rel=1e-14)
+    assert body.surface(0.004).z == pytest.approx(solution.physical.approach, rel=1e-12)
+    assert body.displacement(from_edge=-0.01, z=0.0).z == pytest.approx(body.surface(0.02).z)
+
+
+@pytest.mark.parametrize(
+    ("points", "name"),
+    [
+        ({"r": -0.1, "z": 0.0}, "r"),
+        ({"r": math.nan, "z": 0.0}, "r"),
+        ({"r": 0.5, "z": -1e-3}, "z"),
+        ({"r": 0.5, "z": [0.1, math.inf]}, "z"),
+        ({"r": "half", "z": 0.0}, "r"),
+        ({"from_edge": 1.5, "z": 0.0}, "from_edge"),
+        ({"r": [0.1, 0.2], "z": [0.1, 0.2, 0.3]}, "r, z"),
+        ({"r": 0.5, "from_edge": 0.5, "z": 0.1}, "r, from_edge"),
+        ({"z": 0.1}, "r, from_edge"),
+        ({"r": 1.0, "z": 0.0}, "r, z"),
+    ],
+)
+def test_bad_points_are_refused_by_name(points, name):
+    with pytest.raises(SceneError) as caught:
+        solve(Scene(0.3)).inside.stress(**points)
+    assert caught.value.parameter == name
+
+
+def test_at_the_edge_the_displacement_has_a_value():
+    assert solve(Scene(0.3)).inside.displacement(1.0).z == pytest.approx(0.125, rel=1e-12)
+
+
+def test_what_was_not_computed_is_refused():
+    with pytest.raises(NotComputedError):
+        _ = solve(Scene(0.3, 0.5), quantities=["approach"]).inside
+
+
+def test_no_points_are_no_error():
+    assert solve(Scene(0.3)).inside.stress([], 0.1).rr.shape == (0,)
