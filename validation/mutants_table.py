@@ -357,8 +357,8 @@ MUTANTS = (
     Mutant(
         "a changed solution is loaded",
         f"{_PACKAGE}/storage.py",
-        'again["sha256"] != document["sha256"]',
-        "False",
+        '_checksum(tree, used) != document["sha256"] or ',
+        "",
         f"{_UNIT}/test_storage.py -k changed_documents",
     ),
     Mutant(

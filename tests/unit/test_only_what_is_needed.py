@@ -25,9 +25,10 @@ ONE_DISK = FULL_STICK | {
     "partial_slip",
     "rim",
     "slip_displacement",
+    "slip_outcome",
     "stick_radius",
 }
-ANY_ZONES = ONE_DISK | {"boundaries", "stick_annuli", "zone_search", "zone_system", "zones"}
+ANY_ZONES = ONE_DISK | {"boundaries", "stick_annuli", "zone_system", "zones"}
 ONSET = FULL_STICK | {"layout", "onset", "zone_search"}
 COUPLED_STICK = NORMAL | {"coupled_parts", "coupled_stick", "ratio"}
 ALPHAS = (0.0, 1e-8, 0.5, 1e4)
