@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import (
+    QUANTITIES,
     ConvergenceError,
     Ending,
     NotComputedError,
@@ -317,15 +318,16 @@ def test_slip_is_unknown_where_the_zones_are():
     assert solution.error.slip == math.inf
 
 
-@pytest.mark.parametrize("doubtful", [0.5, 0.1], ids=["not searched for", "searched for"])
+@pytest.mark.parametrize("doubtful", [0.5, 0.1], ids=["not doubted", "doubted"])
 def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch, doubtful):
     monkeypatch.setattr(slip_outcome, "_DOUBTFUL", doubtful)
     # `solve` would try once more, more tightly
-    solution = Continuation(3e-5).solve(Scene(0.3, 0.5, 0.5, friction=0.10101831))
+    scene = Scene(0.3, 0.5, 0.5, friction=0.10101831)
+    solution = Continuation(3e-5, QUANTITIES, 20_000).solve(scene)
     assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
     assert solution.error.zones == math.inf
-    searched = "zone search" in {step.name for step in solution.work.steps}
-    assert searched == (doubtful == 0.1)
+    # what has the wrong sense is noise, in which no zones are looked for
+    assert "zone search" not in {step.name for step in solution.work.steps}
 
 
 @pytest.mark.parametrize(
