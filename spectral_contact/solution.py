@@ -326,7 +326,7 @@ class Solution:
 
     @property
     def less_certain(self) -> dict[str, float]:
-        """Estimates above `rtol`, by quantity; see `ErrorEstimates.above`."""
+        """Estimates above `rtol`, by quantity, as `ErrorEstimates` can list them."""
         return self.error.above(self.rtol, self.plan.quantities)
 
     def __repr__(self) -> str:

@@ -71,7 +71,7 @@ class Stress:
 
     @property
     def principal(self) -> Array:
-        """Principal stresses, largest first: an array with the shape (3, ...)."""
+        """Principal stresses, largest first, as an array with the shape (3, ...)."""
         middle = (self.rr + self.zz) / 2.0
         radius = np.hypot((self.rr - self.zz) / 2.0, self.rz)
         three = np.stack(np.broadcast_arrays(middle + radius, middle - radius, self.tt))
@@ -79,7 +79,7 @@ class Stress:
 
     @property
     def max_shear(self) -> Any:
-        """Largest shear stress in any plane: half the range of the principal stresses."""
+        """Largest shear stress in any plane, half the range of the principal stresses."""
         three = self.principal
         return (three[0] - three[2]) / 2.0
 
