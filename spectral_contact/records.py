@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -164,17 +163,6 @@ class ErrorEstimates:
     edge_ratio: float | None = None
     critical_friction: float | None = None
     violation: float | None = None
-
-    def above(self, rtol: float, quantities: Iterable[str]) -> dict[str, float]:
-        """Return the estimates of quantities that are above a tolerance.
-
-        The tolerance of a solve bounds approach, pressure, traction and total shear. Zone
-        boundaries and slip are as certain as their conditioning lets them be: next to the friction
-        at which a zone appears its width is known to fewer digits than all else. Infinite where no
-        digit is known.
-        """
-        estimates = {name: getattr(self, name) for name in quantities}
-        return {k: one for k, one in estimates.items() if one is not None and not one <= rtol}
 
 
 @dataclass(frozen=True, slots=True)

@@ -326,8 +326,9 @@ class Solution:
 
     @property
     def less_certain(self) -> dict[str, float]:
-        """Estimates above `rtol`, by quantity, as `ErrorEstimates` can list them."""
-        return self.error.above(self.rtol, self.plan.quantities)
+        """Estimates above `rtol`, as those of zone boundaries and slip may be; by quantity."""
+        estimates = {name: getattr(self.error, name) for name in self.plan.quantities}
+        return {k: one for k, one in estimates.items() if one is not None and not one <= self.rtol}
 
     def __repr__(self) -> str:
         known = ", ".join(
