@@ -184,7 +184,7 @@ def constant(value: Any) -> Callable[..., Any]:
 
 NO_NUMBERS = (
     *(True, "0.5", None, 0.5 + 0j, math.nan, object(), Broken()),
-    *(np.datetime64("NaT"), Decimal("0.5"), [[0.5], [0.5, 0.5]], np.ma.masked),
+    *(np.datetime64("NaT", "s"), Decimal("0.5"), [[0.5], [0.5, 0.5]], np.ma.masked),
 )
 NUMBER, WHOLE, ARRAY = {"real", "array"}, {"real", "whole", "array"}, {"array", "list of real"}
 
@@ -214,7 +214,10 @@ def pool() -> list[tuple[str, Callable[[], Any], set[str]]]:
         *((repr(x), x, {"text"}) for x in ("", "x", "a\nb", "aproach", "x" * 300, "\x00.json")),
         *((repr(x), x, {"path"}) for x in (b"x", Path("none/x.json"))),
         *((repr(x), x, set()) for x in (math.nan, np.float32("nan"), 1 + 0j, np.complex128(1))),
-        *((repr(x), x, set()) for x in (np.datetime64("NaT"), np.timedelta64(1), Decimal(1))),
+        *(
+            (repr(x), x, set())
+            for x in (np.datetime64("NaT", "s"), np.timedelta64(1, "s"), Decimal(1))
+        ),
         *((repr(x)[:30], x, set()) for x in (Ellipsis, slice(1), math, object(), date(2020, 1, 1))),
         *((repr(x), x, set()) for x in (np.array("a"), np.array(None), np.ma.masked, 1j)),
         ("memoryview", memoryview(b"1"), {"list", *ARRAY}),
@@ -228,7 +231,7 @@ def pool() -> list[tuple[str, Callable[[], Any], set[str]]]:
         ("a list that holds itself", endless(), {"list of anything"}),
         ("masked", np.ma.masked_array([0.5, 0.75], mask=[True, False]), {"list of anything"}),
         *((repr(x), x, set()) for x in ([True, False], np.array([True]), [math.nan], [0.5, 1j])),
-        *((repr(x), x, set()) for x in ([np.datetime64("NaT")], np.array(["2020"], "M8[D]"))),
+        *((repr(x), x, set()) for x in ([np.datetime64("NaT", "s")], np.array(["2020"], "M8[D]"))),
         ("[None]", [None, None], {"list of none"}),
         *((repr(x), x, {"list of text"}) for x in (["x"], ("aproach",), np.array(["x"]))),
         *((repr(x), x, {"mapping"}) for x in ({"x": 1}, {1: 2}, {"a": constant(1)})),

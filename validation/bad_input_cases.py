@@ -97,7 +97,7 @@ def junk(rng: Rng) -> Any:
             *(bytearray(b"1"), memoryview(b"1"), True, False, np.True_, np.False_),
             *(Decimal(x), Decimal("nan"), Decimal("sNaN"), Decimal("inf")),
             *(date(2020, 1, 1), datetime(2020, 1, 1), timedelta(seconds=x)),
-            *(np.datetime64("2020-01-01"), np.timedelta64(1, "s"), np.datetime64("NaT")),
+            *(np.datetime64("2020-01-01"), np.timedelta64(1, "s"), np.datetime64("NaT", "s")),
             *({}, {"s": x}, {x}, frozenset(), object(), object, Broken(), Broken),
             *(lambda: x, iter(()), (x for _ in ()), Ellipsis, NotImplemented, math, slice(1)),
             *(np.void(b"12"), np.ma.masked, np.dtype(float), np.array("a"), np.array(None)),

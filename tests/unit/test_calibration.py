@@ -309,7 +309,7 @@ def test_scenes_that_give_the_approach_need_loads_in_the_data():
         (lambda: PressureData(0.1, 0.3, [[0.1], [0.1, 0.2]]), "sigma"),
         (lambda: PressureData(0.1, 0.3, 0.1, load=[1.0]), "load"),
         (lambda: StickRadiusData(0.5, 0.1, radius=[[1.0], 2.0]), "radius"),
-        (lambda: StickRadiusData(0.5, 0.1, friction=np.datetime64("NaT")), "friction"),
+        (lambda: StickRadiusData(0.5, 0.1, friction=np.datetime64("NaT", "s")), "friction"),
         (lambda: ApproachData(np.ma.masked_array([0.3, 0.4], [0, 1]), 0.1), "approach"),
         (lambda: ApproachData(0.3, 0.0), "sigma"),
         (lambda: ApproachData([0.3, 0.3, 0.3], [0.1, 0.1]), "sigma"),

@@ -40,7 +40,7 @@ def test_no_line_through_too_little(x, y):
         fit_line(x, y)
 
 
-NO_NUMBERS = [True, 1 + 0j, "1", np.datetime64("NaT"), math.nan, [1.0], object()]
+NO_NUMBERS = [True, 1 + 0j, "1", np.datetime64("NaT", "s"), math.nan, [1.0], object()]
 
 
 @pytest.mark.parametrize("value", [*NO_NUMBERS, None, math.inf, 10**400])

@@ -264,7 +264,9 @@ def test_truths_may_be_infinite_at_the_edge():
     assert true.errors(solve(Scene(0.1)), ["pressure"])["pressure"] < 1e-14
 
 
-@pytest.mark.parametrize("value", [True, "0.25", 0.25 + 0j, [0.25], np.datetime64("NaT"), object()])
+@pytest.mark.parametrize(
+    "value", [True, "0.25", 0.25 + 0j, [0.25], np.datetime64("NaT", "s"), object()]
+)
 def test_what_is_no_number_is_a_failure_and_no_error(value):
     found = [
         convergence(lambda scene, count, one=one: one, NORMAL, [8], LIMIT, stopwatch=None)
