@@ -15,7 +15,8 @@ NEEDED = (f"{PACKAGE}/py.typed", f"{PACKAGE}/gold/tables/slip_unequal.json")
 
 def source() -> set[str]:
     """Return the files of the package here."""
-    files = {path for kind in ("*.py", "*.json", "py.typed") for path in Path(PACKAGE).rglob(kind)}
+    kinds = ("*.py", "*.json", "*.csv", "SHA256SUMS", "py.typed")
+    files = {path for kind in kinds for path in Path(PACKAGE).rglob(kind)}
     return {path.as_posix() for path in files}
 
 

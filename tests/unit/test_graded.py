@@ -39,4 +39,6 @@ def test_charges_may_have_a_degree_for_each_panel():
         whole, few = (np.array(function(d, *form, one)) for one in (PANELS.degree, DEGREES))
         assert_allclose(few, whole[..., used], rtol=1e-11, atol=1e-17)
     plain = fall(d, *form, DEGREES)[0]
-    assert_allclose(plain, beyond(d, *form, PANELS.degree)[:, used], rtol=1e-11, atol=1e-17)
+    whole = beyond(d, *form, PANELS.degree)[:, used]
+    # Both sum terms of order one, and BLAS libraries differ in the order of a sum.
+    assert_allclose(plain, whole, rtol=1e-11, atol=2.0 * np.finfo(float).eps)
