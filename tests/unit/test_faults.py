@@ -117,6 +117,16 @@ SAVERS = {
 SLOW = ("map.nc", "map.csv")
 
 
+def same(name, content, whole):
+    """Return whether two files say the same; older HDF5 libraries write the time into them."""
+    if content == whole or not name.endswith(".nc"):
+        return content == whole
+    import xarray
+
+    one, other = (xarray.load_dataset(io.BytesIO(x), engine="h5netcdf") for x in (content, whole))
+    return one.identical(other)
+
+
 @pytest.mark.parametrize("name", SAVERS)
 def test_a_saved_file_is_complete_or_as_it_was_before(tmp_path, name):
     pytest.importorskip("xarray") if name.startswith("map") else None
@@ -128,7 +138,7 @@ def test_a_saved_file_is_complete_or_as_it_was_before(tmp_path, name):
 
     def check(folder, done):
         content = (folder / name).read_bytes()
-        assert content == whole if done else content in (OLD, whole)
+        assert (not done and content == OLD) or same(name, content, whole)
 
     done = every_fault(
         runs,
