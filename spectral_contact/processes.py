@@ -16,7 +16,7 @@ from threading import Thread, current_thread, main_thread
 from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
+    from concurrent.futures import Executor, Future
 
 __all__ = [
     "PROGRAM",
@@ -158,14 +158,18 @@ def workers(count: int) -> Iterator[Executor | None]:
         return
     import multiprocessing  # not before the first Ctrl-C can be answered
     from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import resource_tracker
 
+    class Pool(ProcessPoolExecutor):
+        def submit(self, *arguments: Any, **keywords: Any) -> Future[Any]:
+            with _deaf():  # a worker is started here, as long as all others are busy
+                return super().submit(*arguments, **keywords)
+
+    if sys.platform != "win32":
+        resource_tracker.ensure_running()  # else the first worker's start does, and ends `_deaf`
     others = multiprocessing.active_children()
-    pool = ProcessPoolExecutor(
-        count, multiprocessing.get_context("spawn"), _begin_worker, (os.getpid(),)
-    )
+    pool = Pool(count, multiprocessing.get_context("spawn"), _begin_worker, (os.getpid(),))
     try:
-        with _deaf():
-            pool.submit(os.getpid)  # starts all of them
         yield pool
     except BaseException:
         for process in multiprocessing.active_children():

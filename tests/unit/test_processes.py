@@ -110,6 +110,18 @@ def test_workers_end_with_their_parent(tmp_path, number, status, said):
     wait_until(lambda: not any(map(alive, own)))
 
 
+def blocked(_):
+    time.sleep(0.5)  # so that another one is started for the next
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are not blocked there")
+def test_no_worker_ever_hears_ctrl_c():
+    with workers(2) as pool:
+        assert list(pool.map(blocked, range(2))) == [True, True]
+    assert not blocked(None)
+
+
 POOL = """
 import sys
 import numpy as np
