@@ -13,8 +13,8 @@ from spectral_contact import checks, choices
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.interior import rings
-from spectral_contact.interior.integrals import Integrals, integrate
-from spectral_contact.interior.mesh import Evaluator, Mesh, Points, graded
+from spectral_contact.interior.integrals import Integrals, Kernels, integrate
+from spectral_contact.interior.mesh import TIGHT, Evaluator, Mesh, Points, graded
 from spectral_contact.interior.results import Displacement, Stress, Surface
 from spectral_contact.solution import Solution
 
@@ -22,8 +22,6 @@ __all__ = ["Inside", "Units"]
 
 Array = NDArray[np.float64]
 
-#: Nodes of a panel: of the rule that is used, and of the one that it is compared with.
-_ORDERS = 16, 12
 #: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
 _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
 #: How close to the edge stresses are given: closer, the panels do not reach.
@@ -78,7 +76,7 @@ class Inside:
         ]
         ends = graded(_boundaries(pressure, traction), self._folds())
         self._loads = loads[0], loads[1]
-        self._meshes = Mesh(ends, *self._loads, _ORDERS[0]), Mesh(ends, *self._loads, _ORDERS[1])
+        self._meshes = Mesh(ends, *self._loads, TIGHT[0]), Mesh(ends, *self._loads, TIGHT[1])
 
     def _folds(self) -> int:
         scene = self._solution.scene
@@ -251,8 +249,8 @@ class Inside:
         return np.asarray(loads + sums.quadrature)
 
 
-def _without(kernels: tuple[Any, Any], sheared: bool) -> tuple[Any, Any]:
-    return kernels if sheared else (kernels[0], None)
+def _without(kernels: Kernels, sheared: bool) -> Kernels:
+    return kernels if sheared else kernels[:1]
 
 
 def _nothing(s: Array, from_edge: Array) -> Array:
