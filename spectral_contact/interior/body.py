@@ -12,10 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_contact import checks, choices
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import CENTRE, EDGE, Radius, ZonalField
-from spectral_contact.interior import rings
-from spectral_contact.interior.integrals import Integrals, Kernels, integrate
-from spectral_contact.interior.mesh import TIGHT, Evaluator, Mesh, Points, graded
+from spectral_contact.interior.integrals import Integrals
+from spectral_contact.interior.mesh import Evaluator, Points
 from spectral_contact.interior.results import Displacement, Stress, Surface
+from spectral_contact.interior.sampling import (
+    AXIS,
+    Sampler,
+    displacement_error,
+    stress_error,
+)
 from spectral_contact.solution import Solution
 
 __all__ = ["Inside", "Units"]
@@ -26,8 +31,6 @@ Array = NDArray[np.float64]
 _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
 #: How close to the edge stresses are given: closer, the panels do not reach.
 _CLOSEST = 1e-16
-#: What stands for the axis, where ``u_r / r`` is the limit.
-_AXIS = 1e-30
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +77,8 @@ class Inside:
         loads: list[Evaluator] = [
             _nothing if field is None else field for field in (pressure, traction)
         ]
-        ends = graded(_boundaries(pressure, traction), self._folds())
-        self._loads = loads[0], loads[1]
-        self._meshes = Mesh(ends, *self._loads, TIGHT[0]), Mesh(ends, *self._loads, TIGHT[1])
+        ends, folds = _boundaries(pressure, traction), self._folds()
+        self._sampler = Sampler(ends, folds, *loads, sheared=self._sheared, nu=self._nu)
 
     def _folds(self) -> int:
         scene = self._solution.scene
@@ -104,7 +106,7 @@ class Inside:
             raise SceneError(name, shapes, "of shapes that broadcast") from None
         shape = radius.shape
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
-        return Points(np.maximum(radius, _AXIS), distance, depth), shape
+        return Points(np.maximum(radius, AXIS), distance, depth), shape
 
     def displacement(
         self,
@@ -112,6 +114,7 @@ class Inside:
         z: ArrayLike = 0.0,
         *,
         from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
     ) -> Displacement:
         """Evaluate the displacement of points of the body.
 
@@ -125,6 +128,10 @@ class Inside:
         from_edge : array_like, optional
             Instead of `r`: distances from the edge, ``1 - r`` if dimensionless; negative outside
             the contact.
+        rtol : float, optional
+            What the integration may miss by, in [1e-13, 1e-2]; all digits if not given. From 1e-9
+            on a grid of many points is much faster. The estimates say what was met: they contain
+            the errors of the solution, too.
 
         Returns
         -------
@@ -139,16 +146,12 @@ class Inside:
             place, or shapes that do not broadcast.
         """
         points, shape = self._points(r, z, from_edge)
-        kernels = rings.normal_displacement, rings.radial_displacement
-        sums = integrate(self._meshes, points, _without(kernels, self._sheared), self._nu)
-        scale = np.array([[1.0], [1.0]]) / (4.0 * (1.0 - self._nu))
-        arm = np.where(points.r > _AXIS, points.r, 0.0)
-        factors = np.stack([np.ones_like(arm), arm]) * scale
-        down, out = sums.values[:2] * factors
-        errors = self._errors(sums)[:2] * factors
-        error = _relative(np.hypot(*errors), np.hypot(down, out))
-        unit = self._units.displacement
-        return Displacement(*_shaped(shape, out * unit, down * unit, error))
+        sums = self._sampler.displacement(points, _tolerance(rtol))
+        arm = np.where(points.r > AXIS, points.r, 0.0)
+        error = displacement_error(sums.values, self._errors(sums), arm)
+        unit = self._units.displacement / (4.0 * (1.0 - self._nu))
+        out, down = sums.values[1] * arm * unit, sums.values[0] * unit
+        return Displacement(*_shaped(shape, out, down, error))
 
     def stress(
         self,
@@ -156,6 +159,7 @@ class Inside:
         z: ArrayLike = 0.0,
         *,
         from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
     ) -> Stress:
         """Evaluate the stress at points of the body, tension positive.
 
@@ -166,6 +170,8 @@ class Inside:
         ----------
         r, z, from_edge : array_like
             The points, as for `displacement`.
+        rtol : float, optional
+            As for `displacement`.
 
         Returns
         -------
@@ -185,20 +191,15 @@ class Inside:
                 (r if from_edge is None else from_edge, z),
                 "at least 1e-16 of the radius away from the edge, where stresses have no limit",
             )
-        kernels = rings.normal_stress, rings.radial_stress
-        sums = integrate(self._meshes, points, _without(kernels, self._sheared), self._nu)
-        self._to_surface(points, sums)
+        sums = self._sampler.stress(points, _tolerance(rtol))
         zz, rz, hoop, harmonic = sums.values
-        rz = np.where(points.r > _AXIS, rz, 0.0)
+        rz = np.where(points.r > AXIS, rz, 0.0)
         tt = hoop - 2.0 * self._nu * harmonic
         # the divergence of u less its axial part is -2 (1 - nu) e - zz, over 2 G
         rr = -2.0 * harmonic - zz - hoop
-        four = np.stack([rr, tt, zz, rz])
-        norm = np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2)
-        errors = self._errors(sums)
-        worst = errors[0] + errors[2] + 2.0 * errors[3] + errors[1]
-        error = _relative(worst, norm)
-        return Stress(*_shaped(shape, *(four * self._units.stress), error))
+        error = stress_error(sums.values, self._errors(sums), self._nu)
+        four = np.stack([rr, tt, zz, rz]) * self._units.stress
+        return Stress(*_shaped(shape, *four, error))
 
     def surface(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Surface:
         """Evaluate the displacement of the surface, and its gap to the plane of the punch's face.
@@ -223,21 +224,6 @@ class Inside:
         approach = self._solution.approach * self._units.displacement
         return Surface(moved.r, moved.z, approach - moved.z, moved.error)
 
-    def _to_surface(self, points: Points, sums: Integrals) -> None:
-        """Replace what is known exactly on the surface by the loads there."""
-        on = points.on_surface
-        if not on.any():
-            return
-        distance = points.from_edge[on]
-        under = distance >= 0.0
-        d = np.where(under, distance, 1.0)
-        s = np.where(under & (points.r[on] > _AXIS), points.r[on], 0.0)
-        pressure, traction = (np.where(under, load(s, d), 0.0) for load in self._loads)
-        sums.values[0, on], sums.values[1, on] = -pressure, -traction
-        sums.values[3, on] += pressure
-        sums.of_pressure[0, on] += pressure
-        sums.of_traction[1, on] += np.abs(traction)
-
     def _errors(self, sums: Integrals) -> Array:
         """Return absolute errors of the integrals."""
         error, couples = self._solution.error, self._solution.scene.couples
@@ -247,10 +233,6 @@ class Inside:
             of_pressure = of_traction = max(of_pressure, of_traction)
         loads = of_pressure * sums.of_pressure + of_traction * sums.of_traction
         return np.asarray(loads + sums.quadrature)
-
-
-def _without(kernels: Kernels, sheared: bool) -> Kernels:
-    return kernels if sheared else kernels[:1]
 
 
 def _nothing(s: Array, from_edge: Array) -> Array:
@@ -280,8 +262,9 @@ def _length(name: str, values: Any, unit: float, high: float = np.inf) -> Array:
     return np.asarray(given / unit + 0.0)
 
 
-def _relative(error: Array, size: Array) -> Array:
-    return np.asarray(np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), 0.0))
+def _tolerance(rtol: float | None) -> float:
+    """Return the tolerance of the integration, 0 for all digits."""
+    return 0.0 if rtol is None else checks.tolerance(rtol)
 
 
 def _shaped(shape: tuple[int, ...], *values: Array) -> Iterator[Any]:

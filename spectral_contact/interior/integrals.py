@@ -38,6 +38,18 @@ class Integrals:
     of_traction: Array
     quadrature: Array
 
+    @classmethod
+    def empty(cls, count: int) -> Integrals:
+        """Return places for the integrals at so many points."""
+        return cls(*np.zeros((4, 4, count)))
+
+    def put(self, which: NDArray[np.bool_], those: Integrals) -> None:
+        """Fill in the integrals of some points."""
+        self.values[:, which] = those.values
+        self.of_pressure[:, which] = those.of_pressure
+        self.of_traction[:, which] = those.of_traction
+        self.quadrature[:, which] = those.quadrature
+
 
 def _sums(mesh: Mesh, points: Points, kernels: Kernels, nu: float) -> tuple[Array, Array]:
     """Return the integrals, and for each load those of the moduli."""
