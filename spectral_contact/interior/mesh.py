@@ -28,7 +28,7 @@ _NEAR = 1.0
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
 #: Points that are served at a time, which bounds the memory.
-_BLOCK = 32
+_BLOCK = 512
 
 
 class Rule(NamedTuple):

@@ -26,9 +26,9 @@ Direct = Callable[[Points], Integrals]
 Relative = Callable[[Points, Array, Array], Array]
 
 #: Nodes of a cell in either direction.
-_ORDER = 14
+_ORDER = 12
 #: A cell with fewer points is not worth its nodes.
-_FEWEST = 240
+_FEWEST = 170
 #: Size of the cells that are tried first.
 _WIDTH = np.array([2.0, np.pi / 2.0])
 #: Cells whose nodes are evaluated together, which bounds the memory.
@@ -94,11 +94,17 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct) -> Iterator[_Fit]:
         x = 2.0 * (at[:, cell.points] - cell.low[:, None]) / cell.size[:, None] - 1.0
         across, around = (chebyshev.chebvander(one, _ORDER - 1) for one in x)
         values = np.einsum("cna,na->cn", across @ coefficients, around)
-        moduli = np.abs(coefficients)
-        tails = np.stack([moduli[:, -2:].sum(axis=(1, 2)), moduli[:, :, -2:].sum(axis=(1, 2))])
+        tails = np.stack([_tail(np.abs(coefficients)), _tail(np.abs(coefficients).swapaxes(1, 2))])
         missing = tails.sum(axis=0) + sums.quadrature[:, own].max(axis=1)
         sizes = np.stack([one[:, own].max(axis=1) for one in (sums.of_pressure, sums.of_traction)])
         yield _Fit(values, missing, sizes, tails)
+
+
+def _tail(moduli: Array) -> Array:
+    """Return what a series lacks, from its last two coefficients and how fast they fall."""
+    size = moduli.sum(axis=2)
+    last, before = size[:, -2:].sum(axis=1), size[:, -4:-2].sum(axis=1)
+    return np.asarray(last * np.minimum(1.0, 4.0 * last / np.maximum(before, 1e-300)))
 
 
 def _halves(cell: _Cell, at: Array, bad: NDArray[np.intp], tails: Array) -> list[_Cell]:
