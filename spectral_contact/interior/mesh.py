@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.interior.tails import Tails
 
 __all__ = ["FAST", "TIGHT", "Evaluator", "Grading", "Mesh", "Nodes", "Points", "Rule", "graded"]

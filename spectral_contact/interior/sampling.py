@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
 from spectral_contact.interior.mesh import FAST, TIGHT, Evaluator, Mesh, Points, Rule, graded
