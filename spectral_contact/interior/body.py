@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.inputs import checks, choices
+from spectral_contact.interior.energies import energies
+from spectral_contact.interior.extremes import MEASURES, largest
 from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import Evaluator, Points
-from spectral_contact.interior.results import Displacement, Stress, Surface
+from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
 from spectral_contact.interior.sampling import (
     AXIS,
     Sampler,
@@ -223,6 +225,60 @@ class Inside:
         moved = self.displacement(r, 0.0, from_edge=from_edge)
         approach = self._solution.approach * self._units.displacement
         return Surface(moved.r, moved.z, approach - moved.z, moved.error)
+
+    def largest(self, measure: str) -> Extreme:
+        """Return the largest von Mises stress, shear stress or tension of the surface, and where.
+
+        Where it has no bound, or is approached at the edge and not attained, the result says so.
+
+        Parameters
+        ----------
+        measure : str
+            ``"von_mises"``, ``"max_shear"``, or ``"surface_tension"``, which is the largest
+            principal stress at the surface, in the contact and outside.
+
+        Returns
+        -------
+        Extreme
+
+        Raises
+        ------
+        SceneError
+            For another measure.
+        """
+        choices.one_of("measure", measure, MEASURES)
+        own = Inside(self._solution)
+        found = largest(
+            measure,
+            self._solution,
+            lambda points, rtol: own.stress(from_edge=points.from_edge, z=points.z, rtol=rtol),
+        )
+        value = None if found.value is None else found.value * self._units.stress
+        length = self._units.length
+        return replace(found, value=value, r=found.r * length, z=found.z * length)
+
+    def energies(self) -> Energies:
+        """Return what the work of the load becomes: elastic energy, friction, and a defect.
+
+        Takes some seconds.
+
+        Returns
+        -------
+        Energies
+
+        Raises
+        ------
+        NotComputedError
+            If the approach or the slip was not asked for.
+        """
+        own = Inside(self._solution)
+        unit = self._units.stress * self._units.length**2 * self._units.displacement
+        return energies(
+            self._solution,
+            self._sampler.coarser,
+            lambda points: own.displacement(from_edge=points.from_edge),
+            unit,
+        )
 
     def _errors(self, sums: Integrals) -> Array:
         """Return absolute errors of the integrals."""

@@ -210,6 +210,23 @@ class Mesh:
         """Return what rings carry of pressure and of traction, stacked."""
         return np.asarray([np.asarray(load(s, d)) * s * weight for load in self._loads])
 
+    @property
+    def surface(self) -> tuple[Points, Array]:
+        """All nodes, as points of the surface, and what their rings carry, (2, nodes)."""
+        s, d = self._s.ravel(), self._d.ravel()
+        return Points(s, d, np.zeros_like(s)), self._rings.reshape(2, -1)
+
+    def carried(self) -> Array:
+        """Return what all rings within each node carry of pressure, ``int_0^s p s ds``."""
+        shares = self._fractions[:, None] * self._fractions
+        lengths = self._lengths[:, None, None]
+        d = self._ends.d[:-1, None, None] - lengths * shares
+        s = self._ends.s[:-1, None, None] + lengths * shares
+        weights = lengths * self._fractions[:, None] * self._weights
+        own = self._measured(s, d, weights)[0].sum(axis=2)
+        before = np.cumsum(self._rings[0].sum(axis=1)) - self._rings[0].sum(axis=1)
+        return np.asarray((before[:, None] + own).ravel())
+
     def rows(self, points: Points) -> Iterator[tuple[slice, Nodes]]:
         """Yield blocks of points, each with all of its rows of nodes."""
         for start in range(0, len(points.r), _BLOCK):

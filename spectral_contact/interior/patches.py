@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import Points
 
-__all__ = ["Direct", "Relative", "interpolate"]
+__all__ = ["Direct", "Relative", "from_toroidal", "interpolate"]
 
 Array = NDArray[np.float64]
 Direct = Callable[[Points], Integrals]
@@ -30,7 +30,7 @@ _ORDER = 12
 #: A cell with fewer points is not worth its nodes.
 _FEWEST = 170
 #: Size of the cells that are tried first.
-_WIDTH = np.array([2.0, np.pi / 2.0])
+_WIDTH = np.array([3.0, np.pi / 2.0])
 #: Cells whose nodes are evaluated together, which bounds the memory.
 _TOGETHER = 64
 
@@ -63,11 +63,13 @@ def _toroidal(points: Points) -> Array:
     return np.stack([tau, np.arctan2(2.0 * z, z**2 - d * (2.0 - d))])
 
 
-def _points(tau: Array, sigma: Array) -> Points:
+def from_toroidal(tau: Array, sigma: Array) -> Points:
+    """Return the points of coordinates; on the axis tau is 0, and at infinity both are."""
     q = -tau + 1j * sigma
     place = -2.0 * np.exp(q) / np.expm1(q)
     d, z = -place.real, np.abs(place.imag)
-    return Points(np.maximum(1.0 - d, 1e-30), d, z)
+    z = np.where((sigma == 0.0) | (sigma == np.pi), 0.0, z)
+    return Points(np.maximum(1.0 - d, 1e-30), np.minimum(d, 1.0), z)
 
 
 def _first(at: Array) -> list[_Cell]:
@@ -86,7 +88,7 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct) -> Iterator[_Fit]:
     tau, sigma = np.moveaxis(low + size * (1.0 + _NODES) / 2.0, 1, 0)
     shape = (len(cells), _ORDER, _ORDER)
     nodes = np.broadcast_to(tau[:, :, None], shape), np.broadcast_to(sigma[:, None, :], shape)
-    sums = direct(_points(*(np.ravel(one) for one in nodes)))
+    sums = direct(from_toroidal(*(np.ravel(one) for one in nodes)))
     for k, cell in enumerate(cells):
         own = slice(k * _ORDER**2, (k + 1) * _ORDER**2)
         grid = sums.values[:, own].reshape(-1, _ORDER, _ORDER)

@@ -82,6 +82,11 @@ class Sampler:
         self._loads = pressure, traction
         self._sheared, self._nu = sheared, nu
 
+    @property
+    def coarser(self) -> Mesh:
+        """Panels with the rule that the one for all digits is compared with."""
+        return self._tight[1]
+
     @cached_property
     def _tight(self) -> tuple[Mesh, Mesh]:
         return self._meshes(TIGHT)
