@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.inputs import checks, choices
 from spectral_contact.interior.energies import energies
 from spectral_contact.interior.extremes import MEASURES, largest
+from spectral_contact.interior.grids import columns, dataset
 from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import Evaluator, Points
 from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
@@ -25,14 +26,15 @@ from spectral_contact.interior.sampling import (
 )
 from spectral_contact.solution import Solution
 
+if TYPE_CHECKING:
+    import xarray
+
 __all__ = ["Inside", "Units"]
 
 Array = NDArray[np.float64]
 
 #: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
 _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
-#: How close to the edge stresses are given: closer, the panels do not reach.
-_CLOSEST = 1e-16
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,11 @@ class Units:
     length: float = 1.0
     stress: float = 1.0
     displacement: float = 1.0
+
+    @property
+    def si(self) -> bool:
+        """Whether they are SI units."""
+        return self != Units()
 
 
 class Inside:
@@ -152,7 +159,7 @@ class Inside:
         arm = np.where(points.r > AXIS, points.r, 0.0)
         error = displacement_error(sums.values, self._errors(sums), arm)
         unit = self._units.displacement / (4.0 * (1.0 - self._nu))
-        out, down = sums.values[1] * arm * unit, sums.values[0] * unit
+        out, down = sums.values[1] * arm * unit + 0.0, sums.values[0] * unit
         return Displacement(*_shaped(shape, out, down, error))
 
     def stress(
@@ -187,7 +194,7 @@ class Inside:
             radius), where the stress is infinite or depends on the direction.
         """
         points, shape = self._points(r, z, from_edge)
-        if np.any(points.to_edge < _CLOSEST):
+        if np.any(points.at_edge):
             raise SceneError(
                 "r, z" if from_edge is None else "from_edge, z",
                 (r if from_edge is None else from_edge, z),
@@ -203,13 +210,21 @@ class Inside:
         four = np.stack([rr, tt, zz, rz]) * self._units.stress
         return Stress(*_shaped(shape, *four, error))
 
-    def surface(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Surface:
+    def surface(
+        self,
+        r: ArrayLike | None = None,
+        *,
+        from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
+    ) -> Surface:
         """Evaluate the displacement of the surface, and its gap to the plane of the punch's face.
 
         Parameters
         ----------
         r, from_edge : array_like
             Radii inside or outside the contact, as for `displacement`.
+        rtol : float, optional
+            As for `displacement`.
 
         Returns
         -------
@@ -222,9 +237,76 @@ class Inside:
         NotComputedError
             If the approach was not asked for.
         """
-        moved = self.displacement(r, 0.0, from_edge=from_edge)
+        moved = self.displacement(r, 0.0, from_edge=from_edge, rtol=rtol)
         approach = self._solution.approach * self._units.displacement
         return Surface(moved.r, moved.z, approach - moved.z, moved.error)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the punch in the units of the points."""
+        return self._units.length
+
+    @property
+    def si(self) -> bool:
+        """Whether points and results are in SI units."""
+        return self._units.si
+
+    def at_edge(self, r: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.bool_]:
+        """Return which points are at the edge, closer than 1e-16: there stresses have no limit.
+
+        Parameters and errors are those of `displacement`.
+        """
+        points, shape = self._points(r, z, None)
+        return points.at_edge.reshape(shape)
+
+    def to_table(
+        self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Evaluate everything at points, such as the nodes of a mesh.
+
+        Parameters
+        ----------
+        r, z, rtol
+            As for `stress`; at the edge itself stresses are NaN.
+
+        Returns
+        -------
+        dict of ndarray
+            `r`, `z`, displacements, stresses, their invariants and the estimates, by name.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        """
+        self._points(r, z, None)
+        radius, depth = np.broadcast_arrays(np.asarray(r, float), np.asarray(z, float))
+        return {"r": radius, "z": depth} | columns(self, radius, depth, rtol)
+
+    def to_xarray(self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None) -> xarray.Dataset:
+        """Evaluate everything on a grid.
+
+        Parameters
+        ----------
+        r, z : array_like, one-dimensional
+            Radii and depths of the grid.
+        rtol : float, optional
+            As for `stress`; at the edge itself stresses are NaN.
+
+        Returns
+        -------
+        xarray.Dataset
+            With dimensions `z` and `r`.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        MissingDependencyError
+            If xarray is not installed.
+        """
+        self._points(np.ravel(r), np.ravel(z)[:, None], None)
+        return dataset(self, np.ravel(np.asarray(r, float)), np.ravel(np.asarray(z, float)), rtol)
 
     def largest(self, measure: str) -> Extreme:
         """Return the largest von Mises stress, shear stress or tension of the surface, and where.

@@ -18,13 +18,26 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.interior.tails import Tails
 
-__all__ = ["FAST", "TIGHT", "Evaluator", "Grading", "Mesh", "Nodes", "Points", "Rule", "graded"]
+__all__ = [
+    "FAST",
+    "TIGHT",
+    "Evaluator",
+    "Grading",
+    "Mesh",
+    "Nodes",
+    "Points",
+    "Rule",
+    "Shrinking",
+    "graded",
+]
 
 Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]
 
 #: A panel closer than this many times its length is cut.
 _NEAR = 1.0
+#: How close to the edge stresses are given: closer, the panels do not reach.
+_CLOSEST = 1e-16
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
 #: Points that are served at a time, which bounds the memory.
@@ -75,6 +88,11 @@ class Points:
         return np.asarray(np.hypot(self.from_edge, self.z))
 
     @property
+    def at_edge(self) -> NDArray[np.bool_]:
+        """Whether a point is closer to the edge than the panels reach."""
+        return np.asarray(self.to_edge < _CLOSEST)
+
+    @property
     def on_surface(self) -> NDArray[np.bool_]:
         """Whether a point is as good as on the surface."""
         return np.asarray(self.z <= 1e-16 * self.to_edge)
@@ -103,7 +121,7 @@ class Nodes(NamedTuple):
     traction: Array
 
 
-class Run(NamedTuple):
+class Shrinking(NamedTuple):
     """Panels from `start` to before `stop` that shrink towards one end of theirs."""
 
     start: int
@@ -116,7 +134,7 @@ class Grading(NamedTuple):
 
     s: Array
     d: Array
-    runs: list[Run]
+    runs: list[Shrinking]
 
 
 def _halves(inner: Radius, outer: Radius, folds: int) -> list[Grading]:
@@ -133,11 +151,11 @@ def _halves(inner: Radius, outer: Radius, folds: int) -> list[Grading]:
         if inner.value > 0.5:
             reach = inner.from_edge - rest
         steps = np.concatenate([[0.0], reach * np.exp(np.arange(-float(_FOLDS), 0.0))])
-        run = Run(0, len(steps), outward=False)
+        run = Shrinking(0, len(steps), outward=False)
         sides.append(Grading(inner.value + steps, inner.from_edge - steps, [run]))
     reach = rest - outer.from_edge if outer.value > 0.5 else outer.value - middle
     steps = reach * np.exp(-np.arange(float(folds + 1)))
-    run = Run(0, len(steps), outward=True)
+    run = Shrinking(0, len(steps), outward=True)
     sides.append(Grading(outer.value - steps, outer.from_edge + steps, [run]))
     return sides
 
@@ -163,7 +181,7 @@ def graded(boundaries: Sequence[Radius], edge_folds: int) -> Grading:
     for side in sides:
         for run in side.runs:
             start, stop = number[first + run.start], number[first + run.stop + 1] - 1
-            runs.append(Run(int(start), int(stop), run.outward))
+            runs.append(Shrinking(int(start), int(stop), run.outward))
         first += len(side.s)
     return Grading(s[kept], d[kept], runs)
 
