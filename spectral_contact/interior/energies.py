@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.interior.mesh import Mesh, Points
 from spectral_contact.interior.results import Displacement, Energies
-from spectral_contact.solution import Solution
+
+if TYPE_CHECKING:
+    from spectral_contact.solution import Solution
 
 __all__ = ["energies"]
 

@@ -7,7 +7,7 @@ away: a coarse net brackets the largest values, and each bracket is narrowed dow
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,9 @@ from scipy.optimize import minimize, minimize_scalar
 from spectral_contact.interior.mesh import Points
 from spectral_contact.interior.patches import from_toroidal
 from spectral_contact.interior.results import Extreme, Stress
-from spectral_contact.solution import Solution
+
+if TYPE_CHECKING:
+    from spectral_contact.solution import Solution
 
 __all__ = ["MEASURES", "largest"]
 

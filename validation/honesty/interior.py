@@ -116,15 +116,15 @@ def draw(rng):
 
 def of_scene(rng):
     """Compare a random scene with quadrature over rings; None if it cannot be solved."""
-    scene, solution = draw(rng), None
+    scene, solution, why = draw(rng), None, ""
     for rtol in (1e-12, 1e-10, 1e-8):
         try:
             solution = solve(scene, rtol=rtol)
             break
-        except SpectralContactError:
-            continue
+        except (SpectralContactError, ArithmeticError) as error:
+            why = repr(error)
     if solution is None:
-        return {"values": 0, "scene": repr(scene)}
+        return {"values": 0, "scene": repr(scene), "why": why}
     body, pairs = solution.inside, []
     for from_edge, z in zip(*points(rng, POINTS), strict=True):
         exact, known = over_rings(solution, float(from_edge), float(z))
@@ -194,6 +194,8 @@ def main():
             if str(number) not in rows[group] and time.monotonic() < deadline:
                 rng = np.random.default_rng([SEED, index, number])
                 rows[group][str(number)] = measure(rng)
+                if number % 20 == 19:
+                    write(rows)
         write(rows)
     worse = write(rows)
     print(text_of(rows))
