@@ -1,4 +1,4 @@
-"""The command line: ``spectral-contact solve``, ``sweep``, ``paper``, ``study``, ``benchmark``.
+"""The command line: ``spectral-contact solve``, ``inside``, ``sweep``, ``paper``, ``study`` ...
 
 Also ``python -m spectral_contact``.
 
@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 
 import spectral_contact
 from spectral_contact.cli import benchmark as cli_benchmark
+from spectral_contact.cli import inside as cli_inside
 from spectral_contact.cli import scene as cli_scene
 from spectral_contact.cli import study as cli_study
 from spectral_contact.cli import sweep as cli_sweep
@@ -116,6 +117,7 @@ def _parser() -> _Parser:
     cli_scene.add_physical(command)
     _add_request(command)
     command.set_defaults(run=_solve)
+    _add_inside(commands)
     _add_paper(commands)
     _add_studies(commands)
     _add_sweep(commands)
@@ -159,6 +161,21 @@ def _add_request(command: _Parser) -> None:
         metavar="FILE",
         help=f"plot the solution: {', '.join(plotting.FORMATS)} (needs the extra: plot)",
     )
+
+
+def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "inside",
+        help="stress and displacement inside the body",
+        description="Solve one scene; print the largest stresses and the energies, store and plot "
+        "stress and displacement below the surface.",
+        epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
+        allow_abbrev=False,
+    )
+    cli_scene.add_scene(command)
+    cli_scene.add_physical(command)
+    cli_inside.add_options(command)
+    command.set_defaults(run=_inside)
 
 
 def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
@@ -269,6 +286,12 @@ def _solve(arguments: argparse.Namespace) -> None:
         _write(solution, arguments)
     finally:  # a full disk must not cost the user the result
         print(report(solution, cli_scene.defaults(arguments)))
+
+
+def _inside(arguments: argparse.Namespace) -> None:
+    """Solve, write the files and print the largest stresses and the energies."""
+    _check_paths(arguments, cli_inside.OUTPUTS)
+    print(cli_inside.run(arguments))
 
 
 def _paper(arguments: argparse.Namespace) -> None:

@@ -8,9 +8,11 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
+import numpy as np
+
 from spectral_contact.errors import SpectralContactError
 
-__all__ = ["UsageError", "friction", "joined", "number", "resolution", "whole"]
+__all__ = ["UsageError", "friction", "joined", "number", "resolution", "values", "whole"]
 
 # Narrower than float() and int(), which take 1_000 and the digits of every script.
 _DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
@@ -54,6 +56,24 @@ def resolution(text: str) -> float:
         return whole(text)
     except argparse.ArgumentTypeError:
         return number(text)
+
+
+def values(text: str) -> list[float]:
+    """Return the numbers that a text stands for."""
+    low, *rest = text.split(":")
+    if not rest:
+        return [number(part) for part in text.split(",")]
+    refusal = argparse.ArgumentTypeError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
+    if len(rest) == 1 or rest[2:] not in ([], ["linear"], ["log"]):
+        raise refusal
+    start, high, count = number(low), number(rest[0]), whole(rest[1])
+    if count < 1 or not math.isfinite(high - start):
+        raise refusal
+    if rest[2:] != ["log"]:
+        return list(map(float, np.linspace(start, high, count)))
+    if min(start, high) <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r}: equal ratios need positive ends")
+    return list(map(float, np.geomspace(start, high, count)))
 
 
 def friction(text: str) -> float | None:

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections import Counter
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
-from spectral_contact.cli.options import friction, number, whole
+from spectral_contact.cli.options import friction, number, values, whole
 from spectral_contact.inputs.checks import whole as checked_whole
-from spectral_contact.io.documents import replace_file, reported
+from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.processes import workers
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
@@ -44,7 +40,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
     for name, (default, meaning) in _PARAMETERS.items():
         group.add_argument(
             f"--{name.replace('_', '-')}",
-            type=_frictions if name == "friction" else _values,
+            type=_frictions if name == "friction" else values,
             default=[default],
             metavar="VALUES",
             help=f"{meaning} (default: {default})",
@@ -57,9 +53,9 @@ def add_options(command: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"what to compute (default: the numbers): {', '.join(QUANTITIES)}",
     )
-    group.add_argument("--s", type=_values, metavar="VALUES", help="radii of the fields, in [0, 1]")
+    group.add_argument("--s", type=values, metavar="VALUES", help="radii of the fields, in [0, 1]")
     group.add_argument(
-        "--from-edge", type=_values, metavar="VALUES", help="instead of --s: distances 1 - s"
+        "--from-edge", type=values, metavar="VALUES", help="instead of --s: distances 1 - s"
     )
     group.add_argument(
         "--workers", type=whole, default=1, metavar="N", help="processes (default: %(default)s)"
@@ -147,10 +143,10 @@ def summary(dataset: xarray.Dataset) -> str:
     endings = Counter(dataset.ending.values.ravel().tolist())
     counts = ", ".join(f"{count} {ending}" for ending, count in endings.most_common())
     cells: list[tuple[str, ...]] = [("quantity", "least", "largest", "largest error estimate")]
-    for name, values in dataset.data_vars.items():
+    for name, column in dataset.data_vars.items():
         if f"{name}_error" in dataset:
             error = dataset[f"{name}_error"]
-            numbers = (values.min(), values.max(), error.max())
+            numbers = (column.min(), column.max(), error.max())
             cells.append((str(name), *(f"{float(one):.4g}" for one in numbers)))
     return f"{dataset.ending.size} scenes: {counts}\n" + table(cells)
 
@@ -161,38 +157,13 @@ def _content(dataset: xarray.Dataset, suffix: str) -> bytes:
         rows = dataset if dataset.sizes else dataset.expand_dims("scene")
         text: str = rows.to_dataframe().reset_index().to_csv(index=False)
         return text.encode()
-    import h5netcdf
-    from xarray.backends import H5NetCDFStore
-
-    # in memory: on a full disk HDF5 may crash when it closes a file
-    content = BytesIO()
-    with h5netcdf.File(content, "w") as file:
-        dataset.dump_to_store(H5NetCDFStore(file))
-    return content.getvalue()
-
-
-def _values(text: str) -> list[float]:
-    """Return the numbers that a text stands for."""
-    low, *rest = text.split(":")
-    if not rest:
-        return [number(part) for part in text.split(",")]
-    refusal = argparse.ArgumentTypeError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
-    if len(rest) == 1 or rest[2:] not in ([], ["linear"], ["log"]):
-        raise refusal
-    start, high, count = number(low), number(rest[0]), whole(rest[1])
-    if count < 1 or not math.isfinite(high - start):
-        raise refusal
-    if rest[2:] != ["log"]:
-        return list(map(float, np.linspace(start, high, count)))
-    if min(start, high) <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r}: equal ratios need positive ends")
-    return list(map(float, np.geomspace(start, high, count)))
+    return netcdf(dataset)
 
 
 def _frictions(text: str) -> list[float | None]:
     """Return the same of friction, which may be ``none`` if it is alone."""
     alone = friction(text) if text.strip().lower() == "none" else 0.0
-    return [None] if alone is None else list(_values(text))
+    return [None] if alone is None else list(values(text))
 
 
 def _cut(text: str) -> tuple[str, float]:

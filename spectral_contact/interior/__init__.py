@@ -4,6 +4,6 @@ A solution imports this when `Solution.inside` is asked for; it knows no solver,
 """
 
 from spectral_contact.interior.body import Inside, Units
-from spectral_contact.interior.results import Displacement, Stress, Surface
+from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
 
-__all__ = ["Displacement", "Inside", "Stress", "Surface", "Units"]
+__all__ = ["Displacement", "Energies", "Extreme", "Inside", "Stress", "Surface", "Units"]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,24 +12,29 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.inputs import checks, choices
-from spectral_contact.interior import rings
-from spectral_contact.interior.integrals import Integrals, integrate
-from spectral_contact.interior.mesh import Evaluator, Mesh, Points, graded
-from spectral_contact.interior.results import Displacement, Stress, Surface
+from spectral_contact.interior.energies import energies
+from spectral_contact.interior.extremes import MEASURES, largest
+from spectral_contact.interior.grids import columns, dataset
+from spectral_contact.interior.integrals import Integrals
+from spectral_contact.interior.mesh import Evaluator, Points
+from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
+from spectral_contact.interior.sampling import (
+    AXIS,
+    Sampler,
+    displacement_error,
+    stress_error,
+)
 from spectral_contact.solution import Solution
+
+if TYPE_CHECKING:
+    import xarray
 
 __all__ = ["Inside", "Units"]
 
 Array = NDArray[np.float64]
 
-#: Nodes of a panel: of the rule that is used, and of the one that it is compared with.
-_ORDERS = 16, 12
 #: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
 _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
-#: How close to the edge stresses are given: closer, the panels do not reach.
-_CLOSEST = 1e-16
-#: What stands for the axis, where ``u_r / r`` is the limit.
-_AXIS = 1e-30
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +44,11 @@ class Units:
     length: float = 1.0
     stress: float = 1.0
     displacement: float = 1.0
+
+    @property
+    def si(self) -> bool:
+        """Whether they are SI units."""
+        return self != Units()
 
 
 class Inside:
@@ -76,9 +86,8 @@ class Inside:
         loads: list[Evaluator] = [
             _nothing if field is None else field for field in (pressure, traction)
         ]
-        ends = graded(_boundaries(pressure, traction), self._folds())
-        self._loads = loads[0], loads[1]
-        self._meshes = Mesh(ends, *self._loads, _ORDERS[0]), Mesh(ends, *self._loads, _ORDERS[1])
+        ends, folds = _boundaries(pressure, traction), self._folds()
+        self._sampler = Sampler(ends, folds, *loads, sheared=self._sheared, nu=self._nu)
 
     def _folds(self) -> int:
         scene = self._solution.scene
@@ -106,7 +115,7 @@ class Inside:
             raise SceneError(name, shapes, "of shapes that broadcast") from None
         shape = radius.shape
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
-        return Points(np.maximum(radius, _AXIS), distance, depth), shape
+        return Points(np.maximum(radius, AXIS), distance, depth), shape
 
     def displacement(
         self,
@@ -114,6 +123,7 @@ class Inside:
         z: ArrayLike = 0.0,
         *,
         from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
     ) -> Displacement:
         """Evaluate the displacement of points of the body.
 
@@ -127,6 +137,10 @@ class Inside:
         from_edge : array_like, optional
             Instead of `r`: distances from the edge, ``1 - r`` if dimensionless; negative outside
             the contact.
+        rtol : float, optional
+            What the integration may miss by, in [1e-13, 1e-2]; all digits if not given. From 1e-9
+            on a grid of many points is much faster. The estimates say what was met: they contain
+            the errors of the solution, too.
 
         Returns
         -------
@@ -141,16 +155,12 @@ class Inside:
             place, or shapes that do not broadcast.
         """
         points, shape = self._points(r, z, from_edge)
-        kernels = rings.normal_displacement, rings.radial_displacement
-        sums = integrate(self._meshes, points, _without(kernels, self._sheared), self._nu)
-        scale = np.array([[1.0], [1.0]]) / (4.0 * (1.0 - self._nu))
-        arm = np.where(points.r > _AXIS, points.r, 0.0)
-        factors = np.stack([np.ones_like(arm), arm]) * scale
-        down, out = sums.values[:2] * factors
-        errors = self._errors(sums)[:2] * factors
-        error = _relative(np.hypot(*errors), np.hypot(down, out))
-        unit = self._units.displacement
-        return Displacement(*_shaped(shape, out * unit, down * unit, error))
+        sums = self._sampler.displacement(points, _tolerance(rtol))
+        arm = np.where(points.r > AXIS, points.r, 0.0)
+        error = displacement_error(sums.values, self._errors(sums), arm)
+        unit = self._units.displacement / (4.0 * (1.0 - self._nu))
+        out, down = sums.values[1] * arm * unit + 0.0, sums.values[0] * unit
+        return Displacement(*_shaped(shape, out, down, error))
 
     def stress(
         self,
@@ -158,6 +168,7 @@ class Inside:
         z: ArrayLike = 0.0,
         *,
         from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
     ) -> Stress:
         """Evaluate the stress at points of the body, tension positive.
 
@@ -168,6 +179,8 @@ class Inside:
         ----------
         r, z, from_edge : array_like
             The points, as for `displacement`.
+        rtol : float, optional
+            As for `displacement`.
 
         Returns
         -------
@@ -181,34 +194,37 @@ class Inside:
             radius), where the stress is infinite or depends on the direction.
         """
         points, shape = self._points(r, z, from_edge)
-        if np.any(points.to_edge < _CLOSEST):
+        if np.any(points.at_edge):
             raise SceneError(
                 "r, z" if from_edge is None else "from_edge, z",
                 (r if from_edge is None else from_edge, z),
                 "at least 1e-16 of the radius away from the edge, where stresses have no limit",
             )
-        kernels = rings.normal_stress, rings.radial_stress
-        sums = integrate(self._meshes, points, _without(kernels, self._sheared), self._nu)
-        self._to_surface(points, sums)
+        sums = self._sampler.stress(points, _tolerance(rtol))
         zz, rz, hoop, harmonic = sums.values
-        rz = np.where(points.r > _AXIS, rz, 0.0)
+        rz = np.where(points.r > AXIS, rz, 0.0)
         tt = hoop - 2.0 * self._nu * harmonic
         # the divergence of u less its axial part is -2 (1 - nu) e - zz, over 2 G
         rr = -2.0 * harmonic - zz - hoop
-        four = np.stack([rr, tt, zz, rz])
-        norm = np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2)
-        errors = self._errors(sums)
-        worst = errors[0] + errors[2] + 2.0 * errors[3] + errors[1]
-        error = _relative(worst, norm)
-        return Stress(*_shaped(shape, *(four * self._units.stress), error))
+        error = stress_error(sums.values, self._errors(sums), self._nu)
+        four = np.stack([rr, tt, zz, rz]) * self._units.stress
+        return Stress(*_shaped(shape, *four, error))
 
-    def surface(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Surface:
+    def surface(
+        self,
+        r: ArrayLike | None = None,
+        *,
+        from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
+    ) -> Surface:
         """Evaluate the displacement of the surface, and its gap to the plane of the punch's face.
 
         Parameters
         ----------
         r, from_edge : array_like
             Radii inside or outside the contact, as for `displacement`.
+        rtol : float, optional
+            As for `displacement`.
 
         Returns
         -------
@@ -221,24 +237,130 @@ class Inside:
         NotComputedError
             If the approach was not asked for.
         """
-        moved = self.displacement(r, 0.0, from_edge=from_edge)
+        moved = self.displacement(r, 0.0, from_edge=from_edge, rtol=rtol)
         approach = self._solution.approach * self._units.displacement
         return Surface(moved.r, moved.z, approach - moved.z, moved.error)
 
-    def _to_surface(self, points: Points, sums: Integrals) -> None:
-        """Replace what is known exactly on the surface by the loads there."""
-        on = points.on_surface
-        if not on.any():
-            return
-        distance = points.from_edge[on]
-        under = distance >= 0.0
-        d = np.where(under, distance, 1.0)
-        s = np.where(under & (points.r[on] > _AXIS), points.r[on], 0.0)
-        pressure, traction = (np.where(under, load(s, d), 0.0) for load in self._loads)
-        sums.values[0, on], sums.values[1, on] = -pressure, -traction
-        sums.values[3, on] += pressure
-        sums.of_pressure[0, on] += pressure
-        sums.of_traction[1, on] += np.abs(traction)
+    @property
+    def radius(self) -> float:
+        """Radius of the punch in the units of the points."""
+        return self._units.length
+
+    @property
+    def si(self) -> bool:
+        """Whether points and results are in SI units."""
+        return self._units.si
+
+    def at_edge(self, r: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.bool_]:
+        """Return which points are at the edge, closer than 1e-16: there stresses have no limit.
+
+        Parameters and errors are those of `displacement`.
+        """
+        points, shape = self._points(r, z, None)
+        return points.at_edge.reshape(shape)
+
+    def to_table(
+        self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Evaluate everything at points, such as the nodes of a mesh.
+
+        Parameters
+        ----------
+        r, z, rtol
+            As for `stress`; at the edge itself stresses are NaN.
+
+        Returns
+        -------
+        dict of ndarray
+            `r`, `z`, displacements, stresses, their invariants and the estimates, by name.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        """
+        self._points(r, z, None)
+        radius, depth = np.broadcast_arrays(np.asarray(r, float), np.asarray(z, float))
+        return {"r": radius, "z": depth} | columns(self, radius, depth, rtol)
+
+    def to_xarray(self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None) -> xarray.Dataset:
+        """Evaluate everything on a grid.
+
+        Parameters
+        ----------
+        r, z : array_like, one-dimensional
+            Radii and depths of the grid.
+        rtol : float, optional
+            As for `stress`; at the edge itself stresses are NaN.
+
+        Returns
+        -------
+        xarray.Dataset
+            With dimensions `z` and `r`.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        MissingDependencyError
+            If xarray is not installed.
+        """
+        self._points(np.ravel(r), np.ravel(z)[:, None], None)
+        return dataset(self, np.ravel(np.asarray(r, float)), np.ravel(np.asarray(z, float)), rtol)
+
+    def largest(self, measure: str) -> Extreme:
+        """Return the largest von Mises stress, shear stress or tension of the surface, and where.
+
+        Where it has no bound, or is approached at the edge and not attained, the result says so.
+
+        Parameters
+        ----------
+        measure : str
+            ``"von_mises"``, ``"max_shear"``, or ``"surface_tension"``, which is the largest
+            principal stress at the surface, in the contact and outside.
+
+        Returns
+        -------
+        Extreme
+
+        Raises
+        ------
+        SceneError
+            For another measure.
+        """
+        choices.one_of("measure", measure, MEASURES)
+        own = Inside(self._solution)
+        found = largest(
+            measure,
+            self._solution,
+            lambda points, rtol: own.stress(from_edge=points.from_edge, z=points.z, rtol=rtol),
+        )
+        value = None if found.value is None else found.value * self._units.stress
+        length = self._units.length
+        return replace(found, value=value, r=found.r * length, z=found.z * length)
+
+    def energies(self) -> Energies:
+        """Return what the work of the load becomes: elastic energy, friction, and a defect.
+
+        Takes some seconds.
+
+        Returns
+        -------
+        Energies
+
+        Raises
+        ------
+        NotComputedError
+            If the approach or the slip was not asked for.
+        """
+        own = Inside(self._solution)
+        unit = self._units.stress * self._units.length**2 * self._units.displacement
+        return energies(
+            self._solution,
+            self._sampler.coarser,
+            lambda points: own.displacement(from_edge=points.from_edge),
+            unit,
+        )
 
     def _errors(self, sums: Integrals) -> Array:
         """Return absolute errors of the integrals."""
@@ -249,10 +371,6 @@ class Inside:
             of_pressure = of_traction = max(of_pressure, of_traction)
         loads = of_pressure * sums.of_pressure + of_traction * sums.of_traction
         return np.asarray(loads + sums.quadrature)
-
-
-def _without(kernels: tuple[Any, Any], sheared: bool) -> tuple[Any, Any]:
-    return kernels if sheared else (kernels[0], None)
 
 
 def _nothing(s: Array, from_edge: Array) -> Array:
@@ -282,8 +400,9 @@ def _length(name: str, values: Any, unit: float, high: float = np.inf) -> Array:
     return np.asarray(given / unit + 0.0)
 
 
-def _relative(error: Array, size: Array) -> Array:
-    return np.asarray(np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), 0.0))
+def _tolerance(rtol: float | None) -> float:
+    """Return the tolerance of the integration, 0 for all digits."""
+    return 0.0 if rtol is None else checks.tolerance(rtol)
 
 
 def _shaped(shape: tuple[int, ...], *values: Array) -> Iterator[Any]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
-from scipy.special import ellipe, ellipkm1, elliprj
+from scipy.special import ellipe, ellipkm1
 
 __all__ = ["Elliptic", "elliptic", "solid_angle"]
 
@@ -83,8 +83,21 @@ def solid_angle(own: Elliptic, z: Array, a: Array, ahead: Array, total: Array) -
         Radius of the disk minus the distance from its axis, and their sum (Paxton 1959).
     """
     ratio = ahead / total
-    beyond = np.maximum(ratio**2, 1e-300)
-    # Pi(n | m) = K + (n/3) R_J(0, 1 - m, 1, 1 - n)
-    third = own.k + (1.0 - beyond) / 3.0 * elliprj(0.0, own.rest, 1.0, beyond)
     step = np.where(ahead > 0.0, 1.0, np.where(ahead == 0.0, 0.5, 0.0))
-    return np.asarray(step - z / (np.pi * a) * (own.k + ratio * third))
+    # K + ratio Pi(n | m) with 1 - n = ratio**2
+    both = _bulirsch(np.sqrt(own.rest), np.maximum(np.abs(ratio), 1e-150), 1.0 + ratio, ratio)
+    return np.asarray(step - z / (np.pi * a) * both)
+
+
+def _bulirsch(kc: Array, p: Array, sum_: Array, ratio: Array) -> Array:
+    """Return Bulirsch's ``cel(kc, p**2, sum_, ratio * sum_)``, by his doubling (1969)."""
+    a, b = sum_, ratio * sum_ / p
+    e, mean = kc, np.ones_like(kc)
+    while True:
+        a, b = a + b / p, 2.0 * (b + a * e / p)
+        p = p + e / p
+        last, mean = mean, mean + kc
+        if np.all(np.abs(last - kc) <= 1e-8 * last):
+            return np.asarray(np.pi / 2.0 * (a * mean + b) / (mean * (mean + p)))
+        kc = 2.0 * np.sqrt(e)
+        e = kc * mean

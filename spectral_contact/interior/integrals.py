@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from spectral_contact.interior.mesh import Mesh, Points
 from spectral_contact.interior.rings import Geometry, geometry
 
-__all__ = ["Integrals", "Kernel", "integrate"]
+__all__ = ["Integrals", "Kernels", "integrate"]
 
 Array = NDArray[np.float64]
 Kernel = Callable[[Geometry, float], tuple[Array, ...]]
+Kernels = tuple[Kernel, ...]
 
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 
@@ -37,33 +38,39 @@ class Integrals:
     of_traction: Array
     quadrature: Array
 
+    @classmethod
+    def empty(cls, count: int) -> Integrals:
+        """Return places for the integrals at so many points."""
+        return cls(*np.zeros((4, 4, count)))
 
-def _sums(mesh: Mesh, points: Points, kernel: Kernel, ring: str, nu: float) -> tuple[Array, Array]:
-    """Return the integrals for one load, and those of the moduli."""
+    def put(self, which: NDArray[np.bool_], those: Integrals) -> None:
+        """Fill in the integrals of some points."""
+        self.values[:, which] = those.values
+        self.of_pressure[:, which] = those.of_pressure
+        self.of_traction[:, which] = those.of_traction
+        self.quadrature[:, which] = those.quadrature
+
+
+def _sums(mesh: Mesh, points: Points, kernels: Kernels, nu: float) -> tuple[Array, Array]:
+    """Return the integrals, and for each load those of the moduli."""
     depth = np.where(points.on_surface, 0.0, points.z)
-    values, sizes = np.zeros((4, len(depth))), np.zeros((4, len(depth)))
+    values, sizes = np.zeros((4, len(depth))), np.zeros((2, 4, len(depth)))
     for block, nodes in mesh.rows(points):
         owner, some = nodes.owner, points[block]
-        load = nodes.pressure if ring == "pressure" else nodes.traction
-        measure = load * nodes.s * nodes.weight
-        shape = measure.shape
-        r = np.broadcast_to(some.r[owner, None], shape)
-        z = np.broadcast_to(depth[block][owner, None], shape)
-        shares = kernel(geometry(r, z, nodes.s, nodes.ahead), nu)
-        for row, size, share in zip(values, sizes, shares, strict=False):
-            terms = share * measure
-            count = len(some.r)
-            row[block] += np.bincount(owner, terms.sum(axis=1), minlength=count)
-            size[block] += np.bincount(owner, np.abs(terms).sum(axis=1), minlength=count)
+        r, z = some.r[owner, None], depth[block][owner, None]
+        rings = geometry(r, z, nodes.s, nodes.ahead)
+        count = len(some.r)
+        for kernel, load, moduli in zip(
+            kernels, (nodes.pressure, nodes.traction), sizes, strict=False
+        ):
+            for row, size, share in zip(values, moduli, kernel(rings, nu), strict=False):
+                terms = share * load
+                row[block] += np.bincount(owner, terms.sum(axis=1), minlength=count)
+                size[block] += np.bincount(owner, np.abs(terms).sum(axis=1), minlength=count)
     return values, sizes
 
 
-def integrate(
-    meshes: tuple[Mesh, Mesh],
-    points: Points,
-    kernels: tuple[Kernel, Kernel | None],
-    nu: float,
-) -> Integrals:
+def integrate(meshes: tuple[Mesh, Mesh], points: Points, kernels: Kernels, nu: float) -> Integrals:
     """Integrate ring loads of pressure and of traction over the contact.
 
     Parameters
@@ -72,17 +79,11 @@ def integrate(
         With the rule that is used and the one that it is compared with.
     points : Points
     kernels : tuple of callable
-        Of rings of pressure and of traction; None for a contact without traction.
+        Of rings of pressure and of traction; the first alone for a contact without traction.
     nu : float
         Poisson's ratio.
     """
-    fine, coarse = meshes
-    values, of_pressure = _sums(fine, points, kernels[0], "pressure", nu)
-    rough = _sums(coarse, points, kernels[0], "pressure", nu)[0]
-    of_traction = np.zeros_like(values)
-    if kernels[1] is not None:
-        more, of_traction = _sums(fine, points, kernels[1], "traction", nu)
-        values = values + more
-        rough = rough + _sums(coarse, points, kernels[1], "traction", nu)[0]
-    quadrature = np.abs(values - rough) + _ROUNDING * (of_pressure + of_traction)
-    return Integrals(values, of_pressure, of_traction, quadrature)
+    values, sizes = _sums(meshes[0], points, kernels, nu)
+    rough = _sums(meshes[1], points, kernels, nu)[0]
+    quadrature = np.abs(values - rough) + _ROUNDING * (sizes[0] + sizes[1])
+    return Integrals(values, sizes[0], sizes[1], quadrature)

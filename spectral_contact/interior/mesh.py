@@ -1,7 +1,8 @@
 """Panels over the radius of the contact, graded to its edge and to every zone boundary.
 
 Where a point of the body is close to a panel, the panel is cut into pieces that are equal in
-``asinh(distance / depth)``, in which the load of a ring is smooth.
+``asinh(distance / depth)``, in which the load of a ring is smooth. Where it is far from all panels
+next to a boundary, one tail stands for them.
 """
 
 from __future__ import annotations
@@ -15,18 +16,56 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
+from spectral_contact.interior.tails import Tails
 
-__all__ = ["Evaluator", "Mesh", "Nodes", "Points", "graded"]
+__all__ = [
+    "FAST",
+    "TIGHT",
+    "Evaluator",
+    "Grading",
+    "Mesh",
+    "Nodes",
+    "Points",
+    "Rule",
+    "Shrinking",
+    "graded",
+]
 
 Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]
 
 #: A panel closer than this many times its length is cut.
 _NEAR = 1.0
+#: How close to the edge stresses are given: closer, the panels do not reach.
+_CLOSEST = 1e-16
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
 #: Points that are served at a time, which bounds the memory.
-_BLOCK = 32
+_BLOCK = 512
+
+
+class Rule(NamedTuple):
+    """How finely loads are integrated.
+
+    Attributes
+    ----------
+    panel, tail : int
+        Nodes of a panel and of a tail.
+    width : float
+        Largest length of a piece of a panel that is cut.
+    apart : float
+        A tail stands for its panels at points that are this many times its length away.
+    """
+
+    panel: int
+    tail: int
+    width: float
+    apart: float
+
+
+#: The rule that is used and the one that it is compared with: for all digits, and for 8.
+TIGHT = Rule(16, 20, 1.0, 2.0), Rule(12, 16, 1.0, 2.0)
+FAST = Rule(10, 14, 1.5, 1.5), Rule(8, 12, 1.5, 1.5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +88,11 @@ class Points:
         return np.asarray(np.hypot(self.from_edge, self.z))
 
     @property
+    def at_edge(self) -> NDArray[np.bool_]:
+        """Whether a point is closer to the edge than the panels reach."""
+        return np.asarray(self.to_edge < _CLOSEST)
+
+    @property
     def on_surface(self) -> NDArray[np.bool_]:
         """Whether a point is as good as on the surface."""
         return np.asarray(self.z <= 1e-16 * self.to_edge)
@@ -64,28 +108,36 @@ class Nodes(NamedTuple):
     ----------
     owner : ndarray of int, shape (rows,)
         Which point a row is for.
-    s, ahead, weight : ndarray
-        Radius of the ring, radius of the point minus it, and quadrature weight.
+    s, ahead : ndarray
+        Radius of the ring, and radius of the point minus it.
     pressure, traction : ndarray
-        The loads there.
+        The loads of the rings: ``p s ds`` and ``q s ds``.
     """
 
     owner: NDArray[np.intp]
     s: Array
     ahead: Array
-    weight: Array
     pressure: Array
     traction: Array
 
 
-class _Ends(NamedTuple):
-    """Ends of panels, from the centre and from the edge."""
+class Shrinking(NamedTuple):
+    """Panels from `start` to before `stop` that shrink towards one end of theirs."""
+
+    start: int
+    stop: int
+    outward: bool
+
+
+class Grading(NamedTuple):
+    """Ends of all panels, from the centre and from the edge, and the runs that shrink."""
 
     s: Array
     d: Array
+    runs: list[Shrinking]
 
 
-def _halves(inner: Radius, outer: Radius, folds: int) -> list[_Ends]:
+def _halves(inner: Radius, outer: Radius, folds: int) -> list[Grading]:
     """Return the ends of the panels of an interval, graded to its two ends unless to the centre."""
     square = (inner.square + outer.square) / 2.0
     middle = float(np.sqrt(square))
@@ -93,20 +145,22 @@ def _halves(inner: Radius, outer: Radius, folds: int) -> list[_Ends]:
     sides = []
     if inner.value == 0.0:
         s = middle * np.array([0.0, 0.5])
-        sides.append(_Ends(s, 1.0 - s))
+        sides.append(Grading(s, 1.0 - s, []))
     else:
         reach = (square - inner.square) / (middle + inner.value)
         if inner.value > 0.5:
             reach = inner.from_edge - rest
         steps = np.concatenate([[0.0], reach * np.exp(np.arange(-float(_FOLDS), 0.0))])
-        sides.append(_Ends(inner.value + steps, inner.from_edge - steps))
+        run = Shrinking(0, len(steps), outward=False)
+        sides.append(Grading(inner.value + steps, inner.from_edge - steps, [run]))
     reach = rest - outer.from_edge if outer.value > 0.5 else outer.value - middle
     steps = reach * np.exp(-np.arange(float(folds + 1)))
-    sides.append(_Ends(outer.value - steps, outer.from_edge + steps))
+    run = Shrinking(0, len(steps), outward=True)
+    sides.append(Grading(outer.value - steps, outer.from_edge + steps, [run]))
     return sides
 
 
-def graded(boundaries: Sequence[Radius], edge_folds: int) -> _Ends:
+def graded(boundaries: Sequence[Radius], edge_folds: int) -> Grading:
     """Return the ends of all panels from the centre to the edge.
 
     Parameters
@@ -116,13 +170,20 @@ def graded(boundaries: Sequence[Radius], edge_folds: int) -> _Ends:
     edge_folds : int
         How many e-folds the panels go towards the edge.
     """
-    sides = []
+    sides: list[Grading] = []
     for inner, outer in pairwise(boundaries):
         sides += _halves(inner, outer, edge_folds if outer.from_edge == 0.0 else _FOLDS)
     s = np.concatenate([side.s for side in sides] + [[1.0]])
     d = np.concatenate([side.d for side in sides] + [[0.0]])
     kept = np.concatenate([[True], (np.diff(s) > 0.0) | (np.diff(d) < 0.0)])
-    return _Ends(s[kept], d[kept])
+    number = np.concatenate([[0], np.cumsum(kept)])  # of the ends that are kept before each
+    runs, first = [], 0
+    for side in sides:
+        for run in side.runs:
+            start, stop = number[first + run.start], number[first + run.stop + 1] - 1
+            runs.append(Shrinking(int(start), int(stop), run.outward))
+        first += len(side.s)
+    return Grading(s[kept], d[kept], runs)
 
 
 class Mesh:
@@ -130,18 +191,17 @@ class Mesh:
 
     Parameters
     ----------
-    ends : tuple of ndarray
+    ends : Grading
         What `graded` returns.
     pressure, traction : callable
         The loads at radii and distances from the edge.
-    order : int
-        Nodes of a panel.
+    rule : Rule
     """
 
-    def __init__(self, ends: _Ends, pressure: Evaluator, traction: Evaluator, order: int) -> None:
-        self._ends = ends
+    def __init__(self, ends: Grading, pressure: Evaluator, traction: Evaluator, rule: Rule) -> None:
+        self._ends, self._rule = ends, rule
         self._loads = pressure, traction
-        nodes, weights = np.polynomial.legendre.leggauss(order)
+        nodes, weights = np.polynomial.legendre.leggauss(rule.panel)
         self._fractions, self._weights = (1.0 + nodes) / 2.0, weights / 2.0
         lengths = np.where(ends.s[:-1] > 0.5, -np.diff(ends.d), np.diff(ends.s))
         self._lengths = np.asarray(lengths)
@@ -150,8 +210,40 @@ class Mesh:
         high = ends.s[:-1, None] > 0.5
         self._d = np.where(high, ends.d[1:, None] + back, 1.0 - (ends.s[:-1, None] + step))
         self._s = np.where(high, 1.0 - self._d, ends.s[:-1, None] + step)
-        self._pressure = np.asarray(pressure(self._s, self._d))
-        self._traction = np.asarray(traction(self._s, self._d))
+        self._rings = self._measured(self._s, self._d, lengths[:, None] * self._weights)
+        self._tails = [
+            Tails(
+                ends.s[run.start : run.stop + 1],
+                ends.d[run.start : run.stop + 1],
+                run.outward,
+                rule.tail,
+                self._s[run.start : run.stop],
+                self._d[run.start : run.stop],
+                self._rings[:, run.start : run.stop],
+            )
+            for run in ends.runs
+        ]
+
+    def _measured(self, s: Array, d: Array, weight: Array) -> Array:
+        """Return what rings carry of pressure and of traction, stacked."""
+        return np.asarray([np.asarray(load(s, d)) * s * weight for load in self._loads])
+
+    @property
+    def surface(self) -> tuple[Points, Array]:
+        """All nodes, as points of the surface, and what their rings carry, (2, nodes)."""
+        s, d = self._s.ravel(), self._d.ravel()
+        return Points(s, d, np.zeros_like(s)), self._rings.reshape(2, -1)
+
+    def carried(self) -> Array:
+        """Return what all rings within each node carry of pressure, ``int_0^s p s ds``."""
+        shares = self._fractions[:, None] * self._fractions
+        lengths = self._lengths[:, None, None]
+        d = self._ends.d[:-1, None, None] - lengths * shares
+        s = self._ends.s[:-1, None, None] + lengths * shares
+        weights = lengths * self._fractions[:, None] * self._weights
+        own = self._measured(s, d, weights)[0].sum(axis=2)
+        before = np.cumsum(self._rings[0].sum(axis=1)) - self._rings[0].sum(axis=1)
+        return np.asarray((before[:, None] + own).ravel())
 
     def rows(self, points: Points) -> Iterator[tuple[slice, Nodes]]:
         """Yield blocks of points, each with all of its rows of nodes."""
@@ -159,10 +251,27 @@ class Mesh:
             block = slice(start, start + _BLOCK)
             some = points[block]
             low, high = self._offsets(some)
-            near = self._near(some, low, high)
-            yield block, self._whole(some, ~near)
+            apart = np.hypot(np.maximum(np.maximum(low, -high), 0.0), some.z[:, None])
+            left = np.ones(apart.shape, dtype=bool)
+            tails = [self._tail(some, at, left) for at in range(len(self._tails))]
+            near = left & (apart < _NEAR * self._lengths)
+            yield block, _joined(tails)
+            yield block, self._whole(some, left & ~near)
             if near.any():
                 yield block, self._cut(some, near, low, high)
+
+    def _tail(self, points: Points, at: int, left: NDArray[np.bool_]) -> Nodes:
+        """Return the rows of tails of a run, and strike the panels that they stand for."""
+        run, tails = self._ends.runs[at], self._tails[at]
+        apart = tails.distance(points.r, points.from_edge, points.z)
+        far = apart >= self._rule.apart * tails.lengths
+        owner = np.nonzero(far.any(axis=1))[0]
+        longest = far.argmax(axis=1)[owner]
+        covered = np.zeros((len(points.r), run.stop - run.start), dtype=bool)
+        covered[owner] = np.arange(run.stop - run.start) >= longest[:, None]
+        left[:, run.start : run.stop] = ~(covered if run.outward else covered[:, ::-1])
+        s, d = tails.s[longest], tails.d[longest]
+        return Nodes(owner, s, _ahead(points, owner, s, d), *tails.rings[:, longest])
 
     def _offsets(self, points: Points) -> tuple[Array, Array]:
         """Return how far beyond a point's radius the panels begin and end, (points, panels)."""
@@ -170,18 +279,11 @@ class Mesh:
         offset = np.where(ends.s > 0.5, d - ends.d, ends.s - r)
         return offset[:, :-1], offset[:, 1:]
 
-    def _near(self, points: Points, low: Array, high: Array) -> NDArray[np.bool_]:
-        gap = np.maximum(np.maximum(low, -high), 0.0)
-        return np.asarray(np.hypot(gap, points.z[:, None]) < _NEAR * self._lengths)
-
     def _whole(self, points: Points, chosen: NDArray[np.bool_]) -> Nodes:
         """Return the rows of panels that are taken whole."""
         owner, panel = np.nonzero(chosen)
         s, d = self._s[panel], self._d[panel]
-        r, from_edge = points.r[owner, None], points.from_edge[owner, None]
-        ahead = np.where(s > 0.5, d - from_edge, r - s)
-        weight = self._lengths[panel, None] * self._weights
-        return Nodes(owner, s, ahead, weight, self._pressure[panel], self._traction[panel])
+        return Nodes(owner, s, _ahead(points, owner, s, d), *self._rings[:, panel])
 
     def _cut(self, points: Points, chosen: NDArray[np.bool_], low: Array, high: Array) -> Nodes:
         """Return the rows of panels that are cut, on either side of the point's radius."""
@@ -196,7 +298,7 @@ class Mesh:
             begin = np.maximum(first[owner, panel], floor[owner]) / scale[owner]
             end = last[owner, panel] / scale[owner]
             parts.append(self._pieces(points, sign, owner, scale, np.arcsinh([begin, end])))
-        return Nodes(*(np.concatenate(two) for two in zip(*parts, strict=True)))
+        return _joined(parts)
 
     def _pieces(
         self,
@@ -206,9 +308,9 @@ class Mesh:
         scale: Array,
         phases: Array,
     ) -> Nodes:
-        """Return rows of pieces at most one wide in ``asinh(distance / scale)``."""
+        """Return rows of pieces of about one width in ``asinh(distance / scale)``."""
         begin, end = phases
-        count = np.ceil(end - begin).astype(int)
+        count = np.ceil((end - begin) / self._rule.width).astype(int)
         count = np.maximum(count, 1)
         width = np.repeat((end - begin) / count, count)
         number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
@@ -220,5 +322,14 @@ class Mesh:
         weight = unit * np.cosh(phase) * width[:, None] * self._weights
         s = np.clip(points.r[owner, None] + away, 0.0, 1.0)
         d = np.clip(points.from_edge[owner, None] - away, 0.0, 1.0)
-        pressure, traction = (np.asarray(load(s, d)) for load in self._loads)
-        return Nodes(owner, s, -away, weight, pressure, traction)
+        return Nodes(owner, s, -away, *self._measured(s, d, weight))
+
+
+def _ahead(points: Points, owner: NDArray[np.intp], s: Array, d: Array) -> Array:
+    """Return the radii of the points that own rows, minus those of the nodes."""
+    r, from_edge = points.r[owner, None], points.from_edge[owner, None]
+    return np.asarray(np.where(s > 0.5, d - from_edge, r - s))
+
+
+def _joined(parts: Sequence[Nodes]) -> Nodes:
+    return Nodes(*(np.concatenate(some) for some in zip(*parts, strict=True)))

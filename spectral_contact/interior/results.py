@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Displacement", "Stress", "Surface"]
+__all__ = ["Displacement", "Energies", "Extreme", "Stress", "Surface"]
 
 Array = NDArray[np.float64]
 
@@ -103,3 +103,69 @@ class Surface:
     z: Any
     gap: Any
     error: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Energies:
+    """What the work of the load becomes as it grows in proportion, in the units of the solution.
+
+    Dimensionless, an energy is over ``4 (1 - nu**2) P**2 / (a E)``, the load times the unit of
+    the approach.
+
+    Attributes
+    ----------
+    external : float
+        Work of the load, half of load times approach.
+    strain : float
+        Energy of the body: half of pressure and traction over its own displacements.
+    layer : float
+        Energy stored in the layer of roughness, normal and tangential.
+    friction : float
+        What slip dissipates.
+    defect : float
+        What the model without coupling loses, ``kappa / 2 int q g dA``: there the traction does
+        not move the surface normally, but the body does both. Zero with coupling.
+    error : float
+        Estimated error of each, relative to `external`.
+    """
+
+    external: float
+    strain: float
+    layer: float
+    friction: float
+    defect: float
+    error: float
+
+    @property
+    def balance(self) -> float:
+        """What is left of `external` after the others; zero but for errors."""
+        return self.external - self.strain - self.layer - self.friction - self.defect
+
+
+@dataclass(frozen=True, slots=True)
+class Extreme:
+    """The largest value of a stress, and where it is.
+
+    Attributes
+    ----------
+    value : float or None
+        None where it has no bound.
+    r, z : float
+        Where it is, or which place it is approached at.
+    error : float or None
+        Estimated error of the value, relative to it.
+    place_error : float or None
+        Estimated error of the place, relative to its distance from the edge.
+    attained : bool
+        Whether there is such a place; else `value` is the supremum, or there is none.
+    remark : str
+        This in words.
+    """
+
+    value: float | None
+    r: float
+    z: float
+    error: float | None
+    place_error: float | None
+    attained: bool
+    remark: str

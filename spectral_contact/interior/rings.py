@@ -36,7 +36,7 @@ class Geometry(NamedTuple):
     Attributes
     ----------
     r, z, s : ndarray
-        Radius and depth of the points, radius of the rings.
+        Radius and depth of the points, radius of the rings; those of the points broadcast.
     ahead : ndarray
         ``r - s``, to relative accuracy.
     a2, b2 : ndarray
@@ -58,7 +58,7 @@ class Geometry(NamedTuple):
 
 
 def geometry(r: Array, z: Array, s: Array, ahead: Array) -> Geometry:
-    """Return the distances; all arguments have one shape, and no ring touches its point."""
+    """Return the distances; `r` and `z` broadcast to the others, no ring touches its point."""
     a2 = (r + s) ** 2 + z**2
     b2 = ahead**2 + z**2
     return Geometry(r, z, s, ahead, a2, b2, np.sqrt(a2), elliptic(4.0 * r * s / a2, b2 / a2))
@@ -78,15 +78,15 @@ def _slope(g: Geometry) -> tuple[Array, Array]:
 def _mean_flux(g: Geometry) -> Array:
     """Return ``I(0, 1; 0) / r``: the part of a ring's load that flows through a disk below it."""
     near_axis = g.r**2 < 0.04 * (g.s**2 + g.z**2)
-    result = np.empty(g.r.shape)
+    result = np.empty(g.s.shape)
+    r, z = np.broadcast_to(g.r, g.s.shape), np.broadcast_to(g.z, g.s.shape)
     if near_axis.any():
-        result[near_axis] = _flux_near_axis(g.r[near_axis], g.z[near_axis], g.s[near_axis])
+        result[near_axis] = _flux_near_axis(r[near_axis], z[near_axis], g.s[near_axis])
     far = ~near_axis
     if far.any():
         own = Elliptic(*(part[far] for part in g.own))
-        total = g.r[far] + g.s[far]
-        angle = solid_angle(own, g.z[far], g.a[far], g.ahead[far], total)
-        result[far] = angle / g.r[far] ** 2
+        angle = solid_angle(own, z[far], g.a[far], g.ahead[far], r[far] + g.s[far])
+        result[far] = angle / r[far] ** 2
     return result
 
 

@@ -28,6 +28,7 @@ __all__ = [
     "create_file",
     "key_complaint",
     "left_out",
+    "netcdf",
     "npz_members",
     "path_text",
     "read_file",
@@ -134,6 +135,18 @@ def read_file(path: str | os.PathLike[str]) -> tuple[str, bytes]:
     source = path_text(path)
     with reported(source, "cannot be read"):
         return source, Path(source).read_bytes()
+
+
+def netcdf(dataset: Any) -> bytes:
+    """Return what is in the NetCDF file of an xarray dataset."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    # in memory: on a full disk HDF5 may crash when it closes a file
+    content = BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    return content.getvalue()
 
 
 def npz_members(content: bytes) -> dict[str, NDArray[Any]]:

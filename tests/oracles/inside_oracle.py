@@ -1,8 +1,10 @@
-"""Fields below a contact by Hankel integrals: for tests, and free of the library's kernels.
+"""Fields below a contact by independent integrals, for tests.
 
-Two routes. `stuck` has the half-integrals of a smooth contact, stuck all over, in closed form, and
-integrates elementary complex functions over them in mpmath, at any depth. `hankel` integrates the
-loads of any solution times Bessel functions, twice, at depths that are not small.
+`stuck` has the half-integrals of a smooth contact, stuck all over, in closed form, and integrates
+elementary complex functions over them in mpmath, at any depth. `hankel` integrates the
+loads of any solution times Bessel functions, twice, at depths that are not small. `ring` adds up
+the point forces of Boussinesq and Cerruti along a ring of load, in mpmath, at any distance; and
+`over_rings` integrates the library's rings, once they are met, by doubly exponential quadrature.
 """
 
 from collections.abc import Callable
@@ -12,6 +14,8 @@ from typing import NamedTuple
 import mpmath as mp
 import numpy as np
 from scipy.special import j0, j1
+
+from spectral_contact.interior import rings
 
 
 class Fields(NamedTuple):
@@ -141,3 +145,93 @@ def _over_contact(solution):
         ends |= set(outer - steps[:36])
     from_edge, weight = _gauss(np.array(sorted(ends)), 14)
     return 1.0 - from_edge, from_edge, weight
+
+
+def ring(nu, r, z, s, ahead):
+    """Return zz, rz, ``2 G u_r / r``, e and ``2 G u_z`` of unit rings of pressure and of traction.
+
+    `ahead` is ``r - s``. The first five are of pressure; e is a part of the trace of the stress.
+    """
+    with mp.workdps(25):
+        nu, r, z, ahead = (mp.mpf(one) for one in (nu, r, z, ahead))
+        s = r - ahead
+        scale = mp.hypot(ahead, z) / max(r, s)
+        places = [scale * mp.mpf(10) ** k for k in range(18)]
+        ends = [mp.mpf(0), *(one for one in places if one < 3), mp.pi]
+        terms = [lambda phi, k=k: _point_forces(nu, r, z, s, ahead, phi)[k] for k in range(10)]
+        values = [mp.quad(term, ends) / mp.pi for term in terms]
+        return np.array([float(value) for value in values]).reshape(2, 5)
+
+
+def _point_forces(nu, r, z, s, ahead, phi):
+    """Return the fields of a normal and of a radial point force, each over ``1 / (2 pi)``."""
+    half = 2 * mp.sin(phi / 2) ** 2  # 1 - cos phi
+    x, y = ahead - r * half, -r * mp.sin(phi)  # from the force, along it and across
+    across = ahead + s * half  # from the force along r
+    distance = mp.sqrt(ahead**2 + 2 * r * s * half + z**2)
+    deep = distance + z
+    low = 1 - 2 * nu
+    cube = distance**3
+    flat = z / cube - low / (distance * deep)
+    normal = (
+        -3 * z**3 / distance**5,
+        -3 * z**2 * across / distance**5,
+        across * flat / r,
+        z / cube,
+        z**2 / cube + 2 * (1 - nu) / distance,
+    )
+    along = 1 / distance + x**2 / cube + low * (1 / deep - x**2 / (distance * deep**2))
+    aside = x * y * (1 / cube - low / (distance * deep**2))
+    turn = mp.cos(phi), mp.sin(phi)
+    radial = (
+        -3 * x * z**2 / distance**5,
+        -3 * x * z / distance**5 * (x * turn[0] - y * turn[1]),
+        (along * turn[0] - aside * turn[1]) / r,
+        x / cube,
+        x * z / cube + low * x / (distance * deep),
+    )
+    return (*normal, *radial)
+
+
+def over_rings(solution, from_edge, z, count=1500):
+    """Return the fields of any solution at any point off the surface, and how well they are known.
+
+    The second is the change of each when every second node is left out.
+    """
+    nu, r = solution.scene.poisson_ratio, 1.0 - from_edge
+    inner = {zone.outer_from_edge for zone in solution.zones}
+    ends = sorted({0.0, 1.0, *(one for one in (*inner, from_edge) if 0.0 < one < 1.0)})
+    t = np.linspace(-3.9, 3.9, 2 * count + 1)
+    step = t[1] - t[0]
+    low, high = (1.0 / (1.0 + np.exp(sign * np.pi * np.sinh(t))) for sign in (-1.0, 1.0))
+    slope = np.pi * np.cosh(t) * low * high
+    sums = np.zeros((2, 5))
+    for first, last in pairwise(ends):
+        length = last - first
+        d = first + length * low
+        s = length * high if last == 1.0 else 1.0 - d
+        ahead = d - from_edge
+        ahead = length * low if first == from_edge else ahead
+        ahead = -length * high if last == from_edge else ahead
+        near = np.where((s > 0.0) & (d > 0.0), 1.0, 0.0)
+        s, d = np.maximum(s, 1e-300), np.maximum(d, 1e-300)
+        g = rings.geometry(np.array([[r]]), np.array([[z]]), s[None], ahead[None])
+        five = [
+            np.array([*(one[0] for one in of_stress(g, nu)), of_displacement(g, nu)[0][0]])
+            for of_stress, of_displacement in (
+                (rings.normal_stress, rings.normal_displacement),
+                (rings.radial_stress, rings.radial_displacement),
+            )
+        ]
+        loads = solution.pressure(from_edge=d), solution.traction(from_edge=d)
+        for kernel, load in zip(five, loads, strict=True):
+            terms = kernel * (load * s * slope * near * length * step)
+            sums += np.array([terms.sum(axis=1), 2.0 * terms[:, ::2].sum(axis=1)])
+    fields = [_fields(nu, r, *one) for one in sums]
+    return fields[0], Fields(*np.abs(np.subtract(*fields)))
+
+
+def _fields(nu, r, zz, rz, hoop, harmonic, down):
+    tt = hoop - 2 * nu * harmonic
+    shear = 4 * (1 - nu)
+    return Fields(-2 * harmonic - zz - hoop, tt, zz, rz, r * hoop / shear, down / shear)

@@ -210,3 +210,93 @@ def test_what_was_not_computed_is_refused():
 
 def test_no_points_are_no_error():
     assert solve(Scene(0.3)).inside.stress([], 0.1).rr.shape == (0,)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_many_points_meet_a_tolerance_and_their_estimates(solutions, name):
+    body, rng = solutions[name].inside, np.random.default_rng(3)
+    from_edge, z = rng.uniform(-1.0, 1.0, 2500), rng.uniform(0.0, 1.5, 2500)
+    z[::50] = 0.0
+    some = slice(None, None, 25)
+    for method, parts in (("stress", ("rr", "tt", "zz", "rz")), ("displacement", ("r", "z"))):
+        evaluate = getattr(body, method)
+        many = evaluate(from_edge=from_edge, z=z, rtol=1e-8)
+        few = evaluate(from_edge=from_edge[some], z=z[some])
+        size = few.norm if method == "stress" else few.modulus
+        for part in parts:
+            apart = np.abs(getattr(many, part)[some] - getattr(few, part))
+            assert np.all(apart <= (many.error[some] + few.error) * size)
+        assert many.error.max() < 2e-8
+
+
+def test_from_many_points_on_the_surface_tractions_are_the_fields(solutions):
+    solution = solutions["slip"]
+    from_edge = np.linspace(-1.0, 1.0, 2001)[1:]
+    stress = solution.inside.stress(from_edge=from_edge[from_edge != 0.0], rtol=1e-8)
+    under = from_edge[from_edge > 0.0]
+    np.testing.assert_array_equal(stress.zz[-len(under) :], -solution.pressure(from_edge=under))
+    assert np.all(stress.rz[: -len(under)] == 0.0)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(0.3, 0.2, friction=None),
+        Scene(0.1, 0.5, 0.5, 0.1),
+        Scene(0.2, 1e-3, 1e-3, 0.2, coupling=True),
+        Scene(0.2, friction=math.inf),
+    ],
+)
+def test_work_is_stored_dissipated_or_the_defect_of_the_model(scene):
+    energies = solve(scene, rtol=1e-12).inside.energies()
+    assert abs(energies.balance) <= 1e-13 * energies.external
+    assert energies.error < 1e-11
+    uncoupled = bool(scene.friction) and not scene.coupling
+    assert (energies.defect > 1e-4 * energies.external) == uncoupled
+
+
+def test_energies_of_sneddons_punch_and_their_units():
+    scene = Scene.from_physical(
+        radius=0.01, youngs_modulus=2e11, poisson_ratio=0.3, load=1e3, friction=None
+    )
+    physical = solve(scene).physical
+    energies = physical.inside.energies()
+    assert energies.strain == pytest.approx(1e3 * physical.approach / 2.0, rel=1e-13)
+    assert energies.layer == energies.friction == energies.defect == 0.0
+
+
+def test_largest_stress_of_an_almost_uniform_pressure_is_on_the_axis():
+    """Uniform pressure on a disk (Love 1929), but for terms in 1 / alpha."""
+    found = solve(Scene(0.5, 1e10, friction=None), rtol=1e-12).inside.largest("von_mises")
+    z = np.linspace(0.5, 1.0, 200001)  # on the axis of the uniform load
+    root = z / np.sqrt(1.0 + z**2)
+    expected = (1.5 * (root - root**3)) / np.pi
+    assert found.attained
+    assert found.value == pytest.approx(expected.max(), rel=1e-9)
+    assert found.r == 0.0
+    assert found.z == pytest.approx(z[expected.argmax()], abs=1e-5)
+
+
+@pytest.mark.parametrize("measure", ["von_mises", "max_shear"])
+def test_nothing_exceeds_the_largest_stress(measure):
+    body = solve(Scene(0.3, 0.2, friction=None), rtol=1e-11).inside
+    found = body.largest(measure)
+    angle, size = np.meshgrid(np.linspace(0.0, np.pi, 41), np.geomspace(1e-9, 1.0, 60))
+    stress = body.stress(from_edge=size * np.cos(angle), z=size * np.sin(angle), rtol=1e-8)
+    assert np.max(getattr(stress, measure)) <= found.value * (1.0 + 1e-8)
+    assert getattr(body.stress(found.r, found.z), measure) == pytest.approx(found.value, rel=1e-9)
+
+
+def test_stress_without_bound_and_a_supremum_at_the_edge_are_named():
+    sneddon = solve(Scene(0.3)).inside
+    assert sneddon.largest("von_mises").value is None
+    assert "smooth" in sneddon.largest("max_shear").remark
+    tension = sneddon.largest("surface_tension")
+    assert tension.value == pytest.approx(0.4 / (2.0 * np.pi), rel=1e-7)
+    assert not tension.attained
+    rubbed = solve(Scene(0.1, 0.5, 0.5, 0.1)).inside
+    assert "traction" in rubbed.largest("von_mises").remark
+    inward = solve(Scene(0.0, friction=math.inf, coupling=True)).inside
+    assert "change sign" in inward.largest("surface_tension").remark
+    with pytest.raises(SceneError, match="measure"):
+        sneddon.largest("tresca")

@@ -1,0 +1,81 @@
+"""What the work of the load becomes: energy of the body and of the layer, friction, a defect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.interior.mesh import Mesh, Points
+from spectral_contact.interior.results import Displacement, Energies
+
+if TYPE_CHECKING:
+    from spectral_contact.solution import Solution
+
+__all__ = ["energies"]
+
+Array = NDArray[np.float64]
+Move = Callable[[Points], Displacement]
+
+
+#: A ring that carries less than this share changes no digit.
+_NEGLIGIBLE = 1e-17
+
+
+def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energies:
+    """Return the energies of a solution.
+
+    The load grows in proportion, so that each is half of what the final tractions would do over
+    the final displacements.
+
+    Parameters
+    ----------
+    solution : Solution
+        With approach, pressure, traction and slip.
+    mesh : Mesh
+        Panels to integrate over.
+    move : callable
+        Dimensionless displacements of the body at points.
+    unit : float
+        What an energy is multiplied by.
+
+    Raises
+    ------
+    NotComputedError
+        If a quantity was not asked for.
+    """
+    external = solution.approach / 2.0
+    parts, missing = _parts(solution, mesh, move)
+    error = missing + abs(external - parts.sum()) + (solution.error.approach or 0.0) * external
+    error += (solution.error.slip or 0.0) * abs(parts[2])
+    strain, layer, friction, defect = (float(one) * unit for one in parts)
+    return Energies(external * unit, strain, layer, friction, defect, float(error / external))
+
+
+def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
+    """Return strain energy, energy in the layer, friction and defect, and what they may miss by."""
+    scene, error = solution.scene, solution.error
+    points, rings = mesh.surface
+    inside = mesh.carried()
+    counts = np.abs(rings).sum(axis=0) > _NEGLIGIBLE * np.abs(rings).sum()
+    points, (pressure, traction) = points[counts], rings[:, counts]
+    moved = move(points)
+    at = {"from_edge": points.from_edge}
+    p, q = solution.pressure(**at), solution.traction(**at)
+    slip = 0.0 if solution.traction_field is None else solution.slip(**at)
+    sheared = traction if scene.tangential_compliance > 0.0 else np.zeros_like(traction)
+    pressed = pressure if scene.normal_compliance > 0.0 else np.zeros_like(pressure)
+    strain = pressure * moved.z + traction * moved.r
+    layer = scene.normal_compliance * p * pressed + scene.tangential_compliance * q * sheared
+    friction = -traction * slip
+    defect = np.zeros_like(strain)
+    if not scene.couples:
+        defect = scene.kappa * traction * inside[counts] / points.r
+    terms = np.pi * np.stack([strain, layer, friction, defect])
+    loads = (error.pressure or 0.0) + (error.traction or 0.0)
+    missing = loads * np.abs(terms).sum() + np.pi * (
+        (np.abs(pressure) + np.abs(traction)) @ (moved.modulus * moved.error)
+    )
+    return terms.sum(axis=1), float(missing)

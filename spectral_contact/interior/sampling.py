@@ -1,0 +1,163 @@
+"""The integrals at points of the body: which rule serves, for one point or for many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields.series import Radius
+from spectral_contact.interior import rings
+from spectral_contact.interior.integrals import Integrals, integrate
+from spectral_contact.interior.mesh import FAST, TIGHT, Evaluator, Mesh, Points, Rule, graded
+from spectral_contact.interior.patches import Direct, Relative, interpolate
+from spectral_contact.threads import cached_property
+
+__all__ = ["AXIS", "Sampler", "displacement_error", "stress_error", "stress_norm"]
+
+Array = NDArray[np.float64]
+
+#: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.
+_FAST_FROM = 1e-9
+#: What stands for the axis, where ``u_r / r`` is the limit.
+AXIS = 1e-30
+
+
+def stress_norm(values: Array, nu: float) -> Array:
+    """Return the root of the sum of the squares of the nine stresses, from the integrals."""
+    zz, rz, hoop, harmonic = values
+    tt = hoop - 2.0 * nu * harmonic
+    rr = -2.0 * harmonic - zz - hoop
+    return np.asarray(np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2))
+
+
+def stress_error(values: Array, errors: Array, nu: float) -> Array:
+    """Return the relative error of stresses from absolute ones of the integrals."""
+    worst = errors[0] + errors[2] + 2.0 * errors[3] + errors[1]
+    return _relative(worst, stress_norm(values, nu))
+
+
+def displacement_error(values: Array, errors: Array, r: Array) -> Array:
+    """Return the relative error of displacements from absolute ones of the integrals."""
+    return _relative(
+        np.hypot(errors[0], r * errors[1]),
+        np.hypot(values[0], r * values[1]),
+    )
+
+
+def _relative(error: Array, size: Array) -> Array:
+    """Return errors over sizes; none where there is nothing."""
+    return np.asarray(np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), 0.0))
+
+
+class Sampler:
+    """Integrals of the loads at points, by the rule that a tolerance asks for.
+
+    Parameters
+    ----------
+    boundaries : sequence of Radius
+        Ends of all zones, from the centre to the edge.
+    edge_folds : int
+        How many e-folds the panels go towards the edge.
+    pressure, traction : callable
+        The loads at radii and distances from the edge.
+    sheared : bool
+        Whether there is traction at all.
+    nu : float
+        Poisson's ratio.
+    """
+
+    def __init__(
+        self,
+        boundaries: Sequence[Radius],
+        edge_folds: int,
+        pressure: Evaluator,
+        traction: Evaluator,
+        *,
+        sheared: bool,
+        nu: float,
+    ) -> None:
+        self._ends = graded(boundaries, edge_folds)
+        self._loads = pressure, traction
+        self._sheared, self._nu = sheared, nu
+
+    @property
+    def coarser(self) -> Mesh:
+        """Panels with the rule that the one for all digits is compared with."""
+        return self._tight[1]
+
+    @cached_property
+    def _tight(self) -> tuple[Mesh, Mesh]:
+        return self._meshes(TIGHT)
+
+    @cached_property
+    def _fast(self) -> tuple[Mesh, Mesh]:
+        return self._meshes(FAST)
+
+    def _meshes(self, rules: tuple[Rule, Rule]) -> tuple[Mesh, Mesh]:
+        used, compared = (Mesh(self._ends, *self._loads, rule) for rule in rules)
+        return used, compared
+
+    def stress(self, points: Points, rtol: float) -> Integrals:
+        """Return the integrals zz, rz, ``2 G u_r / r`` and e, on the surface limits from below."""
+        kernels = (rings.normal_stress, rings.radial_stress)[: 1 + self._sheared]
+
+        def direct(meshes: tuple[Mesh, Mesh]) -> Direct:
+            return lambda some: self._limits(some, integrate(meshes, some, kernels, self._nu))
+
+        def measure(_points: Points, values: Array, errors: Array) -> Array:
+            return stress_error(values, errors, self._nu)
+
+        sums = self._sampled(points, rtol, direct, measure)
+        on = points.on_surface
+        pressure, traction = self._surface(points[on])
+        sums.values[0, on], sums.values[1, on] = -pressure, -traction
+        return sums
+
+    def displacement(self, points: Points, rtol: float) -> Integrals:
+        """Return the integrals ``2 G u_z`` and ``2 G u_r / r``; the other two rows are empty."""
+        kernels = (rings.normal_displacement, rings.radial_displacement)[: 1 + self._sheared]
+
+        def direct(meshes: tuple[Mesh, Mesh]) -> Direct:
+            return lambda some: integrate(meshes, some, kernels, self._nu)
+
+        def measure(some: Points, values: Array, errors: Array) -> Array:
+            return displacement_error(values, errors, some.r)
+
+        return self._sampled(points, rtol, direct, measure)
+
+    def _sampled(
+        self,
+        points: Points,
+        rtol: float,
+        direct: Callable[[tuple[Mesh, Mesh]], Direct],
+        measure: Relative,
+    ) -> Integrals:
+        """Return the integrals by the cheapest means that meet the tolerance at each point."""
+        if rtol < _FAST_FROM:
+            return direct(self._tight)(points)
+        fast, sums = direct(self._fast), Integrals.empty(len(points.r))
+        left = interpolate(points, rtol, fast, measure, sums)
+        sums.put(left, fast(points[left]))
+        missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
+        if missed.any():
+            sums.put(missed, direct(self._tight)(points[missed]))
+        return sums
+
+    def _limits(self, points: Points, sums: Integrals) -> Integrals:
+        """Add to principal values on the surface what makes them limits from the body."""
+        on = points.on_surface
+        pressure, traction = self._surface(points[on])
+        sums.values[3, on] += pressure
+        sums.of_pressure[0, on] += pressure
+        sums.of_traction[1, on] += np.abs(traction)
+        return sums
+
+    def _surface(self, points: Points) -> tuple[Array, Array]:
+        """Return the loads at points of the surface."""
+        under = points.from_edge >= 0.0
+        d = np.where(under, points.from_edge, 1.0)
+        s = np.where(under & (points.r > AXIS), points.r, 0.0)
+        pressure, traction = (np.where(under, load(s, d), 0.0) for load in self._loads)
+        return pressure, traction

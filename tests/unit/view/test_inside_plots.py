@@ -1,0 +1,42 @@
+"""Contours of a stress below the surface: what is drawn, and where the largest is marked."""
+
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, SceneError, solve
+
+pytest.importorskip("matplotlib", reason="part of the extra: plot")
+from spectral_contact.view.inside import plot_inside
+
+
+def test_the_largest_von_mises_stress_is_marked_where_it_is():
+    body = solve(Scene(0.3, 0.5, friction=None)).inside
+    figure = plot_inside(body, r_max=1.5)
+    main, found = figure.axes[1], body.largest("von_mises")
+    (mark,) = (line for line in main.lines if line.get_marker() == "x")
+    assert (mark.get_xdata()[0], mark.get_ydata()[0]) == (found.r, found.z)
+    assert f"{found.value:.6g}" in main.get_title()
+    assert main.get_xlim() == (0.0, 1.5)
+
+
+def test_without_bound_the_title_says_why_and_the_surface_meets_the_punch():
+    solution = solve(Scene(0.3))
+    figure = plot_inside(solution.inside, "max_shear")
+    assert "no bound" in figure.axes[1].get_title()
+    surface = figure.axes[0].lines[-1].get_xydata()
+    under = surface[surface[:, 0] <= 1.0]
+    np.testing.assert_allclose(under[:, 1], solution.approach, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "name"),
+    [
+        ({"quantity": "tresca"}, "quantity"),
+        ({"r_max": -1.0}, "r_max"),
+        ({"r_max": np.nan}, "r_max"),
+    ],
+)
+def test_bad_parameters_are_refused_by_name(parameters, name):
+    with pytest.raises(SceneError) as caught:
+        plot_inside(solve(Scene(0.3)).inside, **parameters)
+    assert caught.value.parameter == name

@@ -1,0 +1,137 @@
+"""Time stress in the body: many points to a tolerance, all digits, and one point.
+
+Run as ``python validation/cost/bench_inside.py``; writes validation/results/bench_inside.json and
+.md. Each time is divided by U, one dense solve of 1000 unknowns with one BLAS thread, measured
+before and after it; the best of some rounds. True errors are against all digits, at some points.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import json
+import sys
+import tracemalloc
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+sys.path.append(str(Path(__file__).parent))
+
+import spectral_contact
+from spectral_contact import Scene, solve
+
+RESULTS = Path(__file__).parents[1] / "results"
+SEED, COUNT, ROUNDS, CHECKED = 20, 100_000, 5, 200
+SCENES = {
+    "smooth, no friction": Scene(0.3),
+    "slip": Scene(0.3, 0.2, 0.2, 0.1),
+    "coupled slip, 1e-3": Scene(0.2, 1e-3, 1e-3, 0.2, coupling=True),
+}
+_DENSE = np.random.default_rng(0).normal(size=(1000, 1000))
+
+
+def places(rng):
+    """Return distances from the edge and depths of the points, by name."""
+    r, z = np.meshgrid(np.linspace(0.0, 2.0, 316), np.linspace(0.0, 2.0, 317)[1:])
+    size = 10.0 ** rng.uniform(-6.0, 0.0, COUNT)
+    angle = rng.uniform(0.0, np.pi, COUNT)
+    far = rng.uniform(0.0, 5.0, (2, COUNT))
+    close = 10.0 ** rng.uniform(-12.0, 0.0, COUNT)
+    close = np.choose(rng.integers(0, 3, COUNT), [close, -10.0 * close, 1.0 - close])
+    return {
+        "grid over two radii": (1.0 - r.ravel(), z.ravel()),
+        "anywhere in five radii": (1.0 - far[0], far[1]),
+        "every distance from the edge, 1e-6 to 1": (size * np.cos(angle), size * np.sin(angle)),
+        "every distance and depth, 1e-12 to 30": (close, 10.0 ** rng.uniform(-12.0, 1.5, COUNT)),
+    }
+
+
+def seconds(call):
+    """Return processor time, which other processes disturb less, and what was returned."""
+    begin = process_time()
+    result = call()
+    return process_time() - begin, result
+
+
+def unit():
+    """Return U in seconds."""
+    return min(seconds(lambda: np.linalg.solve(_DENSE, _DENSE[0]))[0] for _ in range(3))
+
+
+def in_units(call, repeats=1):
+    """Return the best time of a call in U."""
+    times = []
+    for _ in range(ROUNDS):
+        before = unit()
+        spent = seconds(lambda: [call() for _ in range(repeats)])[0] / repeats
+        times.append(spent / min(before, unit()))
+    return min(times)
+
+
+def row_of(name, scene, where, from_edge, z, rng):
+    """Return the row of one scene and one set of points."""
+    body = solve(scene, rtol=1e-11).inside
+    body.stress(0.5, 0.5), body.stress(0.5, 0.5, rtol=1e-8)  # panels are prepared once
+    found = body.stress(from_edge=from_edge, z=z, rtol=1e-8)
+    some = rng.choice(len(z), CHECKED, replace=False)
+    exact = body.stress(from_edge=from_edge[some], z=z[some])
+    parts = ("rr", "tt", "zz", "rz")
+    apart = [np.abs(getattr(found, one)[some] - getattr(exact, one)) for one in parts]
+    part = from_edge[some[:100]], z[some[:100]]
+    tracemalloc.start()
+    body.stress(from_edge=from_edge, z=z, rtol=1e-8)
+    memory = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    return {
+        "scene": name,
+        "points": where,
+        "many": in_units(lambda: body.stress(from_edge=from_edge, z=z, rtol=1e-8)),
+        "exact": in_units(lambda: body.stress(from_edge=part[0], z=part[1])) / 100,
+        "one": in_units(lambda: body.stress(from_edge=from_edge[0], z=z[0]), 20),
+        "error": float((np.max(apart, axis=0) / exact.norm).max()),
+        "estimate": float(found.error.max()),
+        "megabytes": memory,
+    }
+
+
+def main():
+    """Measure, print and write."""
+    rng, rows = np.random.default_rng(SEED), []
+    for name, scene in SCENES.items():
+        for where, (from_edge, z) in places(rng).items():
+            rows.append(row_of(name, scene, where, from_edge, z, rng))
+            print(rows[-1], flush=True)
+    load = os.getloadavg()[0]
+    record = {
+        "schema": "spectral_contact.validation.bench_inside",
+        "version": 1,
+        "library": spectral_contact.__version__,
+        "count": COUNT,
+        "load": load,
+        "rows": rows,
+    }
+    text = json.dumps(record, indent=1) + "\n"
+    (RESULTS / "bench_inside.json").write_text(text, encoding="utf-8")
+    lines = [
+        f"{COUNT} points of stress with rtol 1e-8, times in U, the load of the machine was "
+        f"{load:.1f}; and one point of 100, and one alone, with all digits.",
+        "",
+        "| scene | points | all | largest true error | largest estimate | MB | one of 100 | alone |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {row['scene']} | {row['points']} | {row['many']:.0f} | {row['error']:.0e} "
+        f"| {row['estimate']:.1e} | {row['megabytes']:.0f} | {row['exact']:.3f} "
+        f"| {row['one']:.3f} |"
+        for row in rows
+    ]
+    (RESULTS / "bench_inside.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
