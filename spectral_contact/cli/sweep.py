@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections import Counter
 from io import BytesIO
 from pathlib import Path
@@ -118,7 +117,6 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
             from_edge=arguments.from_edge,
             executor=executor,
             store=arguments.store,
-            progress=sys.stderr.isatty(),
         )
 
 

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError, SceneError
-from spectral_contact.inputs.checks import flag, scalar
+from spectral_contact.inputs.checks import scalar
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.testing.checks import field_of
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["PLACES", "QUANTITIES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
 
@@ -128,7 +129,7 @@ class Truth:
         return float(np.max(errors))
 
 
-def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Truth:
+def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -> Truth:
     """Return the truth about a scene.
 
     Parameters
@@ -139,8 +140,8 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
         `Solution` to a tolerance far below the errors to be measured, a closed form. By default it
         is the gold solution of the scene if there is one, else `reference` to 20 digits, which
         takes from seconds to minutes.
-    progress : bool
-        Show the progress of `reference` on stderr.
+    progress : bool, optional
+        Whether to show that of `reference`; by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -156,10 +157,10 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
     return truth_named("truth", scene, truth, progress)
 
 
-def truth_named(name: str, scene: Scene, truth: Any, progress: bool) -> Truth:
+def truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> Truth:
     """Return the truth about a scene; an error calls what is given by its name."""
     instance("scene", scene, Scene)
-    flag("progress", progress)
+    ProgressLine(progress)  # refuses what it cannot be
     source = "given"
     if truth is None:
         source, truth = _best(scene, progress)
@@ -214,7 +215,7 @@ def _attribute(name: str) -> str:
     return "pressure" if name == "edge_pressure" else name
 
 
-def _best(scene: Scene, progress: bool) -> tuple[str, Any]:
+def _best(scene: Scene, progress: bool | None) -> tuple[str, Any]:
     """Return the gold solution of a scene, or its reference, and what to call it."""
     # mpmath, on which both of them are built, is imported for studies alone
     from spectral_contact import gold
