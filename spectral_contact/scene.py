@@ -1,159 +1,35 @@
 """The contact to be solved: a `Scene` of dimensionless parameters, and its SI data if it has any.
 
 Dimensionless variables are the paper's, equations (3.4) and (4.4): lengths in punch radii a,
-tractions in P/a², displacements in 4(1−ν²)P/(aE), compliances in 4(1−ν²)a/E. Conversions are done
-in exact rational arithmetic and rounded once, so no intermediate result overflows, 1−ν² does not
-cancel, and the same input gives the same bits everywhere.
+tractions in P/a², displacements in 4(1−ν²)P/(aE), compliances in 4(1−ν²)a/E.
 """
 
-import decimal
+import dataclasses
 import json
 import math
-import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields
-from fractions import Fraction
+from importlib import import_module
 from typing import Any, Final, Self
 
 from spectral_contact.errors import SceneError, SolutionFileError, shown
-from spectral_contact.inputs.checks import exactly_one, flag, real
+from spectral_contact.inputs.checks import flag, real
+from spectral_contact.inputs.choices import one_of
+from spectral_contact.inputs.physical import (
+    LARGEST_COMPLIANCE,
+    SMALLEST_COMPLIANCE,
+    PhysicalData,
+    checked_poisson_ratio,
+)
 from spectral_contact.inputs.units import Measured, in_si
 from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
 
-__all__ = ["PhysicalData", "Scene"]
+__all__ = ["PhysicalData", "Scene", "same_problem"]
 
 _SCHEMA: Final = "spectral_contact.scene"
 _VERSION: Final = 1
 
-_SMALLEST_COMPLIANCE: Final = 1e-14
-_LARGEST_COMPLIANCE: Final = 1e14
 _COMPLIANCE_RANGE: Final = "0 or in [1e-14, 1e14]"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PhysicalData:
-    """The SI data of a scene, beside its Poisson's ratio and friction.
-
-    Parameters
-    ----------
-    youngs_modulus : float
-        E of the half-space [Pa], finite and > 0.
-    radius : float
-        a of the punch [m], finite and > 0.
-    load : float or None
-        Normal force P [N], finite and > 0; None if the approach is given.
-    approach : float or None
-        Rigid approach δ of the punch [m], finite and > 0; None if the load is given.
-    normal_compliance : float
-        α, normal displacement of the roughness per pressure [m/Pa], finite and >= 0.
-    tangential_compliance : float
-        β, radial displacement of the roughness per traction [m/Pa], finite and >= 0.
-
-    Raises
-    ------
-    SceneError
-        If a value is not a real number in its range, or both or neither of load and approach
-        are given.
-    """
-
-    youngs_modulus: float
-    radius: float
-    load: float | None = None
-    approach: float | None = None
-    normal_compliance: float = 0.0
-    tangential_compliance: float = 0.0
-
-    def __post_init__(self) -> None:
-        exactly_one("load", self.load, "approach", self.approach)
-        for name in ("youngs_modulus", "radius", "approach" if self.load is None else "load"):
-            object.__setattr__(self, name, _positive(name, getattr(self, name)))
-        for name in ("normal_compliance", "tangential_compliance"):
-            value = getattr(self, name)
-            number = real(name, value, allowed="finite and >= 0 [m/Pa]", low=0.0)
-            object.__setattr__(self, name, number)
-
-    def dimensionless_compliances(self, nu: float) -> tuple[float, float]:
-        """Return α* = αE/(4(1−ν²)a), equation (3.4), and β* = βE/(4(1−ν²)a), equation (4.4).
-
-        Parameters
-        ----------
-        nu : float
-            Poisson's ratio ν of the half-space, in (−1, 0.5].
-
-        Raises
-        ------
-        SceneError
-            If ν is out of range, or one of the results is neither 0 nor in [1e-14, 1e14].
-        """
-        unit = _four_one_minus_square(nu) * Fraction(self.radius) / Fraction(self.youngs_modulus)
-        return (
-            _dimensionless("normal_compliance", self.normal_compliance, "α* = αE/(4(1−ν²)a)", unit),
-            _dimensionless(
-                "tangential_compliance", self.tangential_compliance, "β* = βE/(4(1−ν²)a)", unit
-            ),
-        )
-
-    def load_for(self, approach_star: float, nu: float) -> float:
-        """Return the load P [N]: the one given, or that of the approach given.
-
-        Parameters
-        ----------
-        approach_star : float
-            Dimensionless approach δ* = aδE/(4(1−ν²)P), equation (3.4), of the solution.
-        nu : float
-            Poisson's ratio ν of the half-space, in (−1, 0.5].
-
-        Raises
-        ------
-        SceneError
-            If an argument is out of range, or the load is beyond the normal doubles.
-        """
-        approach_star = _positive("approach_star", approach_star)
-        compliance = _four_one_minus_square(nu)
-        if self.approach is None:
-            assert self.load is not None  # __post_init__ saw to it
-            return self.load
-        load = self._stiffness() * Fraction(self.approach) / (compliance * Fraction(approach_star))
-        return _representable("approach", self.approach, "the load P = aδE/(4(1−ν²)δ*)", "N", load)
-
-    def pressure_scale(self, load: float) -> float:
-        """Return P/a² [Pa], by which p* and q* are multiplied; equations (3.4) and (4.4).
-
-        Parameters
-        ----------
-        load : float
-            Normal force P [N], finite and > 0.
-
-        Raises
-        ------
-        SceneError
-            If the load is out of range, or the scale is beyond the normal doubles.
-        """
-        load = _positive("load", load)
-        scale = Fraction(load) / Fraction(self.radius) ** 2
-        return _representable("load", load, "the pressure P/a²", "Pa", scale)
-
-    def displacement_scale(self, load: float, nu: float) -> float:
-        """Return 4(1−ν²)P/(aE) [m], by which δ* and u_r* are multiplied; equation (3.4).
-
-        Parameters
-        ----------
-        load : float
-            Normal force P [N], finite and > 0.
-        nu : float
-            Poisson's ratio ν of the half-space, in (−1, 0.5].
-
-        Raises
-        ------
-        SceneError
-            If an argument is out of range, or the scale is beyond the normal doubles.
-        """
-        load = _positive("load", load)
-        scale = _four_one_minus_square(nu) * Fraction(load) / self._stiffness()
-        return _representable("load", load, "the displacement 4(1−ν²)P/(aE)", "m", scale)
-
-    def _stiffness(self) -> Fraction:
-        return Fraction(self.radius) * Fraction(self.youngs_modulus)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +38,7 @@ class Scene:
 
     What is absent is not modelled: without ``friction`` the contact is frictionless, and a
     compliance of 0 is a smooth surface. Scenes are immutable, hashable, comparable and picklable;
-    `dataclasses.replace` makes a changed copy, checked anew.
+    `replace` makes a changed copy.
 
     Parameters
     ----------
@@ -202,11 +78,11 @@ class Scene:
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
-        put(self, "poisson_ratio", _poisson_ratio(self.poisson_ratio))
+        put(self, "poisson_ratio", checked_poisson_ratio(self.poisson_ratio))
         for name in ("normal_compliance", "tangential_compliance"):
             value = getattr(self, name)
-            number = real(name, value, allowed=_COMPLIANCE_RANGE, low=0.0, high=_LARGEST_COMPLIANCE)
-            if 0.0 < number < _SMALLEST_COMPLIANCE:
+            number = real(name, value, allowed=_COMPLIANCE_RANGE, low=0.0, high=LARGEST_COMPLIANCE)
+            if 0.0 < number < SMALLEST_COMPLIANCE:
                 raise SceneError(name, value, _COMPLIANCE_RANGE)
             put(self, name, number)
         if self.friction is not None:
@@ -265,7 +141,7 @@ class Scene:
         MissingDependencyError
             If text has a unit and pint is not installed.
         """
-        poisson_ratio = _poisson_ratio(poisson_ratio)
+        poisson_ratio = checked_poisson_ratio(poisson_ratio)
         physical = PhysicalData(
             youngs_modulus=in_si("youngs_modulus", youngs_modulus, "Pa"),
             radius=in_si("radius", radius, "m"),
@@ -276,6 +152,56 @@ class Scene:
         )
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
         return cls(poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling)
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a changed copy, checked anew.
+
+        Parameters
+        ----------
+        **changes
+            Parameters of `Scene` by name. Of a scene in SI units those of `from_physical`, where a
+            load takes the place of an approach, and an approach that of a load; or
+            ``physical=None``, which leaves a dimensionless scene.
+
+        Raises
+        ------
+        SceneError
+            For a name that is unknown, or a value out of its range.
+
+        Examples
+        --------
+        >>> Scene(0.3, normal_compliance=0.5).replace(friction=0.1)
+        Scene(poisson_ratio=0.3, normal_compliance=0.5, friction=0.1)
+        """
+        if self.physical is None or "physical" in changes:
+            for name in changes:
+                one_of("the name of a parameter", name, _names(Scene))
+            return dataclasses.replace(self, **changes)
+        given = self._arguments()
+        for name in changes:
+            one_of("the name of a parameter", name, given)
+        for name, other in (("load", "approach"), ("approach", "load")):
+            if changes.get(name) is not None:
+                changes.setdefault(other, None)
+        return type(self).from_physical(**{**given, **changes})
+
+    def _arguments(self) -> dict[str, Any]:
+        """Return what makes the scene: what `from_physical` takes if it has SI data."""
+        own = {name: getattr(self, name) for name in _names(Scene) if name != "physical"}
+        return own if self.physical is None else {**own, **asdict(self.physical)}
+
+    def __repr__(self) -> str:
+        made_by = type(self).__name__ + ".from_physical" * (self.physical is not None)
+        given = ", ".join(
+            f"{name}={value!r}"
+            for name, value in self._arguments().items()
+            if not (value is None or value is False or (name.endswith("compliance") and not value))
+        )
+        return f"{made_by}({given})"
+
+    def _repr_html_(self) -> str:
+        # by name: an import would go up the layers
+        return str(import_module("spectral_contact.view.html").of_scene(self))
 
     @property
     def kappa(self) -> float:
@@ -363,40 +289,11 @@ class Scene:
                 )
 
 
-def _poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
-    return real(name, value, allowed="in (-1, 0.5]", low=-1.0, high=0.5, low_open=True)
-
-
-def _positive(name: str, value: object) -> float:
-    return real(name, value, allowed="finite and > 0", low=0.0, low_open=True)
-
-
-def _four_one_minus_square(nu: object) -> Fraction:
-    return 4 * (1 - Fraction(_poisson_ratio(nu, "nu")) ** 2)
-
-
-def _dimensionless(name: str, compliance: float, formula: str, unit: Fraction) -> float:
-    """Return compliance/unit if it is 0 or in the range that scenes have."""
-    exact = Fraction(compliance) / unit
-    if exact == 0 or _SMALLEST_COMPLIANCE <= exact <= _LARGEST_COMPLIANCE:
-        return float(exact)
-    allowed = f"0 or have {formula} in [1e-14, 1e14], which is {_short(exact)} here"
-    raise SceneError(name, compliance, allowed)
-
-
-def _representable(name: str, value: float, meaning: str, unit: str, exact: Fraction) -> float:
-    """Return the nearest double, refusing what would overflow or lose digits to underflow."""
-    if sys.float_info.min <= exact <= sys.float_info.max:
-        return float(exact)
-    allowed = f"such that {meaning} is a normal double, which is {_short(exact)} {unit} here"
-    raise SceneError(name, value, allowed)
-
-
-def _short(exact: Fraction) -> str:
-    # Decimal exponents go far beyond those of doubles; an own context heeds nobody's settings.
-    context = decimal.Context(prec=4, traps=[])
-    ratio = context.divide(decimal.Decimal(exact.numerator), decimal.Decimal(exact.denominator))
-    return f"{ratio:.4g}"
+def same_problem(one: Scene, other: Scene) -> bool:
+    """Return whether two scenes have one solution by definition: without friction, by alpha."""
+    if one.friction is None and other.friction is None:
+        return one.normal_compliance == other.normal_compliance
+    return one.replace(physical=None) == other.replace(physical=None)
 
 
 def _names(cls: Any) -> list[str]:

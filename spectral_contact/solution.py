@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields.evaluation import over_s
 from spectral_contact.fields.series import DiskSeries, PressureField, ZonalField
-from spectral_contact.inputs import checks, choices
+from spectral_contact.inputs import checks
 from spectral_contact.records import (
     COUPLING,
     FULL_STICK,
@@ -33,7 +35,11 @@ from spectral_contact.records import (
 from spectral_contact.scene import Scene
 
 if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
     from spectral_contact.interior import Inside
+    from spectral_contact.view.physical import PhysicalSolution
 
 __all__ = [
     "COUPLING",
@@ -45,7 +51,6 @@ __all__ = [
     "ZONE_SEARCH",
     "Ending",
     "ErrorEstimates",
-    "PhysicalSolution",
     "Plan",
     "PlannedStep",
     "RefinementStep",
@@ -207,6 +212,7 @@ class Solution:
             return np.zeros(radius.shape)[()]
         return np.asarray(evaluator(radius, distance))[()]
 
+    @over_s
     def pressure(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the pressure ``p* = a^2 p / P``.
 
@@ -232,6 +238,7 @@ class Solution:
         """
         return self._field(self.pressure_field, "pressure", s, from_edge)
 
+    @over_s
     def traction(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the traction ``q* = a^2 q / P``, positive outward on the half-space.
 
@@ -239,6 +246,7 @@ class Solution:
         """
         return self._field(self.traction_field, "traction", s, from_edge)
 
+    @over_s
     def slip(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate ``u_r* = u_r a E / (4 (1 - nu^2) P)``: zero in stick, inward (negative) in slip.
 
@@ -262,7 +270,68 @@ class Solution:
         NotComputedError
             If the scene was not made by `Scene.from_physical`.
         """
-        return PhysicalSolution(self)
+        found: PhysicalSolution = _above("view.physical").PhysicalSolution(self)
+        return found
+
+    def summary(self) -> str:
+        """Return what the command line prints: quantities with errors, zones, plan and work."""
+        return str(_above("view.report").report(self))
+
+    def plot(self) -> Figure:
+        """Draw the fields, the zones and the errors; see `plotting.plot_solution`.
+
+        Raises
+        ------
+        NotComputedError
+            If neither pressure nor traction was asked for.
+        MissingDependencyError
+            If matplotlib is not installed (extra: plot).
+        """
+        figure: Figure = _above("view.plotting").plot_solution(self)
+        return figure
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a table of the fields with estimates of their errors; the rest is in its comments.
+
+        The radii resolve the edge layer and every zone.
+
+        Raises
+        ------
+        NotComputedError
+            If no field was asked for.
+        SolutionFileError
+            If the path cannot be written.
+        """
+        _above("view.report").write_csv(self, path)
+
+    def to_xarray(
+        self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
+    ) -> xarray.Dataset:
+        """Return everything as a dataset with names, units and estimates of errors.
+
+        Parameters
+        ----------
+        s, from_edge : array_like, optional
+            Where the fields are taken: radii in [0, 1], or distances from the edge. By default at
+            radii that resolve the edge layer and every zone.
+
+        Returns
+        -------
+        xarray.Dataset
+            As that of `sweep`, for one scene.
+
+        Raises
+        ------
+        SceneError
+            For both arguments, or a radius outside [0, 1].
+        MissingDependencyError
+            If xarray is not installed (extra: sweep).
+        """
+        dataset: xarray.Dataset = _above("sweeps.dataset").of_solution(self, s, from_edge)
+        return dataset
+
+    def _repr_html_(self) -> str:
+        return str(_above("view.html").of_solution(self))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Store the solution in one ``.npz`` or ``.json`` file, every value exactly.
@@ -342,108 +411,6 @@ class Solution:
         return f"<Solution {known}{opens} converged={self.converged}{less}>"
 
 
-@dataclass(frozen=True, slots=True)
-class PhysicalSolution:
-    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N."""
-
-    solution: Solution
-
-    def __post_init__(self) -> None:
-        if choices.instance("solution", self.solution, Solution).scene.physical is None:
-            raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
-
-    @property
-    def _nu(self) -> float:
-        return self.solution.scene.poisson_ratio
-
-    @property
-    def _data(self) -> Any:
-        return self.solution.scene.physical
-
-    @property
-    def load(self) -> float:
-        """Normal load P [N]."""
-        if self._data.load is not None:
-            return float(self._data.load)
-        return float(self._data.load_for(self.solution.approach, self._nu))
-
-    @property
-    def approach(self) -> float:
-        """Approach [m]."""
-        if self._data.approach is not None:
-            return float(self._data.approach)
-        return self.solution.approach * self._length
-
-    @property
-    def _length(self) -> float:
-        return float(self._data.displacement_scale(self.load, self._nu))
-
-    @property
-    def radius(self) -> float:
-        """Punch radius a [m]."""
-        return float(self._data.radius)
-
-    @property
-    def stick_radius(self) -> float | None:
-        """Outer radius of the central stick zone [m]; None without friction."""
-        value = self.solution.stick_radius
-        return None if value is None else value * self.radius
-
-    @property
-    def total_shear(self) -> float:
-        """Measure of shear Q [N]."""
-        return self.solution.total_shear * self.load
-
-    @property
-    def opening(self) -> float | None:
-        """Distance from the edge within which the contact would open [m]; None if it would not."""
-        value = self.solution.opening
-        return None if value is None else value * self.radius
-
-    @property
-    def edge_ratio(self) -> float:
-        """Ratio q/p of full stick at the edge, dimensionless."""
-        return self.solution.edge_ratio
-
-    @property
-    def critical_friction(self) -> float:
-        """Smallest friction coefficient without slip, dimensionless."""
-        return self.solution.critical_friction
-
-    @property
-    def zones(self) -> tuple[Zone, ...]:
-        """Stick and slip zones, radii in m."""
-        a = self.radius
-        return tuple(
-            Zone(z.kind, z.inner * a, z.outer * a, z.inner_from_edge * a, z.outer_from_edge * a)
-            for z in self.solution.zones
-        )
-
-    def _scaled(
-        self, name: str, factor: float, r: ArrayLike | None, from_edge: ArrayLike | None
-    ) -> Any:
-        checks.exactly_one("r", r, "from_edge", from_edge)
-        evaluate, a = getattr(self.solution, name), self.radius
-        if from_edge is None:
-            return evaluate(checks.lengths("r", r, a, "m") / a) * factor
-        return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
-
-    @property
-    def inside(self) -> Inside:
-        """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
-        from spectral_contact.interior import Inside, Units
-
-        stress = float(self._data.pressure_scale(self.load))
-        return Inside(self.solution, Units(self.radius, stress, self._length))
-
-    def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("pressure", self._data.pressure_scale(self.load), r, from_edge)
-
-    def traction(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the traction [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("traction", self._data.pressure_scale(self.load), r, from_edge)
-
-    def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
-        return self._scaled("slip", self._length, r, from_edge)
+def _above(module: str) -> Any:
+    """Return a module that knows solutions, by name: an import would go up the layers."""
+    return import_module(f"spectral_contact.{module}")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs.checks import real, whole
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["fit"]
 
@@ -41,6 +43,7 @@ def fit(
     *,
     rtol: float = 1e-10,
     max_evaluations: int = 200,
+    progress: bool | None = None,
 ) -> RoughnessFit:
     """Find compliances and friction that fit measured data best.
 
@@ -61,6 +64,8 @@ def fit(
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int
         How often the data may be predicted, derivatives not counted.
+    progress : bool, optional
+        Whether to show a line of progress; by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -93,7 +98,9 @@ def fit(
         _names(free),
         real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4),
     )
-    return problem.outcome(whole("max_evaluations", max_evaluations, 1))
+    most = whole("max_evaluations", max_evaluations, 1)
+    with ProgressLine(progress) as tell:
+        return problem.outcome(most, tell)
 
 
 class _Problem:
@@ -130,11 +137,17 @@ class _Problem:
             count = f"at most {len(self.measured)} parameters, the number of values measured"
             raise SceneError("free", self.free, count)
 
-    def outcome(self, max_evaluations: int) -> RoughnessFit:
+    def outcome(self, max_evaluations: int, tell: Callable[[str], None]) -> RoughnessFit:
         from scipy.optimize import least_squares  # takes long to import
 
+        steps = count(1)
+
+        def residuals(x: Array) -> Array:
+            tell(f"evaluation {next(steps)}")
+            return self.residuals(x)
+
         found = least_squares(
-            self.residuals,
+            residuals,
             np.zeros(len(self.free)),
             jac=self.jacobian,
             bounds=self._bounds(),

@@ -37,7 +37,6 @@ from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
-from spectral_contact.view.progress import ProgressLine
 from spectral_contact.view.report import FIELDS, report, write_csv
 
 __all__ = ["main"]
@@ -296,14 +295,12 @@ def _inside(arguments: argparse.Namespace) -> None:
 
 def _paper(arguments: argparse.Namespace) -> None:
     """Reproduce the paper's figures and print what was written."""
-    with ProgressLine(sys.stderr.isatty()) as progress:
-        made = reproduce(
-            arguments.output,
-            arguments.figures,
-            rtol=arguments.rtol,
-            pictures=not arguments.no_pictures,
-            progress=progress,
-        )
+    made = reproduce(
+        arguments.output,
+        arguments.figures,
+        rtol=arguments.rtol,
+        pictures=not arguments.no_pictures,
+    )
     print(made)
 
 

@@ -105,7 +105,6 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Study:
     common: dict[str, Any] = {
         "quantities": arguments.quantities,
         "store": arguments.store,
-        "progress": sys.stderr.isatty(),
     }
     own = OwnSolver(_asked(arguments.quantities))
     if arguments.kind == "work-precision":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections import Counter
 from pathlib import Path
@@ -114,7 +115,6 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
             from_edge=arguments.from_edge,
             executor=executor,
             store=arguments.store,
-            progress=sys.stderr.isatty(),
         )
 
 

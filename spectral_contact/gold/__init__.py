@@ -4,8 +4,11 @@ from spectral_contact.gold.loader import (
     GoldPoint,
     GoldSolution,
     GoldTable,
+    find,
     load,
+    names,
+    table,
     tables,
 )
 
-__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "load", "tables"]
+__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "find", "load", "names", "table", "tables"]

@@ -11,12 +11,14 @@ import math
 import os
 import re
 from dataclasses import dataclass
-from importlib import resources
+from importlib import import_module, resources
+from importlib.resources.abc import Traversable
 from typing import Any, Final
 
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact.errors import shown
+from spectral_contact.inputs.choices import instance, one_of
 from spectral_contact.io.documents import (
     Refused,
     check_schema,
@@ -25,9 +27,18 @@ from spectral_contact.io.documents import (
     reported,
 )
 from spectral_contact.records import ErrorEstimates, Zone
-from spectral_contact.scene import Scene
+from spectral_contact.scene import Scene, same_problem
 
-__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "load", "tables"]
+__all__ = [
+    "GoldPoint",
+    "GoldSolution",
+    "GoldTable",
+    "find",
+    "load",
+    "names",
+    "table",
+    "tables",
+]
 
 _SCHEMA: Final = "spectral_contact.gold"
 _VERSION: Final = 1
@@ -89,6 +100,8 @@ class GoldSolution:
         Largest distance from the edge at which elastic coupling makes the pressure change sign.
     points : tuple of GoldPoint
         From the centre to the edge; without the edge where the fields have no limit there.
+    table : str
+        Name of its table.
     error : ErrorEstimates
         Certified relative errors: `zones` that of every boundary, from the centre and from the
         edge, `pressure` and `traction` that at every point, in the sense of `Solution.error`. None
@@ -106,6 +119,14 @@ class GoldSolution:
     opening: Any
     points: tuple[GoldPoint, ...]
     error: ErrorEstimates
+    table: str = ""
+
+    def __repr__(self) -> str:
+        return f"<GoldSolution {self.name!r}, {self.digits} digits: approach={self.approach}>"
+
+    def _repr_html_(self) -> str:
+        # by name: an import would go up the layers
+        return str(import_module("spectral_contact.view.html").of_gold(self))
 
     @property
     def stick_radius(self) -> Any:
@@ -136,6 +157,42 @@ class GoldTable:
     script: str
     solutions: tuple[GoldSolution, ...]
 
+    def __repr__(self) -> str:
+        return f"<GoldTable {self.name!r}: {len(self.solutions)} scenes, {self.regime}>"
+
+    def _repr_html_(self) -> str:
+        # by name: an import would go up the layers
+        return str(import_module("spectral_contact.view.html").of_gold_table(self))
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the tables that ship with the library, sorted."""
+    files = (file.name for file in _folder().iterdir())
+    return tuple(sorted(name.removesuffix(".json") for name in files if name.endswith(".json")))
+
+
+def table(name: str) -> GoldTable:
+    """Return one of the tables that ship with the library.
+
+    Parameters
+    ----------
+    name : str
+        One of `names`.
+
+    Raises
+    ------
+    SceneError
+        If there is no such table.
+
+    Examples
+    --------
+    >>> from spectral_contact import gold
+    >>> gold.table("slip_unequal")
+    <GoldTable 'slip_unequal': 8 scenes, slip outside a stick disk, alpha and beta > 0 and unequal>
+    """
+    one_of("name", name, names())
+    return _parsed(f"{name}.json", (_folder() / f"{name}.json").read_bytes())
+
 
 def tables() -> tuple[GoldTable, ...]:
     """Return the tables that ship with the library, in the order of their names.
@@ -143,13 +200,41 @@ def tables() -> tuple[GoldTable, ...]:
     Examples
     --------
     >>> from spectral_contact import gold
-    >>> table = gold.tables()[0]
-    >>> print(table.name, table.solutions[0].scene.poisson_ratio, table.solutions[0].approach)
+    >>> first = gold.tables()[0]
+    >>> print(first.name, first.solutions[0].scene.poisson_ratio, first.solutions[0].approach)
     coupled_equal 0.3 0.121521252003744433613749651318
     """
-    folder = resources.files("spectral_contact.gold") / "tables"
-    files = sorted((f for f in folder.iterdir() if f.name.endswith(".json")), key=lambda f: f.name)
-    return tuple(_parsed(file.name, file.read_bytes()) for file in files)
+    return tuple(map(table, names()))
+
+
+def find(scene: Scene) -> GoldSolution | None:
+    """Return the gold solution of a scene that ships with the library; None if there is none.
+
+    Without friction the normal compliance alone decides; SI data do not matter.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Raises
+    ------
+    SceneError
+        If it is no Scene.
+
+    Examples
+    --------
+    >>> from spectral_contact import Scene, gold
+    >>> found = gold.find(Scene(0.246, 0.2, 0.5, 0.1))
+    >>> print(found.table, found.stick_radius)
+    slip_inside 0.980898526470417661586300817969
+    """
+    instance("scene", scene, Scene)
+    several = (one for known in tables() for one in known.solutions)
+    return next((one for one in several if same_problem(one.scene, scene)), None)
+
+
+def _folder() -> Traversable:
+    return resources.files("spectral_contact.gold") / "tables"
 
 
 def load(path: str | os.PathLike[str]) -> GoldTable:
@@ -195,7 +280,7 @@ def _table(document: Any) -> GoldTable:
         if digits not in contexts:
             contexts[digits] = MPContext()
             contexts[digits].dps = digits + 3
-        solutions.append(_Entry(where, entry, contexts[digits]).solution())
+        solutions.append(_Entry(where, entry, contexts[digits]).solution(name))
     if len({solution.name for solution in solutions}) < len(solutions):
         raise Refused("two scenes have the same name")
     return GoldTable(name, regime, script, tuple(solutions))
@@ -208,7 +293,7 @@ class _Entry:
         self.where, self.body, self.mp = where, body, mp
         self.digits: int = body["digits"]
 
-    def solution(self) -> GoldSolution:
+    def solution(self, table: str) -> GoldSolution:
         """Return the record."""
         body, where = self.body, self.where
         error = self._error()
@@ -228,6 +313,7 @@ class _Entry:
             opening,
             self._points(),
             error,
+            table,
         )
 
     def _scene(self) -> Scene:

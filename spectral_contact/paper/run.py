@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,7 @@ from spectral_contact.paper.pictures import check, draw
 from spectral_contact.paper.statements import Statement, statements, statements_table
 from spectral_contact.paper.tables import complete_csv
 from spectral_contact.view import plotting
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["Reproduced", "reproduce"]
 
@@ -46,7 +47,7 @@ def reproduce(
     *,
     rtol: float = 1e-9,
     pictures: bool = True,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Callable[[str, float], None] | bool | None = None,
 ) -> Reproduced:
     """Recompute figures of the paper and what it says into a folder.
 
@@ -64,8 +65,9 @@ def reproduce(
         Relative tolerance of every solve, 1e-12 to 1e-2.
     pictures : bool
         Whether to draw, which needs matplotlib.
-    progress : callable, optional
-        Is told every step and the share in [0, 1] that is done.
+    progress : bool or callable, optional
+        Whether to show a line of progress; by default on a terminal and in notebooks. A callable
+        is told every step and the share in [0, 1] that is done.
 
     Returns
     -------
@@ -86,11 +88,22 @@ def reproduce(
     rtol = checks.tolerance(rtol)
     if checks.flag("pictures", pictures):
         check()
-    if progress is not None:
-        choices.function("progress", progress, "a step and a share")
+    told = ProgressLine(None if callable(progress) else progress)
     folder = Path(path_text(folder))
     with reported(str(folder), "cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
+    with told:
+        return _reproduced(folder, wanted, rtol, pictures, progress if callable(progress) else told)
+
+
+def _reproduced(
+    folder: Path,
+    wanted: Sequence[PaperFigure],
+    rtol: float,
+    pictures: bool,
+    progress: Callable[[str, float], None],
+) -> Reproduced:
+    """Do what is asked, which is checked."""
     tell = _Steps(progress, 1 + sum(len(one.scenes) + 1 for one in wanted))
     made, files = [], []
     for figure in wanted:
@@ -130,12 +143,11 @@ def _content(data: FigureData, kept: int) -> str:
 class _Steps:
     """Turns steps into shares of all steps."""
 
-    def __init__(self, progress: Callable[[str, float], None] | None, count: int) -> None:
+    def __init__(self, progress: Callable[[str, float], None], count: int) -> None:
         self._progress = progress
         self._count = count
         self._done = 0
 
     def __call__(self, step: str) -> None:
-        if self._progress is not None:
-            self._progress(step, self._done / self._count)
+        self._progress(step, self._done / self._count)
         self._done += 1

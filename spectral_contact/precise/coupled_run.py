@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import ceil, inf, log
 from typing import Any
 
@@ -14,6 +15,7 @@ from spectral_contact.precise.law import Breach, excesses
 from spectral_contact.precise.zone_trial import Layout
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
+from spectral_contact.view.progress import silent
 
 __all__ = ["CoupledRun"]
 
@@ -33,11 +35,15 @@ class CoupledRun:
         Relative accuracy aimed at.
     width : float
         Panel width in ``-ln d``.
+    tell : callable
+        Is told every step.
     """
 
     layout = Layout((0,), ())
 
-    def __init__(self, scene: Scene, digits: int, width: float) -> None:
+    def __init__(
+        self, scene: Scene, digits: int, width: float, tell: Callable[[str], None] = silent
+    ) -> None:
         self.scene, self.digits, self._width = scene, digits, width
         compliances = scene.normal_compliance, scene.tangential_compliance
         layers = [max(-log(c), 0.0) for c in compliances if c]
@@ -63,8 +69,10 @@ class CoupledRun:
         scales = digits + sum(abs(log(c)) for c in compliances if c) / _LN10
         scales += (self.depth + min(self.depth, max(layers, default=0.0))) / _LN10
         self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
+        tell("operators of a disk")
         disks = [Disk(meshes[0], self.fixed)]
         disks.append(disks[0] if powers[0] == powers[1] else Disk(meshes[1], self.fixed))
+        tell("pressure and traction")
         self._solve(*disks)
 
     def _solve(self, normal: Disk, tangential: Disk) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
@@ -13,6 +14,7 @@ from spectral_contact.precise.disk import Disk, Series
 from spectral_contact.precise.drive import Drive
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.threads import cached_property
+from spectral_contact.view.progress import silent
 
 __all__ = ["OneDisk", "solve_one_disk"]
 
@@ -144,7 +146,14 @@ class _SlipSource:
         return np.asarray((total >> x) // 2)
 
 
-def solve_one_disk(drive: Drive, disk: Disk, beta: Any, friction: Any, logit: Any) -> OneDisk:
+def solve_one_disk(
+    drive: Drive,
+    disk: Disk,
+    beta: Any,
+    friction: Any,
+    logit: Any,
+    tell: Callable[[str], None] = silent,
+) -> OneDisk:
     """Solve partial slip with one stick disk.
 
     Parameters
@@ -155,6 +164,8 @@ def solve_one_disk(drive: Drive, disk: Disk, beta: Any, friction: Any, logit: An
         ``beta*`` and ``f / kappa`` in fixed point.
     logit : mpf
         A good guess of ``ln(c^2 / (1 - c^2))``.
+    tell : callable
+        Is told every trial.
 
     Raises
     ------
@@ -163,9 +174,11 @@ def solve_one_disk(drive: Drive, disk: Disk, beta: Any, friction: Any, logit: An
     """
     mp = drive.fixed.mp
     goal = mp.mpf(10) ** -(disk.mesh.digits + 2)
+    tell("stick radius, trial 1")
     first = _Trial(drive, disk, beta, friction, logit)
     step = mp.mpf(10) ** -13
-    for _ in range(_MOST_TRIALS):
+    for number in range(2, _MOST_TRIALS + 2):
+        tell(f"stick radius, trial {number}")
         second = _Trial(drive, disk, beta, friction, first.logit + step)
         if second.mismatch == first.mismatch:
             return second.outcome()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 from time import perf_counter
@@ -32,7 +33,7 @@ _MOST_DIGITS = 60
 _SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
 
 
-def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> ReferenceSolution:
+def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -> ReferenceSolution:
     """Solve a scene to any number of digits.
 
     Normal contact (3.5), full stick (4.2) and partial slip (5.8) on any zones; with elastic
@@ -44,8 +45,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
         Its parameters are taken as exactly the doubles they are.
     digits : int
         Relative accuracy of everything, from 15 to 60. Unknowns grow like its square.
-    progress : bool
-        Show a line of progress on stderr.
+    progress : bool, optional
+        Whether to show a line of progress; by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -81,9 +82,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
-    checks.flag("progress", progress)
-    with one_thread():
-        return _reference(scene, digits, ProgressLine(progress))
+    with ProgressLine(progress) as tell, one_thread():
+        return _reference(scene, digits, tell)
 
 
 def _reference(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSolution:
@@ -91,10 +91,11 @@ def _reference(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSoluti
     begin = perf_counter()
     tell("zones, in double precision", 0.0)
     layout = _layout(scene)
-    tell("mesh 1 of 2, and the friction law", 0.02)
-    run = lawful(scene, digits + _SOLUTION[0], _SOLUTION[1], layout)
-    tell("mesh 2 of 2", 0.55)
-    check = solved(scene, digits + _CHECK[0], _CHECK[1], run.layout)
+    tell("", 0.02)
+    first, second = (_on_mesh(number, tell) for number in (1, 2))
+    run = lawful(scene, digits + _SOLUTION[0], _SOLUTION[1], layout, first)
+    tell("", 0.55)
+    check = solved(scene, digits + _CHECK[0], _CHECK[1], run.layout, second)
     tell("comparison", 0.95)
     error, worst = _compare(run, check)
     run.fixed.mp.dps = digits + 3
@@ -123,6 +124,11 @@ def _reference(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSoluti
             solution,
         )
     return solution
+
+
+def _on_mesh(number: int, tell: ProgressLine) -> Callable[[str], None]:
+    """Return what is told of the steps on one of the meshes."""
+    return lambda step: tell(f"mesh {number} of 2: {step}")
 
 
 def _layout(scene: Scene) -> Layout | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import ceil, inf, log
 from typing import Any
 
@@ -17,6 +18,7 @@ from spectral_contact.precise.zone_trial import Layout, ZoneProblem, Zones, Zone
 from spectral_contact.precise.zones import solve_zones
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
+from spectral_contact.view.progress import silent
 
 __all__ = ["Run"]
 
@@ -37,6 +39,8 @@ class Run:
         Panel width in ``-ln d``.
     layout : Layout, optional
         The zones, roughly. None leaves the tangential problem out.
+    tell : callable
+        Is told every step.
     held : bool
         Leave their boundaries where they are.
     """
@@ -50,11 +54,12 @@ class Run:
         digits: int,
         width: float,
         layout: Layout | None,
+        tell: Callable[[str], None] = silent,
         *,
         held: bool = False,
     ) -> None:
         self.scene, self.digits, self._width = scene, digits, width
-        self.layout, self._held = layout, held
+        self.layout, self._held, self._tell = layout, held, tell
         alpha, beta = scene.normal_compliance, scene.tangential_compliance
         self._layer = _layer(alpha)
         self._rate, self._power = (0.5 if alpha == 0.0 and self._one_disk else 1.0), 0.0
@@ -102,6 +107,7 @@ class Run:
                 degrees = have.degrees[: len(mesh.degrees)]
                 if all(a >= b for a, b in zip(degrees, mesh.degrees, strict=True)):
                     return disk
+        self._tell("operators of a disk")
         self._disks.append(Disk(mesh, self.fixed))
         return self._disks[-1]
 
@@ -119,6 +125,7 @@ class Run:
         f, alpha = self.fixed, self.scene.normal_compliance
         if alpha == 0.0:
             return SmoothDrive(f, self.digits)
+        self._tell("normal contact")
         layer = self._layer
         if self.layout is not None and self._rate == 1.0 and self._power == 0.0:
             shared = max(layer, self._stick_layer)
@@ -175,7 +182,7 @@ class Run:
             return OneDisk(f.mp.inf, disk.series(unit), disk.shear(unit))
         mp = f.mp
         logit = 2 * mp.log(mp.mpf(rim.value)) - mp.log(mp.mpf(rim.from_edge) * (1 + rim.value))
-        return solve_one_disk(self.drive, disk, beta, self._friction, logit)
+        return solve_one_disk(self.drive, disk, beta, self._friction, logit, self._tell)
 
     @cached_property
     def _problem(self) -> ZoneProblem:
@@ -190,7 +197,7 @@ class Run:
     def annuli(self) -> Zones:
         """The zones if there are others, for ``kappa = 1``."""
         assert self.layout is not None
-        return solve_zones(self._problem, self.layout.radii, held=self._held)
+        return solve_zones(self._problem, self.layout.radii, self._tell, held=self._held)
 
     @property
     def logits(self) -> tuple[Any, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -12,6 +13,7 @@ from spectral_contact.precise.law import Breach, obeying
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.zone_trial import Layout
 from spectral_contact.scene import Scene
+from spectral_contact.view.progress import silent
 
 __all__ = ["lawful", "solved"]
 
@@ -21,17 +23,29 @@ _FAR = 0.5
 
 
 def solved(
-    scene: Scene, digits: int, width: float, layout: Layout | None, *, held: bool = False
+    scene: Scene,
+    digits: int,
+    width: float,
+    layout: Layout | None,
+    tell: Callable[[str], None] = silent,
+    *,
+    held: bool = False,
 ) -> Run | CoupledRun:
     """Return the solution on one mesh and these zones, the friction law aside."""
     if scene.couples:
-        return CoupledRun(scene, digits, width)
-    run = Run(scene, digits, width, layout, held=held)
+        return CoupledRun(scene, digits, width, tell)
+    run = Run(scene, digits, width, layout, tell, held=held)
     _ = run.approach, run.total_shear
     return run
 
 
-def lawful(scene: Scene, digits: int, width: float, layout: Layout | None) -> Run | CoupledRun:
+def lawful(
+    scene: Scene,
+    digits: int,
+    width: float,
+    layout: Layout | None,
+    tell: Callable[[str], None] = silent,
+) -> Run | CoupledRun:
     """Return the solution on zones on which the friction law holds.
 
     Parameters
@@ -43,6 +57,8 @@ def lawful(scene: Scene, digits: int, width: float, layout: Layout | None) -> Ru
         Panel width.
     layout : Layout or None
         Where the search begins.
+    tell : callable
+        Is told every step.
 
     Raises
     ------
@@ -54,13 +70,14 @@ def lawful(scene: Scene, digits: int, width: float, layout: Layout | None) -> Ru
     held, found = False, list[Breach]()
     for _ in range(_MOST_ROUNDS):
         try:
-            run = solved(scene, digits, width, layout, held=held)
+            run = solved(scene, digits, width, layout, tell, held=held)
         except ConvergenceError:
             if held or not _can_be_held(scene, layout):
                 raise
             # far from its zones the problem is linear for given ones, and says what is wrong
             held = True
             continue
+        tell("friction law")
         found = run.breaches()
         if not (found or held or _moved(layout, run) > _FAR):
             return run

@@ -6,7 +6,7 @@ the residuals are in fixed point.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -18,6 +18,7 @@ from spectral_contact.errors import ConvergenceError
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise.fixed import Ints
 from spectral_contact.precise.zone_trial import ZoneProblem, Zones, ZoneTrial
+from spectral_contact.view.progress import silent
 
 __all__ = ["solve_zones"]
 
@@ -34,7 +35,13 @@ _NEAR, _LONGEST = 0.02, 0.6
 _MOST_STARTS = 8
 
 
-def solve_zones(problem: ZoneProblem, radii: Sequence[Radius], *, held: bool = False) -> Zones:
+def solve_zones(
+    problem: ZoneProblem,
+    radii: Sequence[Radius],
+    tell: Callable[[str], None] = silent,
+    *,
+    held: bool = False,
+) -> Zones:
     """Solve partial slip on zones.
 
     Parameters
@@ -43,6 +50,8 @@ def solve_zones(problem: ZoneProblem, radii: Sequence[Radius], *, held: bool = F
         With positive ``beta*``.
     radii : sequence of Radius
         Guesses of the boundaries.
+    tell : callable
+        Is told every step.
     held : bool
         Leave the boundaries where they are. The traction is not continuous there then.
 
@@ -53,16 +62,19 @@ def solve_zones(problem: ZoneProblem, radii: Sequence[Radius], *, held: bool = F
     """
     mp = problem.drive.fixed.mp
     logits = [mp.mpf(r.logit) for r in radii]
+    tell("zones")
     if held:
         trial = ZoneTrial(problem, logits)
         return trial.outcome(_free(trial)[1])
-    for _ in range(_MOST_STARTS):
+    for number in range(1, _MOST_STARTS + 1):
+        tell(f"zones, start {number}")
         trial = ZoneTrial(problem, logits)
         newton, flat = _free(trial)
         newton.border(trial, flat)
         shift = newton.step(trial, flat)[1]
         length = _length(shift, logits)
         if length <= _NEAR:
+            tell("zones, all digits")
             return _polished(newton, trial, flat, mp.mpf(10) ** -(problem.digits + 2))
         shift *= min(1.0, _LONGEST / length)
         logits = [x + mp.mpf(dx) for x, dx in zip(logits, shift, strict=True)]

@@ -3,8 +3,10 @@
 `convergence` measures how the errors of one solver fall with the number of unknowns, and what they
 cost; `work_precision` what it takes several solvers to reach an accuracy. A solver is any callable
 of a scene and a resolution: your own boundary or finite elements, or this library (`OwnSolver`).
+`compare` says how good some numbers are, without a solver.
 """
 
+from spectral_contact.studies.comparison import Agreement, Comparison, compare
 from spectral_contact.studies.files import load
 from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
 from spectral_contact.studies.machine import Machine, this_machine
@@ -16,6 +18,8 @@ from spectral_contact.studies.truth import QUANTITIES, Truth, truth_of
 
 __all__ = [
     "QUANTITIES",
+    "Agreement",
+    "Comparison",
     "Convergence",
     "Line",
     "Machine",
@@ -28,6 +32,7 @@ __all__ = [
     "Timing",
     "Truth",
     "WorkPrecision",
+    "compare",
     "convergence",
     "fit_line",
     "fit_rate",

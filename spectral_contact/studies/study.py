@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import flag, real
+from spectral_contact.inputs.checks import real
 from spectral_contact.inputs.choices import function, instance, listed
 from spectral_contact.scene import Scene
 from spectral_contact.studies.machine import Machine, this_machine
@@ -37,7 +37,7 @@ def convergence(
     name: str | None = None,
     stopwatch: Stopwatch | None = _STOPWATCH,
     store: str | os.PathLike[str] | None = None,
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> Convergence:
     """Measure how the errors of a solver fall with the number of unknowns, and what they cost.
 
@@ -64,8 +64,8 @@ def convergence(
     store : path, optional
         A file that keeps every point as it is done, so that the same call goes on after it was
         stopped. It knows solvers by name: take another file when the solver has changed.
-    progress : bool
-        Show a line of progress on stderr.
+    progress : bool, optional
+        Whether to show a line of progress; by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -98,9 +98,10 @@ def convergence(
     if stopwatch is not None:
         instance("stopwatch", stopwatch, Stopwatch)
     called = function("solver", solver, _OF_SCENES)
-    true = truth_of(scene, truth, progress=flag("progress", progress))
+    tell = ProgressLine(progress)
+    true = truth_of(scene, truth, progress=progress)
     case = _Case(name or solver_name(called), called, asked, true)
-    with ProgressLine(progress) as tell:
+    with tell:
         run = _Study("convergence", [case], quantities, stopwatch, store, tell)
         points = tuple(
             run.point(case, resolution, i / len(asked)) for i, resolution in enumerate(asked)
@@ -127,7 +128,7 @@ def work_precision(
     quantities: Sequence[str] | None = None,
     stopwatch: Stopwatch = _STOPWATCH,
     store: str | os.PathLike[str] | None = None,
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> WorkPrecision:
     """Measure what it takes each of several solvers to reach an accuracy.
 
@@ -169,7 +170,7 @@ def work_precision(
     if len(given) != len(solved):
         raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
     instance("stopwatch", stopwatch, Stopwatch)
-    flag("progress", progress)
+    tell = ProgressLine(progress)
     called = _solvers(solvers, goals)
     found = [
         truth_named("truths", scene, truth, progress)
@@ -177,7 +178,7 @@ def work_precision(
     ]
     cases = [_Case(name, *one, true) for true in found for name, one in called.items()]
     points: list[Point] = []
-    with ProgressLine(progress) as tell:
+    with tell:
         run = _Study("work-precision", cases, quantities, stopwatch, store, tell)
         for i, case in enumerate(cases):
             for k, resolution in enumerate(case.resolutions):

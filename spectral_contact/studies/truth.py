@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError, SceneError
-from spectral_contact.inputs.checks import flag, scalar
+from spectral_contact.inputs.checks import scalar
 from spectral_contact.inputs.choices import instance, names
-from spectral_contact.scene import Scene
+from spectral_contact.scene import Scene, same_problem
 from spectral_contact.testing.checks import field_of
+from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["QUANTITIES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
+__all__ = ["PLACES", "QUANTITIES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ QUANTITIES = (
 _SCALARS = ("approach", "total_shear", "stick_radius")
 _FIELDS = ("pressure", "traction")
 #: Distances from the edge at which fields are compared: those of the gold tables.
-_PLACES = np.array(
+PLACES = np.array(
     [1.0, *(k / 8.0 for k in range(7, 0, -1)), *(10.0**-k for k in range(1, 13)), 0.0]
 )
 _DIGITS = 20
@@ -128,7 +129,7 @@ class Truth:
         return float(np.max(errors))
 
 
-def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Truth:
+def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -> Truth:
     """Return the truth about a scene.
 
     Parameters
@@ -139,8 +140,8 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
         `Solution` to a tolerance far below the errors to be measured, a closed form. By default it
         is the gold solution of the scene if there is one, else `reference` to 20 digits, which
         takes from seconds to minutes.
-    progress : bool
-        Show the progress of `reference` on stderr.
+    progress : bool, optional
+        Whether to show that of `reference`; by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -156,15 +157,15 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool = False) -> Trut
     return truth_named("truth", scene, truth, progress)
 
 
-def truth_named(name: str, scene: Scene, truth: Any, progress: bool) -> Truth:
+def truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> Truth:
     """Return the truth about a scene; an error calls what is given by its name."""
     instance("scene", scene, Scene)
-    flag("progress", progress)
+    ProgressLine(progress)  # refuses what it cannot be
     source = "given"
     if truth is None:
         source, truth = _best(scene, progress)
     own = getattr(truth, "scene", scene)
-    if isinstance(own, Scene) and not _same_problem(own, scene):
+    if isinstance(own, Scene) and not same_problem(own, scene):
         raise SceneError(name, own, f"that of {scene}")
     if isinstance(truth, Truth):
         return replace(truth, scene=scene)
@@ -214,23 +215,15 @@ def _attribute(name: str) -> str:
     return "pressure" if name == "edge_pressure" else name
 
 
-def _same_problem(one: Scene, other: Scene) -> bool:
-    """Whether two scenes have the same solution by definition: without friction, by alpha."""
-    if one.friction is None and other.friction is None:
-        return one.normal_compliance == other.normal_compliance
-    return replace(one, physical=None) == replace(other, physical=None)
-
-
-def _best(scene: Scene, progress: bool) -> tuple[str, Any]:
+def _best(scene: Scene, progress: bool | None) -> tuple[str, Any]:
     """Return the gold solution of a scene, or its reference, and what to call it."""
     # mpmath, on which both of them are built, is imported for studies alone
     from spectral_contact import gold
-
-    for table in gold.tables():
-        for solution in table.solutions:
-            if _same_problem(solution.scene, scene):
-                return f"gold table {table.name}, {solution.digits} digits", solution
     from spectral_contact.precise import reference
+
+    solution = gold.find(scene)
+    if solution is not None:
+        return f"gold table {solution.table}, {solution.digits} digits", solution
 
     return f"reference, {_DIGITS} digits", reference(scene, _DIGITS, progress=progress)
 
@@ -260,7 +253,7 @@ def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:
         for name in _FIELDS:
             fields[name] = np.array([float(getattr(point, name)) for point in listed])
     else:
-        points = _PLACES
+        points = PLACES
         for name in _FIELDS:
             if not hasattr(truth, name):
                 continue

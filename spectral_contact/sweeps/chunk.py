@@ -17,7 +17,7 @@ from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request
 from spectral_contact.sweeps.shortcuts import Served, served
 from spectral_contact.threads import one_thread
 
-__all__ = ["Outcome", "solve_chunk"]
+__all__ = ["Outcome", "outcome_of", "solve_chunk"]
 
 _CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")
 #: Codes of the kinds of zones; 0 is none.
@@ -68,6 +68,13 @@ def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
             rows.take(i, continuation.solve(columns.scene(i)))
         except Exception as error:  # whatever it is, the other scenes go on
             rows.fail(i, error)
+    return rows.outcome()
+
+
+def outcome_of(solution: Solution, request: Request) -> Outcome:
+    """Return what is asked of a scene that is solved."""
+    rows = _Rows(1, request)
+    rows.take(0, solution)
     return rows.outcome()
 
 

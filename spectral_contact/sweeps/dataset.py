@@ -5,18 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import spectral_contact
 from spectral_contact.errors import MissingDependencyError
-from spectral_contact.sweeps.chunk import Outcome
-from spectral_contact.sweeps.parameters import PARAMETERS, Indices, Parameters
-from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request
+from spectral_contact.solution import Solution
+from spectral_contact.sweeps.chunk import Outcome, outcome_of
+from spectral_contact.sweeps.parameters import PARAMETERS, Indices, Parameters, row
+from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request, requested
+from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Table", "assembled", "needed"]
+__all__ = ["Table", "assembled", "needed", "of_solution"]
 
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
@@ -117,6 +119,29 @@ def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.
     dataset: xarray.Dataset = needed().Dataset(
         variables, _coordinates(parameters, request), attributes
     )
+    return dataset
+
+
+def of_solution(
+    solution: Solution, s: ArrayLike | None = None, from_edge: ArrayLike | None = None
+) -> xarray.Dataset:
+    """Return the dataset of one solution; see `Solution.to_xarray`."""
+    needed()
+    quantities, radii = solution.plan.quantities, None
+    if s is None and from_edge is None and not set(FIELDS).isdisjoint(quantities):
+        radii = graded_radii(solution)
+        request = Request(quantities, solution.rtol, 1, "s", radii.s, radii.from_edge)
+    else:
+        request = requested(quantities, solution.rtol, 1, s, from_edge)
+    outcome = outcome_of(solution, request)
+    if radii is not None:  # each from the side on which it is accurate
+        for name in set(FIELDS).intersection(quantities):
+            outcome.values[name][0] = radii.evaluate(getattr(solution, name))
+    table = Table(1)
+    table.put(np.arange(1), outcome)
+    dataset = assembled(Parameters(row(solution.scene), {}), request, table)
+    if solution.scene.coupling:
+        dataset.attrs["coupling"] = "elastic"
     return dataset
 
 

@@ -15,7 +15,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import reals
 from spectral_contact.scene import Scene
 
-__all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "grid", "listed"]
+__all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "grid", "listed", "row"]
 
 Array = NDArray[np.float64]
 #: Numbers of scenes.
@@ -168,6 +168,11 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
 def _row(scene: Scene) -> tuple[float, ...]:
     if scene.coupling:
         raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
+    return row(scene)
+
+
+def row(scene: Scene) -> tuple[float, ...]:
+    """Return the parameters of a scene in the order of `PARAMETERS`; NaN for no friction."""
     friction = math.nan if scene.friction is None else scene.friction
     return scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, friction
 

@@ -55,7 +55,7 @@ def sweep(
     executor: Executor | None = None,
     store: str | os.PathLike[str] | None = None,
     chunk: int | None = None,
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> xarray.Dataset:
     """Solve a grid of scenes, or a list of them.
 
@@ -85,8 +85,9 @@ def sweep(
         stopped.
     chunk : int, optional
         Scenes that are solved and stored together.
-    progress : bool
-        Show a line of progress with rate and time left on stderr.
+    progress : bool, optional
+        Whether to show a line of progress with rate and time left; by default on a terminal and in
+        notebooks.
 
     Returns
     -------
@@ -124,13 +125,13 @@ def sweep(
     )
     parameters = _parameters(scenes, axes)
     request = requested(quantities, rtol, max_unknowns, s, from_edge)
-    checks.flag("progress", progress)
+    tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
     request = replace(request, shared=parameters.pairs >= _MANY)
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     run = _Run(parameters, request, size, store)
-    with one_thread(), ProgressLine(progress) as tell:
+    with one_thread(), tell:
         run.finish(executor, tell)
     return assembled(parameters, request, run.table)
 
@@ -202,6 +203,7 @@ class _Run:
                 left.append((number, scenes))
         total, todo = self.parameters.size, sum(len(scenes) for _, scenes in left)
         begin, done = perf_counter(), 0
+        tell("the first scenes", (total - todo) / total)
         with closing(outcomes(self.parameters, left, self.request, executor)) as results:
             for number, outcome in results:
                 if self.store is not None:

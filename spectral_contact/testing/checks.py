@@ -22,7 +22,7 @@ from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
 from spectral_contact.scene import Scene
 
-__all__ = ["Check", "CheckReport", "check_solution", "field_of"]
+__all__ = ["Check", "CheckReport", "by_distance", "check_solution", "field_of"]
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
@@ -185,15 +185,29 @@ def field_of(solution: Any, name: str, owner: str = "solution") -> Field:
     method = getattr(solution, name, None)
     if not callable(method):
         raise SceneError(owner, solution, f"an object with a method {name}(s)")
+    return by_distance(f"{owner}.{name}", method)
+
+
+def by_distance(parameter: str, function: Callable[..., Any], radius: float = 1.0) -> Field:
+    """Return a function of radii, or of distances ``from_edge``, as one of the distance.
+
+    Parameters
+    ----------
+    parameter : str
+        What the function is called in an error.
+    function : callable
+    radius : float
+        Of the punch, in the units of the function.
+    """
     try:
-        by_edge = "from_edge" in inspect.signature(method).parameters
+        by_edge = "from_edge" in inspect.signature(function).parameters
     except (TypeError, ValueError):  # a callable without a signature
         by_edge = False
 
     def field(d: Array) -> Array:
         if by_edge:
-            return values_at(f"{owner}.{name}", lambda places: method(from_edge=places), d)
-        return values_at(f"{owner}.{name}", lambda places: method(1.0 - places), d)
+            return values_at(parameter, lambda places: function(from_edge=places), d)
+        return values_at(parameter, lambda places: function(radius - places), d)
 
     return field
 

@@ -1,44 +1,103 @@
-"""A line of progress on stderr, for work that takes longer than a breath."""
+"""A line of progress on stderr or in a notebook, for work that takes longer than a breath."""
 
 from __future__ import annotations
 
+import multiprocessing
 import sys
-from time import perf_counter
-from typing import Self
+import threading
+import warnings
+from typing import Any, Self
 
-__all__ = ["ProgressLine"]
+from spectral_contact.errors import MissingDependencyError
+from spectral_contact.inputs.checks import flag
+
+__all__ = ["ProgressLine", "silent"]
 
 
 class ProgressLine:
-    """A bar, the share that is done, the seconds so far and the present step, on one line.
+    """A bar, the share that is done, the time so far and the present step; by tqdm.
 
-    As a context manager it ends the line, however the work ends.
+    It shows itself with the first step, and is gone when the work is done. As a context manager it
+    goes however the work ends.
 
     Parameters
     ----------
-    wanted : bool
-        Whether to show anything.
+    wanted : bool or None
+        Whether to show anything. None is where somebody watches: on a terminal or in a notebook,
+        if tqdm is installed, and not in a process that works for another.
+
+    Raises
+    ------
+    SceneError
+        If `wanted` is something else; it is called ``progress``.
+    MissingDependencyError
+        If it is wanted and tqdm is not installed (extra: progress).
     """
 
-    def __init__(self, wanted: bool) -> None:
-        self._wanted = wanted
-        self._begin = perf_counter()
-        self._open = False
+    def __init__(self, wanted: bool | None) -> None:
+        self._make: Any = None
+        self._bar: Any = None
+        if _watched() if wanted is None else flag("progress", wanted):
+            try:
+                self._make = _bars()
+            except ImportError as error:
+                if wanted:
+                    raise MissingDependencyError("tqdm", "progress") from error
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._open:
-            sys.stderr.write("\n")
+        if self._bar is not None:
+            self._bar.close()
+            self._bar = None
 
-    def __call__(self, step: str, share: float) -> None:
-        """Show the step and the share in [0, 1] that is done; 1 ends the line."""
-        if self._wanted:
-            bar = "#" * round(20 * share)
-            seconds = perf_counter() - self._begin
-            self._open = share < 1.0
-            end = "" if self._open else "\n"
-            line = f"\r[{bar:<20}] {100 * share:3.0f} % {seconds:5.0f} s  {step:<32}"
-            sys.stderr.write(line + end)
-            sys.stderr.flush()
+    def __call__(self, step: str, share: float | None = None) -> None:
+        """Show the step and the share in [0, 1] that is done; 1 ends the line.
+
+        Without a share the one before stays; without any there is no bar.
+        """
+        if self._make is None:
+            return
+        if self._bar is None:
+            bar = "" if share is None else "{percentage:3.0f} %|{bar:20}| "
+            form = bar + "{elapsed}  {desc}"  # steps differ too much to say what is left
+            self._bar = self._make(total=1.0, bar_format=form, leave=False, file=sys.stderr)
+        if share is not None:
+            self._bar.n = share
+        self._bar.set_description_str(step)
+        if share == 1.0:
+            self.__exit__()
+
+
+def silent(step: str) -> None:
+    """Tell nobody of a step."""
+
+
+def _watched() -> bool:
+    """Whether somebody sees what this process writes: it may be one of many that work."""
+    if multiprocessing.parent_process() is not None:
+        return False
+    return _in_notebook() or (sys.stderr is not None and sys.stderr.isatty())
+
+
+def _in_notebook() -> bool:
+    module = sys.modules.get("IPython")
+    shell = None if module is None else module.get_ipython()
+    return shell is not None and "IPKernelApp" in shell.config
+
+
+def _bars() -> Any:
+    """Return tqdm's bars, without the thread that it has to refresh them: threads hinder forks."""
+    if _in_notebook():
+        with warnings.catch_warnings():  # it has to say that widgets are missing, and does without
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
+    else:
+        from tqdm.std import tqdm
+
+    class Bars(tqdm):  # type: ignore[misc]
+        monitor_interval = 0
+
+    Bars.set_lock(threading.RLock())
+    return Bars

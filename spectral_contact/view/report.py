@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,12 +11,23 @@ from typing import Any
 import numpy as np
 
 import spectral_contact
-from spectral_contact.io.documents import replace_file, reported
+from spectral_contact.errors import NotComputedError
+from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
-from spectral_contact.solution import PhysicalSolution, Solution
+from spectral_contact.solution import Solution
+from spectral_contact.view.physical import PhysicalSolution
 from spectral_contact.view.radii import graded_radii
 
-__all__ = ["FIELDS", "report", "scene_text", "table", "write_csv"]
+__all__ = [
+    "FIELDS",
+    "quantity_cells",
+    "report",
+    "scene_text",
+    "si_cells",
+    "table",
+    "write_csv",
+    "zone_cells",
+]
 
 #: Quantities that are functions of the radius: the columns of a table.
 FIELDS = ("pressure", "traction", "slip")
@@ -32,9 +44,9 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     remarks : sequence of str
         What is to be said about the scene besides what its SI data call for.
     """
-    parts = [_scene_text(solution), _quantity_table(_rows(solution), "quantity")]
+    parts = [_scene_text(solution), table(quantity_cells(solution))]
     if solution.scene.physical is not None:
-        parts.append(_quantity_table(_si_rows(solution), "SI"))
+        parts.append(table(si_cells(solution)))
     remarks = [*remarks, *_odd_compliances(solution.scene)]
     if remarks:
         parts.append("\n".join(["remarks", *map(_indented, remarks)]))
@@ -59,17 +71,32 @@ def _less_certain(solution: Solution) -> str:
     return "\n".join(lines)
 
 
-def write_csv(solution: Solution, path: str) -> None:
+def write_csv(solution: Solution, path: str | os.PathLike[str]) -> None:
     """Write the fields over graded radii; the scalars and the zones are comments.
 
     Raises
     ------
+    NotComputedError
+        If no field was asked for.
     SolutionFileError
         If the path cannot be written.
     """
-    radii = graded_radii(solution)
+    path, columns = path_text(path), _csv_columns(solution)
+    lines = [f"# {line}" for line in _csv_comments(solution)]
+    lines.append(",".join(columns))
+    for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+        lines.append(",".join(map(repr, row)))
+    with reported(path, "cannot be written"):
+        replace_file(path, ("\n".join(lines) + "\n").encode())
+
+
+def _csv_columns(solution: Solution) -> dict[str, Any]:
+    """Return radii, fields, and the estimates of their relative errors."""
+    radii, present = graded_radii(solution), solution.plan.quantities
     columns: dict[str, Any] = {"s": radii.s, "one_minus_s": radii.from_edge}
-    present = solution.plan.quantities
+    if not set(FIELDS).intersection(present):
+        reason = dict(solution.plan.missing).get("pressure", "it was not asked for")
+        raise NotComputedError(f"a field to write ({', '.join(FIELDS)})", reason)
     friction = solution.scene.friction
     if "pressure" in present:
         columns["p"] = radii.evaluate(solution.pressure)
@@ -80,12 +107,11 @@ def write_csv(solution: Solution, path: str) -> None:
         columns["f_p"] = friction * columns["p"] if friction else np.zeros(len(radii.s))
     if "slip" in present:
         columns["slip"] = radii.evaluate(solution.slip)
-    lines = [f"# {line}" for line in _csv_comments(solution)]
-    lines.append(",".join(columns))
-    for row in zip(*(column.tolist() for column in columns.values()), strict=True):
-        lines.append(",".join(map(repr, row)))
-    with reported(path, "cannot be written"):
-        replace_file(path, ("\n".join(lines) + "\n").encode())
+    for name, column in zip(FIELDS, ("p", "q", "slip"), strict=True):
+        error = getattr(solution.error, name)
+        if name in present and error is not None:
+            columns[f"{column}_error"] = np.full(len(radii.s), error)
+    return columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,18 +215,33 @@ def _odd_compliances(scene: Scene) -> list[str]:
     return remarks
 
 
-def _quantity_table(rows: list[_Row], title: str) -> str:
-    cells = [(title, "value", "error estimate")]
+def quantity_cells(solution: Solution) -> list[tuple[str, ...]]:
+    """Return the table of the dimensionless scalars."""
+    return _quantity_cells(_rows(solution), "quantity")
+
+
+def si_cells(solution: Solution) -> list[tuple[str, ...]]:
+    """Return the table of the scalars in SI units; only its heading if the scene has none."""
+    return _quantity_cells(_si_rows(solution), "SI")
+
+
+def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
+    cells: list[tuple[str, ...]] = [(title, "value", "error estimate")]
     for row in rows:
         value = f"{_digits(row.value, row.error)} {row.unit}".rstrip()
         cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
-    return table(cells)
+    return cells
 
 
 def _zone_table(solution: Solution) -> str:
-    zones, estimate = solution.zones, solution.error.zones
-    if not zones:
+    if not solution.zones:
         return "zones\n  none: without friction there is neither stick nor slip"
+    return table(zone_cells(solution))
+
+
+def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
+    """Return the table of the zones; only its heading if there are none."""
+    zones, estimate = solution.zones, solution.error.zones
     cells: list[tuple[str, ...]] = [("zones", "from", "to", "1 - to", "error estimate")]
     for zone in zones:
         radii = (zone.inner, zone.outer, zone.outer_from_edge)
@@ -208,7 +249,7 @@ def _zone_table(solution: Solution) -> str:
     if solution.scene.physical is not None:
         metres = (_digits(zone.outer, estimate) for zone in solution.physical.zones)
         cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]
-    return table(cells)
+    return cells
 
 
 def _work_table(solution: Solution) -> str:
@@ -268,6 +309,7 @@ def _csv_comments(solution: Solution) -> list[str]:
         *_scene_text(solution).splitlines(),
         f"converged: {'yes' if solution.converged else 'no'}",
         "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)",
+        "p_error, q_error, slip_error: estimates of relative errors",
     ]
     for row in (*_rows(solution), *_si_rows(solution)):
         unit = f" {row.unit}" if row.unit else ""

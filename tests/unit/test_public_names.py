@@ -9,7 +9,7 @@ import spectral_contact as sc
 
 MODULES = ["asperities", "calibration", "closed_forms", "gold", "paper", "plotting"]
 MODULES += ["precise", "studies", "testing"]
-FUNCTIONS = ["fit", "plan", "reference", "solve", "sweep"]
+FUNCTIONS = ["compare", "fit", "plan", "reference", "solve", "sweep"]
 
 
 def python(code):

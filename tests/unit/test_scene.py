@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spectral_contact import scene as scene_module
 from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.scene import PhysicalData, Scene
 
@@ -569,15 +568,6 @@ def test_poisson_ratio_of_the_scales_is_checked(nu):
             call()
 
 
-def test_all_is_complete():
-    classes = {
-        name
-        for name, thing in vars(scene_module).items()
-        if isinstance(thing, type) and thing.__module__ == scene_module.__name__
-    }
-    assert set(scene_module.__all__) == classes
-
-
 # --- elastic coupling -----------------------------------------------------------------------------
 
 
@@ -619,3 +609,48 @@ def test_coupling_in_si_units():
 )
 def test_what_couples(scene, couples):
     assert scene.couples is couples
+
+
+# --- changed copies, and how scenes show themselves -----------------------------------------------
+
+
+def test_a_replacement_is_checked_anew():
+    scene = Scene(0.3, 0.5, friction=0.1)
+    assert scene.replace(friction=None, coupling=True) == Scene(0.3, 0.5, coupling=True)
+    assert scene.replace() == scene
+    with pytest.raises(SceneError, match=r"poisson_ratio = 0\.7"):
+        scene.replace(poisson_ratio=0.7)
+    with pytest.raises(SceneError, match="did you mean friction"):
+        scene.replace(fricton=0.2)
+    with pytest.raises(SceneError, match="radius"):
+        scene.replace(radius=1.0)
+
+
+def test_a_scene_in_si_units_is_changed_in_si_units():
+    given = {**STEEL, "friction": 0.1}
+    scene = Scene.from_physical(**given, load=1000.0)
+    assert scene.replace(radius=0.02) == Scene.from_physical(
+        **{**given, "radius": 0.02}, load=1000.0
+    )
+    assert scene.replace(approach=1e-6) == Scene.from_physical(**given, approach=1e-6)
+    assert scene.replace(approach=1e-6).replace(load=1000.0) == scene
+    bare = scene.replace(physical=None, normal_compliance=0.25)
+    assert (bare.physical, bare.normal_compliance, bare.friction) == (None, 0.25, 0.1)
+    assert bare.tangential_compliance == scene.tangential_compliance
+    with pytest.raises(SceneError, match="load, approach"):
+        scene.replace(load=1.0, approach=1.0)
+    with pytest.raises(SceneError, match="did you mean youngs_modulus"):
+        scene.replace(young_modulus=1.0)
+
+
+@pytest.mark.parametrize("friction", [None, 0.0, 0.1, math.inf])
+def test_the_repr_is_short_and_makes_the_scene(friction):
+    names = {"Scene": Scene, "inf": math.inf}
+    scene = Scene(0.0, 0.5, friction=friction)
+    assert repr(scene).startswith("Scene(poisson_ratio=0.0, normal_compliance=0.5")
+    assert "tangential" not in repr(scene)
+    assert "None" not in repr(scene)
+    steel = Scene.from_physical(**STEEL, approach=1e-6, friction=friction, coupling=True)
+    assert repr(steel).startswith("Scene.from_physical(")
+    for one in (scene, steel):
+        assert eval(repr(one), names) == one

@@ -11,7 +11,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import json
 import math
-import sys
 from pathlib import Path
 from time import process_time
 
@@ -44,7 +43,7 @@ def main() -> None:
     for name, scene in SCENES.items():
         for digits in (*DIGITS, MANY) if name == next(iter(SCENES)) else DIGITS:
             begin = process_time()
-            solution = reference(scene, digits, progress=sys.stderr.isatty())
+            solution = reference(scene, digits)
             seconds = process_time() - begin
             worst = max(
                 e

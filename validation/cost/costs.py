@@ -87,7 +87,7 @@ CASES = {(p, c): scene_of(p, c) for p in PROBLEMS for c in COMPLIANCES}
 
 def run(tasks: list[Task]) -> Iterator[Any]:
     """Yield the outcomes of tasks, with a line of progress."""
-    with ProgressLine(sys.stderr.isatty()) as tell:
+    with ProgressLine(None) as tell:
         for i, (name, task) in enumerate(tasks):
             tell(name, i / len(tasks))
             yield task()

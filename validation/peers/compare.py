@@ -15,7 +15,6 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import argparse
 import math
-import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -106,7 +105,6 @@ def measured(name: str, small: bool, results: Path) -> WorkPrecision:
         quantities=problem.quantities,
         stopwatch=Stopwatch(3, 0.0, 1.0, 1) if small else Stopwatch(),
         store=results / f"peers_{name}.partial",
-        progress=sys.stderr.isatty(),
     )
 
 

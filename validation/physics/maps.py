@@ -11,7 +11,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +37,6 @@ def stick_radius():
         tangential_compliance=COARSE,
         quantities=["stick_radius", "zones"],
         rtol=1e-6,
-        progress=sys.stderr.isatty(),
     )
 
 

@@ -259,7 +259,8 @@ def test_a_table_of_the_fields(capsys, tmp_path):
     solution = solve(Scene(0.1, 0.5, 0.5, 0.1), 1e-4)
     comments, columns = read_table(path)
     assert status == 0
-    assert list(columns) == ["s", "one_minus_s", "p", "q", "f_p", "slip"]
+    errors = ["p_error", "q_error", "slip_error"]
+    assert list(columns) == ["s", "one_minus_s", "p", "q", "f_p", "slip", *errors]
     d = columns["one_minus_s"]
     assert 150 < len(d) < 300
     assert (d[0], d[-1]) == (1.0, 0.0)
@@ -282,7 +283,7 @@ def test_the_table_of_a_smooth_surface_is_accurate_near_its_singular_edge(capsys
     status, _, _ = run(capsys, *smooth, "--output", str(path), "--quantities", "pressure,traction")
     _, columns = read_table(path)
     assert status == 0
-    assert list(columns) == ["s", "one_minus_s", "p", "q", "f_p"]
+    assert list(columns) == ["s", "one_minus_s", "p", "q", "f_p", "p_error", "q_error"]
     assert columns["p"][-1] == np.inf
     d = columns["one_minus_s"][:-1]
     exact = 1.0 / (2.0 * np.pi * np.sqrt(d * (2.0 - d)))

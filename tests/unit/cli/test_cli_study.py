@@ -53,7 +53,6 @@ def test_convergence_of_the_library_on_the_default_scene(capsys, asked):
         "stopwatch": None,
         "quantities": None,
         "store": None,
-        "progress": False,
     }
     assert "truth: gold table slip_equal, 27 digits" in out
 

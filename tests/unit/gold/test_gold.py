@@ -8,7 +8,7 @@ from importlib import resources
 import mpmath
 import pytest
 
-from spectral_contact import Scene, SolutionFileError, gold
+from spectral_contact import Scene, SceneError, SolutionFileError, gold
 
 FOLDER = resources.files("spectral_contact.gold") / "tables"
 SCENE = ("scenes", 0)
@@ -57,6 +57,28 @@ def altered(table, *place, to):
 def test_all_files_are_read_in_order():
     names = sorted(file.name for file in FOLDER.iterdir() if file.name.endswith(".json"))
     assert [f"{table.name}.json" for table in gold.tables()] == names
+
+
+def test_a_table_is_found_by_name_and_a_solution_by_its_scene():
+    table = gold.table("slip_inside")
+    assert table == gold.tables()[gold.names().index("slip_inside")]
+    for one in table.solutions[::7]:
+        assert one.table == "slip_inside"
+        assert gold.find(one.scene) == one
+    with pytest.raises(SceneError, match="did you mean slip_inside"):
+        gold.table("slip-insid")
+    assert gold.find(Scene(0.3, 0.123)) is None
+    # without friction the normal compliance alone decides
+    assert gold.find(Scene(0.123, 0.1, 7.0)).scene == Scene(0.3, 0.1)
+    si = Scene.from_physical(youngs_modulus=2e11, poisson_ratio=0.3, radius=1e-3, load=1.0)
+    assert gold.find(si).scene == Scene(0.3)
+
+
+def test_records_are_short_to_look_at():
+    table = gold.table("slip_inside")
+    assert repr(table).startswith("<GoldTable 'slip_inside': 8 scenes, slip in an interior")
+    assert repr(table.solutions[0]).startswith("<GoldSolution 'nu=0.246 alpha=0.2")
+    assert len(repr(table.solutions[0])) < 120
 
 
 def test_a_file_is_the_table_that_ships(tmp_path):

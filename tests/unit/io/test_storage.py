@@ -31,6 +31,7 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
+from spectral_contact.inputs import physical
 from spectral_contact.io import schema, storage
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
@@ -263,11 +264,11 @@ def test_the_schema_declares_every_class_and_every_field():
     """A class or field that is added is to be declared in the schema, and used in `synthetic`."""
     classes = {
         cls
-        for module in (field_classes, record_classes, scene_classes, solution_classes)
+        for module in (field_classes, physical, record_classes, scene_classes, solution_classes)
         for cls in vars(module).values()
         if isinstance(cls, type) and cls.__module__ == module.__name__
         if is_dataclass(cls) or issubclass(cls, Enum)
-    } - {solution_classes.PhysicalSolution}
+    }
     enums = {type(member): one for one in schema.CHOICES for member in one.names}
     assert {one.cls for one in schema.RECORDS} | enums.keys() == classes
     for enum, choice in enums.items():

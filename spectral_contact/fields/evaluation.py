@@ -1,0 +1,59 @@
+"""What the types of fields are: a number for a number, an array for an array."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, TypeAlias, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["OverR", "OverS", "over_r", "over_s"]
+
+_Several: TypeAlias = Sequence[Any] | NDArray[Any]
+_One: TypeAlias = float | np.number[Any]
+_Values: TypeAlias = NDArray[np.float64]
+
+
+class OverS(Protocol):
+    """A field over dimensionless radii ``s``, or distances from the edge."""
+
+    @overload
+    def __call__(self, s: _One) -> float: ...
+    @overload
+    def __call__(self, s: None = None, *, from_edge: _One) -> float: ...
+    @overload
+    def __call__(self, s: _Several) -> _Values: ...
+    @overload
+    def __call__(self, s: None = None, *, from_edge: _Several) -> _Values: ...
+
+
+class OverR(Protocol):
+    """A field over radii ``r`` [m], or distances from the edge [m]."""
+
+    @overload
+    def __call__(self, r: _One) -> float: ...
+    @overload
+    def __call__(self, r: None = None, *, from_edge: _One) -> float: ...
+    @overload
+    def __call__(self, r: _Several) -> _Values: ...
+    @overload
+    def __call__(self, r: None = None, *, from_edge: _Several) -> _Values: ...
+
+
+class _MethodOverS(Protocol):
+    def __get__(self, instance: object, owner: type | None = None) -> OverS: ...
+
+
+class _MethodOverR(Protocol):
+    def __get__(self, instance: object, owner: type | None = None) -> OverR: ...
+
+
+def over_s(method: Callable[..., Any]) -> _MethodOverS:
+    """Return a method as it is, with the types of a field over ``s``."""
+    return method
+
+
+def over_r(method: Callable[..., Any]) -> _MethodOverR:
+    """Return a method as it is, with the types of a field over ``r``."""
+    return method

@@ -1,0 +1,291 @@
+"""How good some numbers are: fields and scalars of any origin against the solution of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs import checks
+from spectral_contact.inputs.choices import instance
+from spectral_contact.scene import Scene, same_problem
+from spectral_contact.solution import Solution
+from spectral_contact.solving.solver import solve
+from spectral_contact.studies.truth import PLACES, estimate_of
+from spectral_contact.testing.checks import by_distance, field_of
+from spectral_contact.view.html import table_html
+from spectral_contact.view.radii import graded_radii
+from spectral_contact.view.report import table
+
+__all__ = ["Agreement", "Comparison", "compare"]
+
+Array = NDArray[np.float64]
+Numbers = Callable[..., Any] | ArrayLike
+
+_RTOL: Final = 1e-12
+_FIELDS: Final = ("pressure", "traction", "slip")
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How far one quantity is from the truth.
+
+    Attributes
+    ----------
+    quantity : str
+    error : float
+        Relative error, the largest over the radii; infinite where a function returns NaN.
+    known_to : float or None
+        What the truth says of its own relative error. An error that is no larger says nothing.
+    value, truth : float
+        The two numbers where the error is largest, in the units that were given.
+    from_edge : float or None
+        That place, as 1 - r/a; None for what is no field.
+    median : float or None
+        Of the errors over the radii.
+    """
+
+    quantity: str
+    error: float
+    known_to: float | None
+    value: float
+    truth: float
+    from_edge: float | None = None
+    median: float | None = None
+
+    @property
+    def told_apart(self) -> bool:
+        """Whether the error is larger than that of the truth."""
+        return not self.error <= (self.known_to or 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """How good some numbers are; prints as a table.
+
+    Attributes
+    ----------
+    scene : Scene
+    source : str
+        Where the truth is from.
+    agreements : tuple of Agreement
+        One for each quantity.
+    """
+
+    scene: Scene
+    source: str
+    agreements: tuple[Agreement, ...]
+
+    @property
+    def error(self) -> float:
+        """The largest of all errors."""
+        return max(one.error for one in self.agreements)
+
+    def __getitem__(self, quantity: str) -> Agreement:
+        for one in self.agreements:
+            if one.quantity == quantity:
+                return one
+        raise KeyError(quantity)
+
+    def __str__(self) -> str:
+        return f"{table(self._cells())}\ntruth: {self.source}"
+
+    def _repr_html_(self) -> str:
+        return table_html(self._cells())
+
+    def _cells(self) -> list[tuple[str, ...]]:
+        heads = ("quantity", "error", "median", "worst at 1 - s", "value", "truth", "known to")
+        cells: list[tuple[str, ...]] = [heads]
+        for one in self.agreements:
+            place, middle, known = (
+                "" if number is None else f"{number:{form}}"
+                for number, form in (
+                    (one.from_edge, ".3g"),
+                    (one.median, ".1e"),
+                    (one.known_to, ".1e"),
+                )
+            )
+            numbers = f"{one.value:.6g}", f"{one.truth:.6g}", known
+            cells.append(
+                (one.quantity.replace("_", " "), f"{one.error:.1e}", middle, place, *numbers)
+            )
+        return cells
+
+
+def compare(
+    scene: Scene,
+    *,
+    approach: float | None = None,
+    pressure: Callable[..., Any] | ArrayLike | None = None,
+    traction: Callable[..., Any] | ArrayLike | None = None,
+    slip: Callable[..., Any] | ArrayLike | None = None,
+    stick_radius: float | None = None,
+    total_shear: float | None = None,
+    s: ArrayLike | None = None,
+    from_edge: ArrayLike | None = None,
+    truth: Any = None,
+) -> Comparison:
+    """Say how good some numbers are, quantity by quantity, with the place of the worst.
+
+    Parameters
+    ----------
+    scene : Scene
+        What they claim to solve. They are dimensionless as in `Solution`; in SI units if the scene
+        was made by `Scene.from_physical`, radii in m.
+    approach, stick_radius, total_shear : float, optional
+    pressure, traction, slip : callable or array_like, optional
+        A function of arrays of radii, or of distances if it takes ``from_edge``; or its values at
+        `s` or `from_edge`.
+    s, from_edge : array_like, optional
+        Radii, or distances from the edge, at which fields are compared; needed for arrays. By
+        default at radii that resolve the edge layer and every zone.
+    truth : Solution or ReferenceSolution, optional
+        What to compare with; by default `solve` to 1e-12, which takes a second.
+
+    Returns
+    -------
+    Comparison
+        Errors of pressure and traction are relative to the value at each radius (with elastic
+        coupling to the two together, see docs/coupling), those of the slip to its largest value.
+        Where the truth is infinite, at the edge of a smooth surface, nothing is compared.
+
+    Raises
+    ------
+    SceneError
+        For an argument that is no number, or out of its range; for an array without its radii; if
+        there is nothing to compare.
+    NotComputedError
+        If the scene has no such quantity.
+
+    Examples
+    --------
+    >>> import spectral_contact as sc
+    >>> smooth = sc.Scene(0.3)
+    >>> print(sc.compare(smooth, approach=0.126, pressure=[0.16, 0.18], s=[0.0, 0.5]))
+    quantity     error     median    worst at 1 - s   value   truth      known to
+      approach   8.0e-03                              0.126   0.125      0.0e+00
+      pressure   2.1e-02   1.3e-02   0.5              0.18    0.183776   0.0e+00
+    truth: solve, rtol = 1e-12
+    """
+    instance("scene", scene, Scene)
+    numbers = {"approach": approach, "stick_radius": stick_radius, "total_shear": total_shear}
+    fields = {"pressure": pressure, "traction": traction, "slip": slip}
+    given = {name: one for name, one in {**numbers, **fields}.items() if one is not None}
+    if not given:
+        raise SceneError("approach, pressure, …", None, "given, at least one of them")
+    source = "given" if truth is not None else f"solve, rtol = {_RTOL:g}"
+    problem = _Problem(scene, _truth(scene, given) if truth is None else truth)
+    places = problem.places(s, from_edge)
+    unplaced = s is None and from_edge is None
+    agreements = []
+    for name, one in given.items():
+        if name in numbers:
+            agreements.append(problem.number(name, one))
+        elif not callable(one) and unplaced:
+            raise SceneError("s, from_edge", None, f"given with an array of {name}: either")
+        else:
+            agreements.append(problem.field(name, one, places))
+    return Comparison(scene, source, tuple(agreements))
+
+
+def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
+    """Solve for what is given, and for what its units and the sizes of its errors take."""
+    needed = {*given, "approach"} | ({"pressure", "traction"} if scene.couples else set())
+    return solve(scene, _RTOL, tuple(needed), strict=False)
+
+
+class _Problem:
+    """The truth about a scene, in the units in which numbers are given."""
+
+    def __init__(self, scene: Scene, truth: Any) -> None:
+        own = getattr(truth, "scene", scene)
+        if not isinstance(own, Scene) or not same_problem(own, scene):
+            raise SceneError("truth", own, f"that of {scene}")
+        self.scene, self.truth = scene, truth
+        self.length = 1.0
+        self.scale = dict.fromkeys((*_FIELDS, "approach", "stick_radius", "total_shear"), 1.0)
+        data = scene.physical
+        if data is not None:
+            load = data.load_for(
+                checks.scalar("truth.approach", truth.approach), scene.poisson_ratio
+            )
+            moved = data.displacement_scale(load, scene.poisson_ratio)
+            stress = data.pressure_scale(load)
+            self.length = data.radius
+            self.scale = {
+                **{"pressure": stress, "traction": stress, "slip": moved, "approach": moved},
+                **{"stick_radius": data.radius, "total_shear": load},
+            }
+
+    def number(self, name: str, value: Any) -> Agreement:
+        """Compare a number."""
+        found = getattr(self.truth, name, None)
+        if found is None:
+            raise SceneError(name, value, f"None, as the truth about {self.scene} has none")
+        given = checks.real(name, value, allowed="finite")
+        true = checks.scalar(f"truth.{name}", found) * self.scale[name]
+        error = abs(given - true) / (abs(true) or 1.0)
+        return Agreement(name, error, estimate_of(self.truth, name), given, true)
+
+    def places(self, s: ArrayLike | None, from_edge: ArrayLike | None) -> Array:
+        """Return the distances from the edge at which fields are compared, dimensionless."""
+        if s is None and from_edge is None:
+            own = isinstance(self.truth, Solution)
+            return graded_radii(self.truth).from_edge if own else PLACES
+        checks.exactly_one("s", s, "from_edge", from_edge)
+        name, given = ("s", s) if from_edge is None else ("from_edge", from_edge)
+        unit = "m" if self.scene.physical is not None else ""
+        share = np.ravel(checks.lengths(name, given, self.length, unit) / self.length)
+        if not share.size:
+            raise SceneError(name, given, "at least one radius")
+        return np.asarray(1.0 - share if from_edge is None else share, dtype=np.float64)
+
+    def field(self, name: str, given: Numbers, places: Array) -> Agreement:
+        """Compare a field."""
+        if callable(given):
+            values = by_distance(name, given, self.length)(places * self.length)
+        else:
+            values = self._listed(name, given, places)
+        true = field_of(self.truth, name, "truth")(places)
+        there = np.isfinite(true)
+        if not there.any():
+            raise SceneError("s, from_edge", places, "somewhere where the truth is finite")
+        scale = self.scale[name]
+        with np.errstate(over="ignore"):  # as wrong as can be, and said to be
+            errors = np.abs(values / scale - true)[there] / self._sizes(name, true, places)[there]
+        errors = np.where(np.isnan(errors), np.inf, errors)
+        worst = int(np.argmax(errors))
+        return Agreement(
+            name,
+            float(errors[worst]),
+            estimate_of(self.truth, name),
+            float(values[there][worst]),
+            float(true[there][worst]) * scale,
+            float(places[there][worst]),
+            float(np.median(errors)),
+        )
+
+    def _listed(self, name: str, given: ArrayLike, places: Array) -> Array:
+        """Return the values of a field at all places."""
+        numbers = np.ravel(checks.reals(name, given, "for each radius", anything=True))
+        if np.isnan(numbers).any():
+            raise SceneError(name, np.nan, "a number at each radius")
+        return checks.values_at(name, lambda _: numbers, places)
+
+    def _sizes(self, name: str, true: Array, places: Array) -> Array:
+        """Return what errors are relative to."""
+        largest = np.max(np.abs(true[np.isfinite(true)])) or 1.0
+        if name == "slip":
+            return np.full(len(true), largest)
+        sizes = np.abs(true)
+        if self.scene.couples:
+            s = 1.0 - places
+            p, q = (field_of(self.truth, one, "truth")(places) for one in _FIELDS[:2])
+            u = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
+            kappa = self.scene.kappa
+            sizes = np.hypot(p, u) if name == "pressure" else s * np.hypot(u, kappa * p)
+        return np.where(sizes == 0.0, largest, sizes)

@@ -1,0 +1,174 @@
+"""How good some numbers are: `compare` against errors that are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+import spectral_contact as sc
+from spectral_contact import NotComputedError, Scene, SceneError, solve
+
+SLIPPING = Scene(0.1, 0.5, 0.5, 0.1)
+STEEL = Scene.from_physical(
+    youngs_modulus=210e9,
+    poisson_ratio=0.3,
+    radius=5e-3,
+    approach=1e-6,
+    normal_compliance=5e-14,
+    tangential_compliance=5e-14,
+    friction=0.05,
+)
+
+
+@pytest.fixture(scope="module")
+def true():
+    return solve(SLIPPING, 1e-12)
+
+
+def test_errors_are_those_that_were_put_in(true):
+    bumped = {"s": [], "from_edge": []}
+
+    def pressure(s):
+        bumped["s"].append(s)
+        return true.pressure(s) * np.where(np.abs(s - 0.3) < 1e-9, 1.02, 1.01)
+
+    found = sc.compare(
+        SLIPPING,
+        approach=1.001 * true.approach,
+        stick_radius=true.stick_radius,
+        total_shear=0.99 * true.total_shear,
+        pressure=pressure,
+        traction=lambda *, from_edge: 0.995 * true.traction(from_edge=from_edge),
+        slip=lambda s: true.slip(s) + 0.1 * true.slip(1.0),
+        truth=true,
+    )
+    errors = {one.quantity: one.error for one in found.agreements}
+    assert errors == pytest.approx(
+        {
+            **{"approach": 1e-3, "stick_radius": 0.0, "total_shear": 1e-2},
+            **{"pressure": 0.02, "traction": 5e-3, "slip": 0.1},
+        },
+        abs=1e-12,
+    )
+    worst = found["pressure"]
+    assert worst.from_edge == pytest.approx(0.7)
+    assert worst.value == pytest.approx(1.02 * worst.truth)
+    assert worst.truth == pytest.approx(true.pressure(0.3))
+    assert worst.median == pytest.approx(0.01)
+    assert found.error == found["slip"].error
+    assert len(bumped["s"][0]) > 150
+
+
+def test_an_error_below_that_of_the_truth_says_nothing(true):
+    coarse = solve(SLIPPING, 1e-4)
+    found = sc.compare(SLIPPING, pressure=true.pressure, approach=1.0, truth=coarse)
+    assert not found["pressure"].told_apart
+    assert 0.0 < found["pressure"].error <= found["pressure"].known_to == coarse.error.pressure
+    assert found["approach"].told_apart
+
+
+def test_the_default_truth_is_a_solve(true):
+    found = sc.compare(SLIPPING, pressure=true.pressure, traction=true.traction, slip=true.slip)
+    assert found.source == "solve, rtol = 1e-12"
+    assert found.error < 1e-11
+
+
+def test_arrays_come_with_their_radii(true):
+    s = np.array([[0.0, 0.2], [0.9, 1.0]])
+    found = sc.compare(SLIPPING, s=s, traction=1.001 * true.traction(s), truth=true)
+    assert found["traction"].error == pytest.approx(1e-3)
+    d = [0.5, 1e-9, 0.0]
+    p = true.pressure(from_edge=d) * [1.0, 1.0, 1.1]
+    found = sc.compare(SLIPPING, from_edge=d, pressure=p, truth=true)
+    assert (found["pressure"].from_edge, found["pressure"].error) == (0.0, pytest.approx(0.1))
+
+
+def test_si_scenes_take_si_numbers():
+    true = solve(STEEL, 1e-11).physical
+    r = np.linspace(0.0, 5e-3, 7)
+    found = sc.compare(
+        STEEL,
+        s=r,
+        pressure=true.pressure(r),
+        traction=lambda r: 1.001 * true.traction(r),
+        slip=true.slip(r),
+        approach=1e-6,
+        stick_radius=true.stick_radius,
+        total_shear=true.total_shear,
+    )
+    assert found["traction"].error == pytest.approx(1e-3)
+    assert max(one.error for one in found.agreements if one.quantity != "traction") < 1e-10
+    assert found["pressure"].truth > 1e6
+    by_distance = sc.compare(
+        STEEL, pressure=lambda *, from_edge: true.pressure(from_edge=from_edge)
+    )
+    assert by_distance.error < 1e-10
+    assert sc.compare(STEEL.replace(load=1.0), approach=1.0)["approach"].truth < 1e-6
+
+
+def test_where_the_truth_is_infinite_nothing_is_compared():
+    smooth = Scene(0.3)
+    p = [solve(smooth).pressure(0.0), 1.0]
+    assert sc.compare(smooth, s=[0.0, 1.0], pressure=p).error < 1e-15
+    with pytest.raises(SceneError, match="finite"):
+        sc.compare(smooth, s=[1.0], pressure=[1.0])
+
+
+def test_with_coupling_errors_are_relative_to_pressure_and_traction_together():
+    scene = Scene(0.0, 1e-6, 1e-6, math.inf, coupling=True)
+    true, good = solve(scene, 1e-10), solve(scene, 1e-6)
+    assert true.opening is not None
+    found = sc.compare(scene, pressure=good.pressure, traction=good.traction, truth=true)
+    # the estimates are in this sense; alone they are larger near where the sign changes
+    assert found["pressure"].error <= good.error.pressure
+    assert found["traction"].error <= good.error.traction
+
+
+def test_what_is_no_number_is_as_wrong_as_can_be(true):
+    found = sc.compare(SLIPPING, s=[0.1, 0.2], pressure=lambda s: np.nan * s, truth=true)
+    assert found.error == math.inf
+    assert sc.compare(SLIPPING, pressure=lambda s: 1e308, truth=true).error == math.inf
+    with pytest.raises(SceneError, match="pressure = nan"):
+        sc.compare(SLIPPING, s=[0.1, 0.2], pressure=[math.nan, 0.28], truth=true)
+
+
+def test_it_is_a_table(true):
+    found = sc.compare(SLIPPING, approach=0.3, pressure=[0.28], s=[0.0], truth=true)
+    assert [line.split()[:2] for line in str(found).splitlines()] == [
+        ["quantity", "error"],
+        ["approach", "2.4e-02"],
+        ["pressure", "3.3e-03"],
+        ["truth:", "given"],
+    ]
+    assert "<table>" in found._repr_html_()
+    with pytest.raises(KeyError):
+        found["slip"]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, "at least one"),
+        ({"pressure": [0.3]}, "s, from_edge"),
+        ({"pressure": [0.3, 0.3], "s": [0.1, 0.2, 0.3]}, "pressure"),
+        ({"pressure": [0.3], "s": [0.1], "from_edge": [0.9]}, "s, from_edge"),
+        ({"pressure": [0.3], "s": [1.1]}, "s = 1.1"),
+        ({"pressure": [], "s": []}, "at least one radius"),
+        ({"approach": "0.3"}, "approach"),
+        ({"approach": 0.3, "truth": 7}, "truth"),
+    ],
+)
+def test_bad_arguments_are_refused(given, message):
+    with pytest.raises(SceneError, match=message):
+        sc.compare(SLIPPING, **given)
+    with pytest.raises(SceneError, match="scene"):
+        sc.compare("a scene", approach=1.0)
+
+
+def test_a_truth_of_another_scene_is_refused(true):
+    with pytest.raises(SceneError, match="truth"):
+        sc.compare(SLIPPING.replace(friction=0.05), approach=0.3, truth=true)
+    with pytest.raises(SceneError, match="stick_radius"):
+        sc.compare(Scene(0.1, 0.5), stick_radius=0.5)
+    with pytest.raises(NotComputedError):
+        sc.compare(SLIPPING, pressure=[0.3], s=[0.0], truth=solve(SLIPPING, 1e-3, ["approach"]))

@@ -1,0 +1,119 @@
+"""A line of progress: where somebody watches, and nowhere else."""
+
+import subprocess
+import sys
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from spectral_contact import MissingDependencyError, Scene, SceneError, fit, reference
+from spectral_contact.calibration import ApproachData
+from spectral_contact.view.progress import ProgressLine
+
+pytest.importorskip("tqdm")
+
+
+def on_a_terminal(monkeypatch):
+    """Make stderr one; not as a fixture, before whose test pytest puts another in its place."""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+
+
+def worked(wanted):
+    with ProgressLine(wanted) as tell:
+        tell("begun", 0.25)
+        tell("more of it")
+        tell("", 1.0)
+
+
+def test_silent_where_nobody_watches(capsys):
+    worked(None)
+    worked(False)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_shown_on_a_terminal_and_gone_afterwards(monkeypatch, capsys):
+    on_a_terminal(monkeypatch)
+    worked(False)
+    assert capsys.readouterr().err == ""
+    worked(None)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert " 25 %|" in err
+    assert "more of it" in err
+    assert "100 %" in err
+    assert err.rpartition("\r")[2].strip() == ""
+
+
+def test_shown_anywhere_if_asked_for(capsys):
+    worked(True)
+    assert "begun" in capsys.readouterr().err
+
+
+def test_without_a_share_there_is_no_bar(capsys):
+    with ProgressLine(True) as tell:
+        tell("evaluation 1")
+        tell("evaluation 2")
+    err = capsys.readouterr().err
+    assert "evaluation 2" in err
+    assert "%" not in err
+
+
+def test_silent_in_a_process_that_works_for_another(monkeypatch, capsys):
+    on_a_terminal(monkeypatch)
+    monkeypatch.setattr("multiprocessing.parent_process", lambda: SimpleNamespace(pid=1))
+    worked(None)
+    assert capsys.readouterr().err == ""
+
+
+def test_shown_in_a_notebook(monkeypatch, capsys):
+    shell = SimpleNamespace(config={"IPKernelApp": {}})
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    # as tqdm.auto has it where there are no widgets
+    monkeypatch.setitem(sys.modules, "tqdm.auto", sys.modules["tqdm.std"])
+    worked(None)
+    assert "100 %" in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
+    worked(None)
+    assert capsys.readouterr().err == ""
+
+
+def test_without_tqdm_nothing_is_shown_unless_it_is_asked_for(monkeypatch, capsys):
+    on_a_terminal(monkeypatch)
+    monkeypatch.setitem(sys.modules, "tqdm.std", None)
+    worked(None)
+    assert capsys.readouterr().err == ""
+    with pytest.raises(MissingDependencyError, match=r"spectral_contact\[progress\]"):
+        worked(True)
+
+
+def test_no_thread_is_left_behind():
+    before = threading.active_count()
+    with ProgressLine(True) as tell:
+        tell("begun", 0.0)
+        assert threading.active_count() == before
+
+
+def test_tqdm_is_not_imported_before_it_is_needed():
+    code = (
+        "import sys, spectral_contact as sc\n"
+        "sc.sweep, sc.fit, sc.reference, sc.studies\n"
+        "print('tqdm' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
+
+
+def test_something_else_is_refused():
+    with pytest.raises(SceneError, match="progress = 'yes'"):
+        ProgressLine("yes")
+
+
+def test_fits_and_references_show_their_steps(capsys):
+    data = ApproachData([0.3], sigma=0.1)
+    fit(Scene(0.3, 0.5), data, "normal_compliance", progress=True)
+    assert "evaluation 2" in capsys.readouterr().err
+    reference(Scene(0.3, 0.5), 15, progress=True)
+    err = capsys.readouterr().err
+    assert "mesh 1 of 2: operators of a disk" in err
+    assert "mesh 2 of 2: normal contact" in err
