@@ -1,0 +1,76 @@
+r"""What the solver asks of a profile.
+
+With the height ``h`` above the lowest point, a rigid punch asks for the half-integral
+``2 delta - H(t)`` of the pressure, with ``H(t) = 2 t int_0^t h'(r) dr / sqrt(t^2 - r^2)``
+(docs/theory, profiles).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Profile"]
+
+Array = NDArray[np.float64]
+
+
+class Profile(ABC):
+    """A convex axisymmetric punch. Immutable, comparable, hashable and picklable."""
+
+    __slots__ = ()
+
+    @property
+    def flat_part(self) -> float:
+        """Radius of the flat part; the contact is always larger."""
+        return 0.0
+
+    @property
+    def reach(self) -> float:
+        """Radius at which the profile ends; the contact is always smaller."""
+        return inf
+
+    @property
+    def pointed(self) -> bool:
+        """Whether the height is no smooth function of the radius squared at the centre."""
+        return False
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Radii, increasing and positive, at which a derivative of the height jumps."""
+        return (self.flat_part,) if self.flat_part > 0.0 else ()
+
+    @abstractmethod
+    def height(self, r: Array) -> Array:
+        """Return the height at radii of any shape, 0 at the centre."""
+
+    @abstractmethod
+    def transform(self, t: Array) -> Array:
+        """Return ``H`` at radii of any shape."""
+
+    @abstractmethod
+    def fall(self, radius: float, t: Array, y: Array) -> Array:
+        """Return ``H(radius) - H(radius t)`` to relative accuracy.
+
+        Parameters
+        ----------
+        radius : float
+        t, y : ndarray
+            Numbers in [0, 1], and ``1 - t**2`` without cancellation.
+        """
+
+    @abstractmethod
+    def rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``.
+
+        Parameters
+        ----------
+        t : ndarray
+            Radii.
+        past : ndarray
+            ``t**2 - b**2`` without cancellation, where b is the largest of the breaks below t; 0 if
+            there is none.
+        """
