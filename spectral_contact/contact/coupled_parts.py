@@ -10,8 +10,8 @@ from math import ceil, log
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
-from spectral_contact.fields import Radius
+from spectral_contact.contact.refine import Resolution
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [

@@ -16,9 +16,9 @@ from math import atan2, atanh, ceil, exp, inf, log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.coupled_parts import LEADING, leading_depth, root_error
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
+from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     ROUNDING,
     TRACTION_ROUNDING,
@@ -29,7 +29,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields import EDGE, DiskSeries, LogSeries, PressureField
+from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.coupled import CoupledFactored, CoupledSpace, Pair, coupled_space
 
 __all__ = ["CoupledStick", "solve_coupled_stick"]

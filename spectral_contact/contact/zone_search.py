@@ -16,7 +16,7 @@ from scipy import linalg
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout, logit_at
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 
