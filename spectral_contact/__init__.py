@@ -14,6 +14,7 @@ from spectral_contact import processes
 
 processes.quiet_imports()  # before what takes a second to import
 
+from spectral_contact import profiles
 from spectral_contact.errors import (
     ConvergenceError,
     MissingDependencyError,
@@ -22,12 +23,12 @@ from spectral_contact.errors import (
     SolutionFileError,
     SpectralContactError,
 )
+from spectral_contact.physical import PhysicalSolution
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import (
     QUANTITIES,
     Ending,
     ErrorEstimates,
-    PhysicalSolution,
     Plan,
     PlannedStep,
     Solution,
@@ -83,6 +84,7 @@ __all__ = [
     "plan",
     "plotting",
     "precise",
+    "profiles",
     "reference",
     "solve",
     "studies",

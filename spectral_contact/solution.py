@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import DiskSeries, PressureField, ZonalField
-from spectral_contact.inputs import checks, choices
+from spectral_contact.inputs import checks
 from spectral_contact.records import (
     COUPLING,
     FULL_STICK,
     NORMAL,
     PARTIAL_SLIP,
+    PROFILE_QUANTITIES,
     QUANTITIES,
     SLIP_FIELD,
     ZONE_SEARCH,
@@ -34,18 +36,19 @@ from spectral_contact.scene import Scene
 
 if TYPE_CHECKING:
     from spectral_contact.interior import Inside
+    from spectral_contact.physical import PhysicalSolution
 
 __all__ = [
     "COUPLING",
     "FULL_STICK",
     "NORMAL",
     "PARTIAL_SLIP",
+    "PROFILE_QUANTITIES",
     "QUANTITIES",
     "SLIP_FIELD",
     "ZONE_SEARCH",
     "Ending",
     "ErrorEstimates",
-    "PhysicalSolution",
     "Plan",
     "PlannedStep",
     "RefinementStep",
@@ -59,6 +62,34 @@ __all__ = [
 
 #: What a traction or a slip can be; None stands for zero.
 TractionField = ZonalField | DiskSeries | None
+
+
+class _Load:
+    """What the name `load` stands for: reading a file, of the class; the load, of a solution."""
+
+    @overload
+    def __get__(
+        self, instance: None, owner: type[Solution]
+    ) -> Callable[[str | os.PathLike[str]], Solution]: ...
+    @overload
+    def __get__(self, instance: Solution, owner: type[Solution]) -> float: ...
+    def __get__(self, instance: Solution | None, owner: type[Solution]) -> Any:
+        if instance is None:
+            return _loaded
+        return float(instance.value_of("load"))
+
+
+def _loaded(path: str | os.PathLike[str]) -> Solution:
+    """Load what `Solution.save` stored.
+
+    Raises
+    ------
+    SolutionFileError
+        For a file that is not there, not ours, damaged, or of another version.
+    """
+    from spectral_contact.io import storage
+
+    return storage.load(path)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -101,16 +132,71 @@ class Solution:
     def _require(self, quantity: str) -> None:
         if quantity not in self.plan.quantities:
             reasons = dict(self.plan.missing)
+            if quantity in PROFILE_QUANTITIES and self.scene.profile is None:
+                reasons[quantity] = "the punch is flat: its radius and load are the units"
             raise NotComputedError(quantity, reasons.get(quantity, "it was not asked for"))
 
-    def _value(self, quantity: str) -> Any:
+    def value_of(self, quantity: str) -> Any:
+        """Return a scalar, or the zones, by name.
+
+        Raises
+        ------
+        NotComputedError
+            If the solution does not have it.
+        """
         self._require(quantity)
         return self.values[quantity]
 
     @property
     def approach(self) -> float:
-        """Approach ``delta* = a delta E / (4 (1 - nu^2) P)``, equation (3.4)."""
-        return float(self._value("approach"))
+        """Approach ``delta* = a delta E / (4 (1 - nu^2) P)``, (3.4); with a profile in L."""
+        return float(self.value_of("approach"))
+
+    @property
+    def contact_radius(self) -> float:
+        """Contact radius under a profile, in its unit of length L."""
+        return float(self.value_of("contact_radius"))
+
+    @property
+    def stiffness(self) -> float:
+        """Contact stiffness dP/dδ under a profile, in E'L."""
+        return float(self.value_of("stiffness"))
+
+    @property
+    def indentation_work(self) -> float:
+        """Work ∫P dδ of pressing a profile in, in E'L³."""
+        return float(self.value_of("indentation_work"))
+
+    def gap(self, s: ArrayLike | None = None, *, beyond: ArrayLike | None = None) -> Any:
+        """Evaluate the gap between punch and surface outside the contact of a profile, in L.
+
+        Taken from the pressure by quadrature; its error is some 1e-14 of the approach and that of
+        the pressure's estimate.
+
+        Parameters
+        ----------
+        s : array_like, optional
+            Radii r/a of at least 1, inside the reach of the profile.
+        beyond : array_like, optional
+            Instead of `s`: distances ``s - 1``.
+
+        Returns
+        -------
+        float or ndarray
+            Of the shape of the input.
+
+        Raises
+        ------
+        SceneError
+            For both or neither argument, or a radius that is inside or beyond the profile.
+        NotComputedError
+            If the punch is flat, or the pressure was not asked for.
+        """
+        from spectral_contact.equations.gap import gap_outside
+
+        self._require("contact_radius")
+        self._require("pressure")
+        return gap_outside(self, s, beyond)
 
     @property
     def approach_bounds(self) -> tuple[float, float]:
@@ -126,6 +212,8 @@ class Solution:
             dissipates, or a compliance is 0.
         """
         self._require("pressure")
+        if self.scene.profile is not None:
+            raise NotComputedError("approach_bounds", "there are none with a profile")
         if self.scene.couples:
             return self._coupled_bounds()
         if self.scene.normal_compliance == 0.0:  # known exactly
@@ -153,18 +241,18 @@ class Solution:
     @property
     def zones(self) -> tuple[Zone, ...]:
         """Stick and slip zones from the centre to the edge; empty without friction."""
-        return tuple(self._value("zones"))
+        return tuple(self.value_of("zones"))
 
     @property
     def stick_radius(self) -> float | None:
         """Outer radius ``c*`` of the central stick zone, (5.7); None without friction."""
-        value = self._value("stick_radius")
+        value = self.value_of("stick_radius")
         return None if value is None else float(value)
 
     @property
     def total_shear(self) -> float:
         """Measure of shear ``Q* = 2 pi int q* s ds``, (4.3) and (5.8)."""
-        return float(self._value("total_shear"))
+        return float(self.value_of("total_shear"))
 
     @property
     def opening(self) -> float | None:
@@ -187,12 +275,12 @@ class Solution:
     @property
     def edge_ratio(self) -> float:
         """Ratio ``q/p`` of full stick at the edge."""
-        return float(self._value("edge_ratio"))
+        return float(self.value_of("edge_ratio"))
 
     @property
     def critical_friction(self) -> float:
         """Smallest friction coefficient without slip, the largest ``|q|/p`` of full stick."""
-        return float(self._value("critical_friction"))
+        return float(self.value_of("critical_friction"))
 
     def _field(
         self,
@@ -208,7 +296,7 @@ class Solution:
         return np.asarray(evaluator(radius, distance))[()]
 
     def pressure(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the pressure ``p* = a^2 p / P``.
+        """Evaluate the pressure ``p* = a^2 p / P``; with a profile ``p / E'``.
 
         Parameters
         ----------
@@ -262,6 +350,8 @@ class Solution:
         NotComputedError
             If the scene was not made by `Scene.from_physical`.
         """
+        from spectral_contact.physical import PhysicalSolution
+
         return PhysicalSolution(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -276,18 +366,9 @@ class Solution:
 
         storage.save(self, path)
 
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Solution:
-        """Load what `save` stored.
-
-        Raises
-        ------
-        SolutionFileError
-            For a file that is not there, not ours, damaged, or of another version.
-        """
-        from spectral_contact.io import storage
-
-        return storage.load(path)
+    #: Of the class, ``Solution.load(path)``: load what `save` stored. Of a solution with a profile,
+    #: ``solution.load``: its load, in E'L² with E' = E/(4(1−ν²)).
+    load = _Load()
 
     def to_json(self) -> str:
         """Return the solution as one line of strict JSON; its numbers are exact.
@@ -333,117 +414,10 @@ class Solution:
     def __repr__(self) -> str:
         known = ", ".join(
             f"{name}={self.values[name]:.16g}"
-            for name in ("approach", "total_shear", "stick_radius")
+            for name in ("contact_radius", "load", "approach", "total_shear", "stick_radius")
             if isinstance(self.values.get(name), float)
         )
         opening, unsure = self.values.get("opening"), self.less_certain.items()
         opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
         less = " but for" * bool(unsure) + ",".join(f" {k} to {error:.1e}" for k, error in unsure)
         return f"<Solution {known}{opens} converged={self.converged}{less}>"
-
-
-@dataclass(frozen=True, slots=True)
-class PhysicalSolution:
-    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N."""
-
-    solution: Solution
-
-    def __post_init__(self) -> None:
-        if choices.instance("solution", self.solution, Solution).scene.physical is None:
-            raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
-
-    @property
-    def _nu(self) -> float:
-        return self.solution.scene.poisson_ratio
-
-    @property
-    def _data(self) -> Any:
-        return self.solution.scene.physical
-
-    @property
-    def load(self) -> float:
-        """Normal load P [N]."""
-        if self._data.load is not None:
-            return float(self._data.load)
-        return float(self._data.load_for(self.solution.approach, self._nu))
-
-    @property
-    def approach(self) -> float:
-        """Approach [m]."""
-        if self._data.approach is not None:
-            return float(self._data.approach)
-        return self.solution.approach * self._length
-
-    @property
-    def _length(self) -> float:
-        return float(self._data.displacement_scale(self.load, self._nu))
-
-    @property
-    def radius(self) -> float:
-        """Punch radius a [m]."""
-        return float(self._data.radius)
-
-    @property
-    def stick_radius(self) -> float | None:
-        """Outer radius of the central stick zone [m]; None without friction."""
-        value = self.solution.stick_radius
-        return None if value is None else value * self.radius
-
-    @property
-    def total_shear(self) -> float:
-        """Measure of shear Q [N]."""
-        return self.solution.total_shear * self.load
-
-    @property
-    def opening(self) -> float | None:
-        """Distance from the edge within which the contact would open [m]; None if it would not."""
-        value = self.solution.opening
-        return None if value is None else value * self.radius
-
-    @property
-    def edge_ratio(self) -> float:
-        """Ratio q/p of full stick at the edge, dimensionless."""
-        return self.solution.edge_ratio
-
-    @property
-    def critical_friction(self) -> float:
-        """Smallest friction coefficient without slip, dimensionless."""
-        return self.solution.critical_friction
-
-    @property
-    def zones(self) -> tuple[Zone, ...]:
-        """Stick and slip zones, radii in m."""
-        a = self.radius
-        return tuple(
-            Zone(z.kind, z.inner * a, z.outer * a, z.inner_from_edge * a, z.outer_from_edge * a)
-            for z in self.solution.zones
-        )
-
-    def _scaled(
-        self, name: str, factor: float, r: ArrayLike | None, from_edge: ArrayLike | None
-    ) -> Any:
-        checks.exactly_one("r", r, "from_edge", from_edge)
-        evaluate, a = getattr(self.solution, name), self.radius
-        if from_edge is None:
-            return evaluate(checks.lengths("r", r, a, "m") / a) * factor
-        return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
-
-    @property
-    def inside(self) -> Inside:
-        """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
-        from spectral_contact.interior import Inside, Units
-
-        stress = float(self._data.pressure_scale(self.load))
-        return Inside(self.solution, Units(self.radius, stress, self._length))
-
-    def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("pressure", self._data.pressure_scale(self.load), r, from_edge)
-
-    def traction(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the traction [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("traction", self._data.pressure_scale(self.load), r, from_edge)
-
-    def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
-        return self._scaled("slip", self._length, r, from_edge)

@@ -54,6 +54,7 @@ class Setting:
     @classmethod
     def of(cls, scene: Scene, rtol: float) -> Setting:
         """Return the setting of a scene."""
+        scene.must_be_flat("fit")
         nu, data = scene.poisson_ratio, scene.physical
         if data is None:
             return cls(nu, 1.0, 1.0, 1.0, rtol)

@@ -15,9 +15,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.coupled_parts import joined
+from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
+    PANEL_WIDTH,
     ROUNDING,
     expected_error,
     panel_table,
@@ -26,10 +27,11 @@ from spectral_contact.contact.resolution import (
     starting_resolution,
     table_rates,
 )
-from spectral_contact.fields import LogSeries, PressureField, Radius, ZonalField
+from spectral_contact.contact.smooth_indented import smooth_pressure
+from spectral_contact.fields.series import CENTRE, LogSeries, PressureField, Radius, ZonalField
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
+from spectral_contact.spectral.parted import PartedSpace, Parts, PressureSpace, pressure_space
 from spectral_contact.spectral.regularised import Change, Regularised
 
 __all__ = ["Indentation", "solve_indentation"]
@@ -42,10 +44,12 @@ Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]
 _FIRST, _SECOND = 0.95, 0.55
 #: Places next to the edge, in units of the layer, where the pressure's slope is taken.
 _SLOPE = 1e-4
-#: Step, relative to the radius, of the same of a smooth surface, whose approach is known.
-_STEP = 1e-6
 #: Error of ``eps`` over what the tail at the edge changes.
 _EDGE = 1.0
+#: Panels and degree whose nodes integrate a known half-integral.
+_NODES = 20, 20
+#: Roundings of the shift, and of what follows from it, measured over random profiles.
+_ROUNDINGS = 3.0
 #: Rounding of the pressure deep in a thin layer, where it is what the layer's equation leaves.
 _LAYER_ROUNDING = 1e-16
 
@@ -62,8 +66,8 @@ class Indentation:
         ``dP/ddelta``.
     growth : float
         ``ddelta/da``, to some digits.
-    pressure : PressureField or ZonalField
-        Over ``s = r/a``.
+    pressure : PressureField or ZonalField or None
+        Over ``s = r/a``; None if it was not wanted and is not needed for the rest.
     approach_error, load_error, work_error, stiffness_error : float
         Estimates of relative errors.
     pressure_error : float
@@ -76,7 +80,7 @@ class Indentation:
     work: float
     stiffness: float
     growth: float
-    pressure: PressureField | ZonalField
+    pressure: PressureField | ZonalField | None
     approach_error: float
     load_error: float
     work_error: float
@@ -100,7 +104,7 @@ class _Solved:
     shift : float
         ``eps``.
     flat_edge : float
-        Pressure of the flat punch at the edge; infinite on a smooth surface.
+        Pressure of the flat punch at the edge.
     """
 
     factored: Regularised[Any]
@@ -139,20 +143,17 @@ class _IndentationProblem:
         #: in units of the contact radius
         self.compliance = compliance / radius
         self.tolerance, self.pointwise = tolerance, pointwise
-        inside = [b for b in profile.breaks if b < radius]
-        breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in inside)
-        self.parts = Parts(breaks, profile.pointed)
+        self.parts = _parts(profile, radius)
         self.spaces = [self._first(*end) for end in self.parts.ends]
         self.counts = [len(one.degrees) for one in self.spaces]
 
     def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
         """Return the first space of a part."""
-        central, smooth = boundary.value == 0.0, self.compliance == 0.0
         thin = min(self.compliance, 1.0)
         # in units of the extent in s**2
-        width = 1.0 if smooth else min(thin * max(boundary.value, thin) / extent, 1.0)
-        # square roots of the distance in s**2: at a tip, and at the edge of a smooth surface
-        rate = 0.5 if central or smooth else 1.0
+        width = min(thin * max(boundary.value, thin) / extent, 1.0)
+        # square roots of the distance in s**2 at a tip
+        rate = 0.5 if boundary is CENTRE else 1.0
         space = starting_resolution(-log(width), self.tolerance, rate=rate)
         if len(self.parts.ends) == 1:
             return space
@@ -181,12 +182,9 @@ class _IndentationProblem:
         return tuple(used)
 
     def _solve(self, space: PressureSpace, edge: LogPanels) -> _Solved:
-        bracket = self.profile.fall(self.radius, space.t, space.y) / self.radius
+        bracket = _bracket(self.profile, self.radius, space)
         factored = space.factor(self.compliance)
         own = factored.solve(bracket)
-        if self.compliance == 0.0:  # the half-integral is the target, and a flat punch's is 2
-            twos = np.full(len(bracket), 2.0)
-            return _Solved(factored, 0.0 * own, own, twos, bracket, bracket, 0.0, inf)
         flat = factored.solve(2.0)
         at_edge = _edge_value(edge, flat)
         shift = -_edge_value(edge, own) / at_edge
@@ -206,7 +204,9 @@ class _IndentationProblem:
         approach = whole_height + solved.shift
 
         change = solved.factored.change(solved.whole)
-        tables = [panel_table(p, c) for (p, _), c in zip(used, _split(used, solved.whole), strict=True)]
+        tables = [
+            panel_table(p, c) for (p, _), c in zip(used, _split(used, solved.whole), strict=True)
+        ]
         rates = np.concatenate(
             [table_rates(n, table) for (_, n), table in zip(used, tables, strict=True)]
         )
@@ -218,9 +218,9 @@ class _IndentationProblem:
         ]
         indicators = expected_error(np.concatenate(shares), rates)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
-        shifted = errors.shift + ROUNDING * max(whole_height, abs(solved.shift))
-        pressure_error = float(indicators.max()) + 20.0 * ROUNDING
-        if len(used) > 1 and self.compliance > 0.0:
+        shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
+        pressure_error = float(indicators.max()) + 20.0 * _ROUNDINGS * ROUNDING
+        if len(used) > 1:
             pressure_error += _LAYER_ROUNDING * whole_height / (self.compliance * mean)
         indentation = Indentation(
             a,
@@ -244,8 +244,6 @@ class _IndentationProblem:
         self, solved: _Solved, change: Change, edge: LogPanels, rates: Array
     ) -> _IntegralErrors:
         """Return the errors of what is integrated, and of the shift, which all of it inherits."""
-        if self.compliance == 0.0:
-            return _IntegralErrors(0.0, 0.0, 0.0, 0.0)
         falls = np.append(rates**2, 1.0)
         own = change.energies
         flat = solved.factored.change(solved.flat).energies
@@ -258,12 +256,7 @@ class _IndentationProblem:
         )
 
     def _growth(self, edge: LogSeries, reach: float, flat_edge: float) -> float:
-        """Return ``ddelta/da``, from how the pressure falls to the edge, or in closed form."""
-        a = self.radius
-        if self.compliance == 0.0:
-            near = np.array([1.0 - _STEP, 1.0 + _STEP]) * a
-            low, high = self.profile.transform(near)
-            return float(high - low) / (4.0 * _STEP * a)
+        """Return ``ddelta/da``, from how the pressure falls to the edge."""
         y = min(_SLOPE * min(self.compliance, 1.0), 0.5 * reach)
         return 2.0 * edge.value(y / reach) / y / flat_edge
 
@@ -283,6 +276,44 @@ def _edge_value(panels: LogPanels, coefficients: Array) -> float:
     return float(tail[::2].sum() - tail[1::2].sum())
 
 
+def _bracket(profile: Profile, radius: float, space: PressureSpace) -> Array:
+    """Return ``H(1) - H(t)`` at the nodes, in units of the radius."""
+    past = radius**2 * space.past
+    return np.asarray(profile.fall(radius, space.t, space.y, past) / radius)
+
+
+def _parts(profile: Profile, radius: float) -> Parts:
+    inside = [b for b in profile.breaks if b < radius]
+    breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in inside)
+    return Parts(breaks, profile.pointed)
+
+
+def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
+    """Return the contact on a smooth surface, where the half-integral is known."""
+    parts, a = _parts(profile, radius), radius
+    panels = LogPanels(_NODES[0], PANEL_WIDTH, _NODES[1])
+    space = PartedSpace(parts, ((panels, (panels.degree,) * panels.panels),) * len(parts.ends))
+    bracket = _bracket(profile, a, space)
+    moment, energy = float(space.weights @ bracket), float(space.weights @ bracket**2)
+    pressure = smooth_pressure(profile, a, parts) if pointwise else None
+    last = max((b for b in profile.breaks if b < a), default=0.0)
+    past = (a - last) * (a + last) if last else 0.0
+    return Indentation(
+        a,
+        float(profile.transform(np.asarray(a))) / 2.0,
+        4.0 * a**2 * moment,
+        a**3 * energy,
+        8.0 * a,
+        float(profile.rate(np.array([a]), np.array([past]))[0]) / 2.0,
+        None if pressure is None else parts.field(pressure.series),
+        ROUNDING,
+        2.0 * ROUNDING,
+        2.0 * ROUNDING,
+        ROUNDING,
+        inf if pressure is None else pressure.error + 20.0 * ROUNDING,
+    )
+
+
 def solve_indentation(
     profile: Profile,
     radius: float,
@@ -291,7 +322,7 @@ def solve_indentation(
     max_unknowns: int,
     *,
     pointwise: bool = True,
-) -> Refinement[Indentation]:
+) -> Indentation | Refinement[Indentation]:
     """Solve normal contact under a profile on a contact of a given radius.
 
     Parameters
@@ -310,7 +341,10 @@ def solve_indentation(
 
     Returns
     -------
-    Refinement
+    Indentation or Refinement
+        On a smooth surface the half-integral is known, and there is nothing to refine.
     """
+    if compliance == 0.0:
+        return _smooth(profile, radius, pointwise=pointwise)
     problem = _IndentationProblem(profile, radius, compliance, tolerance, pointwise=pointwise)
     return refine(problem, tolerance, max_unknowns)

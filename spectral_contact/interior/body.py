@@ -68,6 +68,7 @@ class Inside:
     def __init__(self, solution: Solution, units: Units | None = None) -> None:
         self._solution = choices.instance("solution", solution, Solution)
         self._units = Units() if units is None else choices.instance("units", units, Units)
+        solution.scene.must_be_flat("the inside of the body")
         self._nu = solution.scene.poisson_ratio
         pressure, traction = solution.pressure_field, solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed

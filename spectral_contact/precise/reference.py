@@ -78,6 +78,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool = False) -> Refe
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
+    scene.must_be_flat("reference")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")

@@ -43,6 +43,11 @@ class Profile(ABC):
         """Radii, increasing and positive, at which a derivative of the height jumps."""
         return (self.flat_part,) if self.flat_part > 0.0 else ()
 
+    @property
+    def brief(self) -> str:
+        """Its kind and parameters, in one line."""
+        return repr(self)
+
     @abstractmethod
     def height(self, r: Array) -> Array:
         """Return the height at radii of any shape, 0 at the centre."""
@@ -52,7 +57,7 @@ class Profile(ABC):
         """Return ``H`` at radii of any shape."""
 
     @abstractmethod
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)`` to relative accuracy.
 
         Parameters
@@ -60,6 +65,8 @@ class Profile(ABC):
         radius : float
         t, y : ndarray
             Numbers in [0, 1], and ``1 - t**2`` without cancellation.
+        past : ndarray
+            As in `rate`, of the radii ``radius t``.
         """
 
     @abstractmethod

@@ -10,11 +10,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
-from spectral_contact.checks import finite, flag, real, values_at
-from spectral_contact.choices import function
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import finite, flag, real, values_at
+from spectral_contact.inputs.choices import function
 from spectral_contact.profiles.base import Profile
 
 __all__ = ["Sampled"]
@@ -136,6 +135,8 @@ class Sampled(Profile):
         SceneError
             If they do not, or the cubics are not convex.
         """
+        from scipy.interpolate import PchipInterpolator
+
         edges, values = _increasing("radii", radii), finite("heights", heights)
         if len(edges) < 3 or edges[0] != 0.0:
             raise SceneError("radii", radii, "three or more that begin with 0")
@@ -175,6 +176,11 @@ class Sampled(Profile):
         """Where the pieces meet."""
         return self.edges[1:-1]
 
+    @property
+    def brief(self) -> str:
+        """Its kind, pieces and reach."""
+        return f"Sampled(pieces={len(self.slopes)}, reach={self.reach!r})"
+
     def height(self, r: Array) -> Array:
         """Return the height at radii; NaN beyond the reach."""
         r = np.asarray(r, dtype=float)
@@ -183,7 +189,8 @@ class Sampled(Profile):
             half = (high - low) / 2.0
             integral = half * chebyshev.chebint(row, lbnd=-1)
             inside = np.clip(r, low, high)
-            total = total + chebyshev.chebval((inside - low) / half - 1.0, integral)
+            risen = chebyshev.chebval((inside - low) / half - 1.0, integral)
+            total = total + np.where(inside > low, risen, 0.0)
         return np.asarray(total)
 
     def transform(self, t: Array) -> Array:
@@ -191,7 +198,7 @@ class Sampled(Profile):
         t = np.asarray(t, dtype=float)
         return np.asarray(2.0 * t * self._mean(t, 0))
 
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         last = max((b for b in self.edges[:-1] if b < radius), default=0.0)
         inward = radius * y / (1.0 + t)
@@ -201,7 +208,9 @@ class Sampled(Profile):
         points = radius - np.where(near, inward, 0.0)[..., None] * (1.0 + g) / 2.0
         past = (points - last) * (points + last) * (last > 0.0)
         along = inward * (self.rate(points, past) @ (w / 2.0))
-        return np.where(near, along, self.transform(np.asarray(radius)) - self.transform(radius * t))
+        return np.where(
+            near, along, self.transform(np.asarray(radius)) - self.transform(radius * t)
+        )
 
     def rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
@@ -228,7 +237,9 @@ class Sampled(Profile):
             end = np.where(t > 0.0, np.arcsin(np.minimum(high / safe, 1.0)), np.pi / 2.0)
             half = ((end - begin) / 2.0)[..., None]
             sine = np.sin(begin[..., None] + half * (1.0 + g))
-            local = np.clip(2.0 * (np.asarray(t)[..., None] * sine - low) / (high - low) - 1.0, -1.0, 1.0)
+            local = np.clip(
+                2.0 * (np.asarray(t)[..., None] * sine - low) / (high - low) - 1.0, -1.0, 1.0
+            )
             if order:
                 values = chebyshev.chebval(local, chebyshev.chebder(row)) * sine
                 values *= 2.0 / (high - low)
@@ -281,7 +292,7 @@ def _fitted(
         row = _interpolant(nodes, values)
         scale = max(float(np.abs(values).max()), largest)
         if np.abs(row[-2:]).max() <= _EXACT * scale:
-            significant = np.flatnonzero(np.abs(row) > 1e-17 * scale)
+            significant = np.flatnonzero(np.abs(row) > 1e-16 * scale)
             return tuple(row[: significant[-1] + 1].tolist()) if len(significant) else (0.0,)
     told = f"smooth between {low:.6g} and {high:.6g}, or to have its breaks named"
     raise SceneError("slope", "a function that no polynomial fits", told)

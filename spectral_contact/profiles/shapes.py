@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan, isinf, log, pi, sqrt, tan
+from math import atan, gamma, log, pi, sqrt, tan
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import beta
 
-from spectral_contact.checks import real
-from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import real
 from spectral_contact.profiles.base import Profile
 
 __all__ = ["Cone", "Parabola", "PowerLaw", "RoundedFlat", "Sphere", "TruncatedCone"]
@@ -77,7 +75,7 @@ class Parabola(Profile):
         """Return the derivative of ``H``."""
         return np.asarray(4.0 * t / self.radius)
 
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         return np.asarray(2.0 * radius**2 / self.radius * y)
 
@@ -122,7 +120,7 @@ class Sphere(Profile):
         whole, x = self.radius, t / self.radius
         return np.asarray(2.0 * np.arctanh(x) + 2.0 * t * whole / ((whole - t) * (whole + t)))
 
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         a, whole, inward = radius, self.radius, radius * _inward(t, y)
         slope = log((whole + a) / (whole - a))
@@ -173,15 +171,17 @@ class PowerLaw(Profile):
         """Return the derivative of ``H``."""
         return np.asarray(self._factor * self.exponent * t ** (self.exponent - 1.0))
 
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
-        with np.errstate(divide="ignore"):  # y = 1 at the centre
-            left = -np.expm1(self.exponent / 2.0 * np.log1p(-y))
+        outer = np.minimum(y, 0.75)  # farther in y does not know the radius
+        near = -np.expm1(self.exponent / 2.0 * np.log1p(-outer))
+        left = np.where(t < 0.5, 1.0 - t**self.exponent, near)
         return np.asarray(self._factor * radius**self.exponent * left)
 
     @property
     def _factor(self) -> float:
-        return float(self.coefficient * self.exponent * beta(self.exponent / 2.0, 0.5))
+        n = self.exponent  # n B(n/2, 1/2)
+        return self.coefficient * n * gamma(n / 2.0) * sqrt(pi) / gamma((n + 1.0) / 2.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,7 +221,7 @@ class Cone(Profile):
         """Return the derivative of ``H``."""
         return np.full(np.shape(t), pi / tan(self.half_angle))
 
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         return np.asarray(pi / tan(self.half_angle) * radius * _inward(t, y))
 
@@ -242,10 +242,10 @@ class _FlatEnded(Profile):
         b = self.flat_radius
         return np.sqrt(np.maximum(t - b, 0.0) * (t + b))
 
-    def _roots(self, radius: float, t: Array, y: Array) -> tuple[float, Array]:
+    def _roots(self, radius: float, y: Array, past: Array) -> tuple[float, Array]:
         """Return the `_outside` of the radius, and by how much that of ``radius t`` is less."""
         whole = float(self._outside(np.asarray(radius)))
-        inner = self._outside(radius * t)
+        inner = np.sqrt(past)
         return whole, np.where(inner > 0.0, radius**2 * y / (whole + inner), whole)
 
 
@@ -289,10 +289,10 @@ class TruncatedCone(_FlatEnded):
         steep = np.arctan2(root, b) + b / np.where(outside, root, 1.0)
         return np.where(outside, 2.0 / tan(self.half_angle) * steep, 0.0)
 
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
-        whole, less = self._roots(radius, t, y)
+        whole, less = self._roots(radius, y, past)
         angle = np.arctan(less * b / (b**2 + whole * (whole - less)))
         fallen = radius * (_inward(t, y) * atan(whole / b) + t * angle)
         return np.asarray(2.0 / tan(self.half_angle) * fallen)
@@ -336,10 +336,10 @@ class RoundedFlat(_FlatEnded):
         root, b = np.sqrt(past), self.flat_radius
         return np.asarray(2.0 / self.radius * (2.0 * root - b * np.arctan2(root, b)))
 
-    def fall(self, radius: float, t: Array, y: Array) -> Array:
+    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
-        whole, less = self._roots(radius, t, y)
+        whole, less = self._roots(radius, y, past)
         # sqrt - b arctan(sqrt/b), and by how much it is less inside
         rise = _risen(np.asarray(whole), b)
         inner = whole - less

@@ -8,6 +8,7 @@ are those of `blocks`. A disk in one part is `galerkin`'s own space.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from math import pi
 from typing import Any, Protocol
 
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from spectral_contact.fields import (
+from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
     AnnulusSeries,
@@ -41,7 +42,7 @@ __all__ = ["DiskSpace", "PartedSpace", "Parts", "PressureSpace", "pressure_space
 Array = NDArray[np.float64]
 Used = tuple[LogPanels, tuple[int, ...]]
 
-_SPACES: BoundedCache[tuple["Parts", tuple[Used, ...]], "PressureSpace"] = BoundedCache(
+_SPACES: BoundedCache[tuple[Parts, tuple[Used, ...]], PressureSpace] = BoundedCache(
     "spaces in parts", 8
 )
 
@@ -61,10 +62,13 @@ class Parts:
         bounds = (CENTRE, *breaks, EDGE)
         #: boundary, side of it that the part is on, and extent in s**2, of every part
         self.ends: list[tuple[Radius, int, float]] = []
-        for inner, outer in zip(bounds, bounds[1:], strict=False):
+        #: the last break before every part, or the centre
+        self.inner: list[Radius] = []
+        for inner, outer in pairwise(bounds):
             halves = [(outer, -1)] if inner is CENTRE and not pointed else [(inner, 1), (outer, -1)]
             extent = gap(inner, outer) / len(halves)
             self.ends += [(boundary, sign, extent) for boundary, sign in halves]
+            self.inner += [inner] * len(halves)
 
     def __hash__(self) -> int:
         return hash((self.breaks, self.pointed))
@@ -80,7 +84,7 @@ class Parts:
             return PressureField(None, series[0])
         bounds, each = (CENTRE, *self.breaks, EDGE), iter(series)
         pieces = []
-        for inner, outer in zip(bounds, bounds[1:], strict=False):
+        for inner, outer in pairwise(bounds):
             if inner is CENTRE and not self.pointed:
                 on_disk = DiskSeries(outer, next(each), power=0)
                 pieces.append(ZonePiece(outer, on_disk))
@@ -97,10 +101,13 @@ class PressureSpace(Protocol):
     ----------
     t, y, weights : ndarray, shape (nodes,)
         Nodes of the half-integral, ``1 - t**2`` without cancellation, and weights of ``dt``.
+    past : ndarray, shape (nodes,)
+        ``t**2 - b**2`` without cancellation for the last break b before t, 0 if there is none.
     """
 
     t: Array
     y: Array
+    past: Array
     weights: Array
 
     @property
@@ -132,6 +139,7 @@ class DiskSpace:
         self._space = disk.normal.space(degrees)
         self.t: Array = np.sqrt(disk.nodes.rest)
         self.y: Array = disk.nodes.d
+        self.past: Array = np.zeros(len(self.y))
         self.weights: Array = disk.nodes.weights
 
     @property
@@ -177,6 +185,12 @@ class PartedSpace:
         ]
         self.t: Array = np.sqrt(np.concatenate(squares))
         self.y: Array = np.concatenate([p.y for p in points])
+        self.past: Array = np.concatenate(
+            [
+                np.zeros(len(p.offset)) if inner is CENTRE else -p.before(inner)
+                for p, inner in zip(points, parts.inner, strict=True)
+            ]
+        )
         extents = [f.reach * n.weights for f, n in zip(self._families, nodes, strict=True)]
         self.weights: Array = np.concatenate(extents) / (2.0 * self.t)
         self._arrange(used)
@@ -276,7 +290,7 @@ def _families(parts: Parts, used: tuple[Used, ...]) -> list[Family]:
 def _load(family: Family, density: Callable[[Array], Array]) -> Array:
     """Return the integrals of one part's functions times a density."""
     panels = family.panels
-    x, w = panels.half_line_nodes()
+    x, _ = panels.half_line_nodes()
     points = x.shape[1]
     values = density(family.points(np.exp(-x)).y) * np.exp(-x)
     own = values @ legendre_projection_matrix(points, panels.degree) * (panels.width / 2.0)

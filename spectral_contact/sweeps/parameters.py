@@ -166,6 +166,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
 
 
 def _row(scene: Scene) -> tuple[float, ...]:
+    scene.must_be_flat("sweep")
     if scene.coupling:
         raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
     friction = math.nan if scene.friction is None else scene.friction

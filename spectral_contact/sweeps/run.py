@@ -154,6 +154,7 @@ def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:
     }
     axes = {name: one for name, one in axes.items() if name not in alone}
     if isinstance(scenes, Scene):
+        scenes.must_be_flat("sweep")
         return grid(replace(scenes, **alone), axes)
     given = [name for name, values in axes.items() if values is not None]
     if given:

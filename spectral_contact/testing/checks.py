@@ -136,7 +136,7 @@ def check_solution(
     >>> check_solution(solve(scene), scene, 1e-10).passed
     True
     """
-    instance("scene", scene, Scene)
+    instance("scene", scene, Scene).must_be_flat("check_solution")
     flag("strict", strict)
     rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
     cuts = [

@@ -1,0 +1,125 @@
+"""Solutions in SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.inputs import checks, choices
+from spectral_contact.records import Zone
+from spectral_contact.solution import Solution
+
+if TYPE_CHECKING:
+    from spectral_contact.interior import Inside
+
+__all__ = ["PhysicalSolution"]
+
+
+@dataclass(frozen=True, slots=True)
+class PhysicalSolution:
+    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N."""
+
+    solution: Solution
+
+    def __post_init__(self) -> None:
+        if choices.instance("solution", self.solution, Solution).scene.physical is None:
+            raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
+
+    @property
+    def _nu(self) -> float:
+        return self.solution.scene.poisson_ratio
+
+    @property
+    def _data(self) -> Any:
+        return self.solution.scene.physical
+
+    @property
+    def load(self) -> float:
+        """Normal load P [N]."""
+        if self._data.load is not None:
+            return float(self._data.load)
+        return float(self._data.load_for(self.solution.approach, self._nu))
+
+    @property
+    def approach(self) -> float:
+        """Approach [m]."""
+        if self._data.approach is not None:
+            return float(self._data.approach)
+        return self.solution.approach * self._length
+
+    @property
+    def _length(self) -> float:
+        return float(self._data.displacement_scale(self.load, self._nu))
+
+    @property
+    def radius(self) -> float:
+        """Punch radius a [m]."""
+        return float(self._data.radius)
+
+    @property
+    def stick_radius(self) -> float | None:
+        """Outer radius of the central stick zone [m]; None without friction."""
+        value = self.solution.stick_radius
+        return None if value is None else value * self.radius
+
+    @property
+    def total_shear(self) -> float:
+        """Measure of shear Q [N]."""
+        return self.solution.total_shear * self.load
+
+    @property
+    def opening(self) -> float | None:
+        """Distance from the edge within which the contact would open [m]; None if it would not."""
+        value = self.solution.opening
+        return None if value is None else value * self.radius
+
+    @property
+    def edge_ratio(self) -> float:
+        """Ratio q/p of full stick at the edge, dimensionless."""
+        return self.solution.edge_ratio
+
+    @property
+    def critical_friction(self) -> float:
+        """Smallest friction coefficient without slip, dimensionless."""
+        return self.solution.critical_friction
+
+    @property
+    def zones(self) -> tuple[Zone, ...]:
+        """Stick and slip zones, radii in m."""
+        a = self.radius
+        return tuple(
+            Zone(z.kind, z.inner * a, z.outer * a, z.inner_from_edge * a, z.outer_from_edge * a)
+            for z in self.solution.zones
+        )
+
+    def _scaled(
+        self, name: str, factor: float, r: ArrayLike | None, from_edge: ArrayLike | None
+    ) -> Any:
+        checks.exactly_one("r", r, "from_edge", from_edge)
+        evaluate, a = getattr(self.solution, name), self.radius
+        if from_edge is None:
+            return evaluate(checks.lengths("r", r, a, "m") / a) * factor
+        return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
+
+    @property
+    def inside(self) -> Inside:
+        """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
+        from spectral_contact.interior import Inside, Units
+
+        stress = float(self._data.pressure_scale(self.load))
+        return Inside(self.solution, Units(self.radius, stress, self._length))
+
+    def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
+        return self._scaled("pressure", self._data.pressure_scale(self.load), r, from_edge)
+
+    def traction(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the traction [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
+        return self._scaled("traction", self._data.pressure_scale(self.load), r, from_edge)
+
+    def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
+        """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
+        return self._scaled("slip", self._length, r, from_edge)
