@@ -310,13 +310,6 @@ class Scene:
         """
         return self.coupling and bool(self.friction) and self.poisson_ratio != 0.5
 
-    def must_be_flat(self, what: str) -> None:
-        """Refuse a scene with a profile on behalf of what knows flat punches only."""
-        if self.profile is not None:
-            raise SceneError(
-                "scene", self, f"one without a profile: {what} knows flat punches only"
-            )
-
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as a dictionary that strict JSON can hold, infinity being ``"inf"``."""
         friction = "inf" if self.friction == math.inf else self.friction

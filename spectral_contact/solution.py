@@ -76,7 +76,7 @@ class _Load:
     def __get__(self, instance: Solution | None, owner: type[Solution]) -> Any:
         if instance is None:
             return _loaded
-        return float(instance.value_of("load"))
+        return float(instance._value("load"))
 
 
 def _loaded(path: str | os.PathLike[str]) -> Solution:
@@ -136,36 +136,29 @@ class Solution:
                 reasons[quantity] = "the punch is flat: its radius and load are the units"
             raise NotComputedError(quantity, reasons.get(quantity, "it was not asked for"))
 
-    def value_of(self, quantity: str) -> Any:
-        """Return a scalar, or the zones, by name.
-
-        Raises
-        ------
-        NotComputedError
-            If the solution does not have it.
-        """
+    def _value(self, quantity: str) -> Any:
         self._require(quantity)
         return self.values[quantity]
 
     @property
     def approach(self) -> float:
         """Approach ``delta* = a delta E / (4 (1 - nu^2) P)``, (3.4); with a profile in L."""
-        return float(self.value_of("approach"))
+        return float(self._value("approach"))
 
     @property
     def contact_radius(self) -> float:
         """Contact radius under a profile, in its unit of length L."""
-        return float(self.value_of("contact_radius"))
+        return float(self._value("contact_radius"))
 
     @property
     def stiffness(self) -> float:
         """Contact stiffness dP/dδ under a profile, in E'L."""
-        return float(self.value_of("stiffness"))
+        return float(self._value("stiffness"))
 
     @property
     def indentation_work(self) -> float:
         """Work ∫P dδ of pressing a profile in, in E'L³."""
-        return float(self.value_of("indentation_work"))
+        return float(self._value("indentation_work"))
 
     def gap(self, s: ArrayLike | None = None, *, beyond: ArrayLike | None = None) -> Any:
         """Evaluate the gap between punch and surface outside the contact of a profile, in L.
@@ -192,11 +185,12 @@ class Solution:
         NotComputedError
             If the punch is flat, or the pressure was not asked for.
         """
-        from spectral_contact.equations.gap import gap_outside
+        from spectral_contact.equations.gap import gap_outside, outside_radii
 
+        places = outside_radii(s, beyond)
         self._require("contact_radius")
         self._require("pressure")
-        return gap_outside(self, s, beyond)
+        return gap_outside(self, places)
 
     @property
     def approach_bounds(self) -> tuple[float, float]:
@@ -241,18 +235,18 @@ class Solution:
     @property
     def zones(self) -> tuple[Zone, ...]:
         """Stick and slip zones from the centre to the edge; empty without friction."""
-        return tuple(self.value_of("zones"))
+        return tuple(self._value("zones"))
 
     @property
     def stick_radius(self) -> float | None:
         """Outer radius ``c*`` of the central stick zone, (5.7); None without friction."""
-        value = self.value_of("stick_radius")
+        value = self._value("stick_radius")
         return None if value is None else float(value)
 
     @property
     def total_shear(self) -> float:
         """Measure of shear ``Q* = 2 pi int q* s ds``, (4.3) and (5.8)."""
-        return float(self.value_of("total_shear"))
+        return float(self._value("total_shear"))
 
     @property
     def opening(self) -> float | None:
@@ -275,12 +269,12 @@ class Solution:
     @property
     def edge_ratio(self) -> float:
         """Ratio ``q/p`` of full stick at the edge."""
-        return float(self.value_of("edge_ratio"))
+        return float(self._value("edge_ratio"))
 
     @property
     def critical_friction(self) -> float:
         """Smallest friction coefficient without slip, the largest ``|q|/p`` of full stick."""
-        return float(self.value_of("critical_friction"))
+        return float(self._value("critical_friction"))
 
     def _field(
         self,

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._inputs import Array, Values, check_positive, real_numbers, refusal
+
 __all__ = [
     "SmoothContact",
     "cone_contact",
@@ -40,15 +42,42 @@ class SmoothContact:
     load: float
 
 
-def _positive(**values: float) -> None:
-    for name, value in values.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} = {value!r}: must be finite and > 0")
+def _moderate(name: str, value: float) -> float:
+    """Return a positive number whose powers are doubles."""
+    number = check_positive(name, value)
+    if not 1e-30 <= number <= 1e30:
+        raise refusal(name, value, "in [1e-30, 1e30]")
+    return number
+
+
+def _angle(value: float) -> float:
+    """Return an angle between axis and side."""
+    number = check_positive("half_angle", value)
+    if number >= math.pi / 2.0:
+        raise refusal("half_angle", value, "in (0, pi/2)")
+    return number
+
+
+def _exponent(value: float, contact_radius: float) -> float:
+    """Return an exponent whose power of the radius is a double."""
+    number = check_positive("exponent", value)
+    if number > 100.0 or abs(number * math.log10(contact_radius)) > 150.0:
+        raise refusal("exponent", value, "at most 100, and the power of the radius a double")
+    return number
+
+
+def _inside(r: ArrayLike, contact_radius: float) -> Array:
+    """Return radii inside the contact."""
+    at = real_numbers("r", r, "in [0, contact_radius]")
+    if not ((at >= 0.0) & (at <= contact_radius)).all():
+        raise refusal("r", r, "in [0, contact_radius]")
+    return at
 
 
 def _above(contact_radius: float, flat_radius: float) -> float:
     """Return the angle whose cosine is the flat part of the radius."""
-    _positive(contact_radius=contact_radius, flat_radius=flat_radius)
+    contact_radius = _moderate("contact_radius", contact_radius)
+    flat_radius = _moderate("flat_radius", flat_radius)
     if contact_radius < flat_radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be at least {flat_radius!r}")
     return math.acos(flat_radius / contact_radius)
@@ -73,16 +102,29 @@ def parabola_contact(contact_radius: float, radius: float) -> SmoothContact:
     ----------
     Johnson, Contact Mechanics (1985), equations (4.22) to (4.24).
     """
-    _positive(contact_radius=contact_radius, radius=radius)
+    contact_radius = _moderate("contact_radius", contact_radius)
+    radius = _moderate("radius", radius)
     return SmoothContact(contact_radius**2 / radius, 16.0 * contact_radius**3 / (3.0 * radius))
 
 
-def parabola_pressure(
-    contact_radius: float, radius: float, r: ArrayLike
-) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return Hertz's pressure 8√(a² − r²)/(πR) at radii inside the contact; see above."""
-    _positive(contact_radius=contact_radius, radius=radius)
-    at = np.asarray(r, dtype=float)
+def parabola_pressure(contact_radius: float, radius: float, r: ArrayLike) -> Values:
+    """Return Hertz's pressure 8√(a² − r²)/(πR).
+
+    Parameters
+    ----------
+    contact_radius, radius : float
+        As of `parabola_contact`.
+    r : array_like
+        Radii in [0, a].
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    radius = _moderate("radius", radius)
+    at = _inside(r, contact_radius)
     root = np.sqrt((contact_radius - at) * (contact_radius + at))
     return np.asarray(8.0 / (math.pi * radius) * root)
 
@@ -106,7 +148,8 @@ def sphere_contact(contact_radius: float, radius: float) -> SmoothContact:
     ----------
     Segedin (1957); Popov, Heß and Willert, Handbook of Contact Mechanics (2019), §2.5.
     """
-    _positive(contact_radius=contact_radius, radius=radius)
+    contact_radius = _moderate("contact_radius", contact_radius)
+    radius = _moderate("radius", radius)
     if contact_radius >= radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be less than {radius!r}")
     a, whole = contact_radius, radius
@@ -134,19 +177,33 @@ def cone_contact(contact_radius: float, half_angle: float) -> SmoothContact:
     ----------
     Sneddon (1965).
     """
-    _positive(contact_radius=contact_radius, half_angle=half_angle)
+    contact_radius = _moderate("contact_radius", contact_radius)
+    half_angle = _angle(half_angle)
     slope = 1.0 / math.tan(half_angle)
     a = contact_radius
     return SmoothContact(math.pi / 2.0 * slope * a, 2.0 * math.pi * slope * a**2)
 
 
-def cone_pressure(
-    contact_radius: float, half_angle: float, r: ArrayLike
-) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the pressure 2 cot θ arcosh(a/r) under a cone, infinite at the tip; see above."""
-    _positive(contact_radius=contact_radius, half_angle=half_angle)
+def cone_pressure(contact_radius: float, half_angle: float, r: ArrayLike) -> Values:
+    """Return the pressure 2 cot θ arcosh(a/r) under a cone, infinite at the tip.
+
+    Parameters
+    ----------
+    contact_radius, half_angle : float
+        As of `cone_contact`.
+    r : array_like
+        Radii in [0, a].
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    half_angle = _angle(half_angle)
+    at = _inside(r, contact_radius)
     with np.errstate(divide="ignore"):
-        ratio = contact_radius / np.asarray(r, dtype=float)
+        ratio = contact_radius / at
     return np.asarray(2.0 / math.tan(half_angle) * np.arccosh(ratio))
 
 
@@ -169,7 +226,9 @@ def power_law_contact(contact_radius: float, coefficient: float, exponent: float
     ----------
     Galin (1946); Sneddon (1965).
     """
-    _positive(contact_radius=contact_radius, coefficient=coefficient, exponent=exponent)
+    contact_radius = _moderate("contact_radius", contact_radius)
+    coefficient = _moderate("coefficient", coefficient)
+    exponent = _exponent(exponent, contact_radius)
     n = exponent
     ratio = math.exp(math.lgamma(n / 2.0 + 1.0) - math.lgamma((n + 1.0) / 2.0))
     approach = coefficient * contact_radius**n * math.sqrt(math.pi) * ratio
@@ -200,7 +259,7 @@ def truncated_cone_contact(
     Ejike (1969); Popov, Heß and Willert, Handbook of Contact Mechanics (2019), §2.5.
     """
     angle = _above(contact_radius, flat_radius)
-    _positive(half_angle=half_angle)
+    half_angle = _angle(half_angle)
     slope = 1.0 / math.tan(half_angle)
     load = 4.0 * slope * contact_radius**2 * (angle + math.sin(angle) * math.cos(angle))
     return SmoothContact(slope * contact_radius * angle, load)
@@ -228,7 +287,7 @@ def rounded_flat_contact(contact_radius: float, flat_radius: float, radius: floa
     Ciavarella, Hills and Monno (1998), for the punch; Jäger (1995).
     """
     angle = _above(contact_radius, flat_radius)
-    _positive(radius=radius)
+    radius = _moderate("radius", radius)
     sine, cosine = math.sin(angle), math.cos(angle)
     load = sine * (4.0 - cosine**2) - 3.0 * angle * cosine
     return SmoothContact(
@@ -258,8 +317,10 @@ def winkler_contact(
     ValueError
         If a parameter is out of range.
     """
-    _positive(contact_radius=contact_radius, coefficient=coefficient, exponent=exponent)
-    _positive(normal_compliance=normal_compliance)
+    contact_radius = _moderate("contact_radius", contact_radius)
+    coefficient = _moderate("coefficient", coefficient)
+    exponent = _exponent(exponent, contact_radius)
+    normal_compliance = _moderate("normal_compliance", normal_compliance)
     n, approach = exponent, coefficient * contact_radius**exponent
     area = math.pi * contact_radius**2
     return SmoothContact(approach, area * approach * n / ((n + 2.0) * normal_compliance))

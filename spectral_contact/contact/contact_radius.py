@@ -19,10 +19,10 @@ from spectral_contact.profiles import Profile
 
 __all__ = ["find_radius"]
 
-Solved = Indentation | Refinement[Indentation]
+Contact = Indentation | Refinement[Indentation]
 
-#: Tolerances of the poor spaces and how well they are to meet the load; steps in all; the longest.
-_POOR, _NEAR, _STEPS, _LONGEST = 1e-6, 1e-5, 60, 3.0
+#: Tolerance of the poor spaces; steps in all; the longest.
+_POOR, _STEPS, _LONGEST = 1e-6, 60, 3.0
 #: Steps from which on a secant is taken for the slope.
 _CLOSE = 0.5
 #: Relative rounding of a value, at which a step ends the search.
@@ -30,7 +30,7 @@ _ROUNDING = 2e-15
 
 
 @dataclass(frozen=True, slots=True)
-class _Place:
+class _RadiusScale:
     """The unknown and the radius that it stands for."""
 
     profile: Profile
@@ -67,7 +67,7 @@ def find_radius(
     load: float | None,
     approach: float | None,
     pointwise: bool,
-) -> tuple[Solved, float]:
+) -> tuple[Contact, float]:
     """Return the contact under a load or approach, and the relative error of its radius.
 
     Parameters
@@ -83,59 +83,64 @@ def find_radius(
     SceneError
         If no contact smaller than the profile carries it.
     """
-    search = _Search(profile, load, approach)
+    search = _RadiusSearch(profile, load, approach)
 
-    def solved(tolerance: float, pointwise: bool) -> Callable[[float], Solved]:
+    def solved(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
         return lambda radius: solve_indentation(
             profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
         )
 
     near = max(0.02 * tolerance, _ROUNDING)
-    # on a smooth surface what is integrated is known exactly
-    search.run(solved(max(tolerance, _POOR), False), _NEAR if compliance > 0.0 else near)
+    # what is integrated is known far better in a poor space than the pressure, and says how well
+    search.run(solved(max(tolerance, _POOR), False), near, rough=True)
     search.run(solved(tolerance, pointwise), near)
     return search.found()
 
 
-class _Search:
+class _RadiusSearch:
     """Newton's method, bracketed."""
 
     def __init__(self, profile: Profile, load: float | None, approach: float | None) -> None:
         self.profile, self.load, self.approach = profile, load, approach
-        self.at = _Place(profile)
+        self.at = _RadiusScale(profile)
         size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
         self.v = self.at.place(profile.flat_part + 0.5 * size)
         self.low, self.high = -inf, inf
-        self.last: Solved | None = None
+        self.last: Contact | None = None
         self.misfit = inf
+        self.known = 0.0
         self.slope = 1.0
         self.before: float | None = None
 
-    def run(self, solve: Callable[[float], Solved], near: float) -> None:
-        """Step until the logarithm of the value is as near to that of what is asked for."""
+    def run(self, solve: Callable[[float], Contact], near: float, *, rough: bool = False) -> None:
+        """Step until the logarithm of the value is as near to that of what is asked for.
+
+        Or, if rough, as near as the value is known.
+        """
         # those of a poorer space may be wrong
         self.low, self.high, self.before = -inf, inf, None
         least = inf
         for _ in range(_STEPS):
             self._look(solve)
-            if abs(self.misfit) <= near or (abs(self.misfit) >= least and least < 1e3 * near):
+            enough = max(near, self.known) if rough else near
+            if abs(self.misfit) <= enough or (abs(self.misfit) >= least and least < 1e3 * near):
                 return
             least = min(least, abs(self.misfit))
             self._step()
         self._refuse()
 
-    def _look(self, solve: Callable[[float], Solved]) -> None:
+    def _look(self, solve: Callable[[float], Contact]) -> None:
         radius = self.at.radius(self.v)
         if not self.profile.flat_part < radius < self.profile.reach:
             self._refuse()
         self.last = solve(radius)
         one = _value(self.last)
-        value, asked = (
-            (one.load, self.load) if self.approach is None else (one.approach, self.approach)
-        )
+        by_load = self.approach is None
+        value, asked = (one.load, self.load) if by_load else (one.approach, self.approach)
         assert asked is not None
-        rate = one.growth * (one.stiffness if self.approach is None else 1.0)
+        rate = one.growth * (one.stiffness if by_load else 1.0)
         misfit = log(value / asked)
+        self.known = one.load_error if by_load else one.approach_error
         self.slope = rate * self.at.slope(radius) / value
         # between places that are close a secant knows better: next to the rim of a sphere the
         # pressure bends closer to the edge than where its slope is taken
@@ -163,7 +168,7 @@ class _Search:
         )
         raise SceneError(name, value, told)
 
-    def found(self) -> tuple[Solved, float]:
+    def found(self) -> tuple[Contact, float]:
         """Return the contact, what was asked exactly, and the relative error of its radius."""
         assert self.last is not None
         one = _value(self.last)
@@ -187,5 +192,5 @@ class _Search:
         return best, error
 
 
-def _value(solved: Solved) -> Indentation:
+def _value(solved: Contact) -> Indentation:
     return solved.best.value if isinstance(solved, Refinement) else solved

@@ -89,7 +89,7 @@ class Indentation:
 
 
 @dataclass(frozen=True, slots=True)
-class _Solved:
+class _TwoPressures:
     """The two solutions in a space, and how they combine.
 
     Attributes
@@ -181,7 +181,7 @@ class _IndentationProblem:
             degrees = degrees[count:]
         return tuple(used)
 
-    def _solve(self, space: PressureSpace, edge: LogPanels) -> _Solved:
+    def _solve(self, space: PressureSpace, edge: LogPanels) -> _TwoPressures:
         bracket = _bracket(self.profile, self.radius, space)
         factored = space.factor(self.compliance)
         own = factored.solve(bracket)
@@ -190,17 +190,17 @@ class _IndentationProblem:
         shift = -_edge_value(edge, own) / at_edge
         whole, half = own + shift * flat, space.half_integral
         target = bracket + 2.0 * shift
-        return _Solved(factored, flat, whole, half(flat), half(whole), target, shift, at_edge)
+        return _TwoPressures(factored, flat, whole, half(flat), half(whole), target, shift, at_edge)
 
     def _judged(
-        self, space: PressureSpace, used: tuple[Used, ...], solved: _Solved
+        self, space: PressureSpace, used: tuple[Used, ...], solved: _TwoPressures
     ) -> Attempt[Indentation]:
         """Return the contact with its errors."""
         a, weights = self.radius, space.weights
         series = _series(used, solved.whole)
         moment, flat_moment = float(weights @ solved.whole_half), float(weights @ solved.flat_half)
         energy = float(weights @ (solved.whole_half * solved.target))
-        whole_height = float(self.profile.transform(np.asarray(a))) / (2.0 * a)
+        whole_height = float(self.profile._transform(np.asarray(a))) / (2.0 * a)
         approach = whole_height + solved.shift
 
         change = solved.factored.change(solved.whole)
@@ -241,7 +241,7 @@ class _IndentationProblem:
         return Attempt(indentation, error, indicators, rates, space.unknowns)
 
     def _integral_errors(
-        self, solved: _Solved, change: Change, edge: LogPanels, rates: Array
+        self, solved: _TwoPressures, change: Change, edge: LogPanels, rates: Array
     ) -> _IntegralErrors:
         """Return the errors of what is integrated, and of the shift, which all of it inherits."""
         falls = np.append(rates**2, 1.0)
@@ -279,7 +279,7 @@ def _edge_value(panels: LogPanels, coefficients: Array) -> float:
 def _bracket(profile: Profile, radius: float, space: PressureSpace) -> Array:
     """Return ``H(1) - H(t)`` at the nodes, in units of the radius."""
     past = radius**2 * space.past
-    return np.asarray(profile.fall(radius, space.t, space.y, past) / radius)
+    return np.asarray(profile._fall(radius, space.t, space.y, past) / radius)
 
 
 def _parts(profile: Profile, radius: float) -> Parts:
@@ -300,11 +300,11 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
     past = (a - last) * (a + last) if last else 0.0
     return Indentation(
         a,
-        float(profile.transform(np.asarray(a))) / 2.0,
+        float(profile._transform(np.asarray(a))) / 2.0,
         4.0 * a**2 * moment,
         a**3 * energy,
         8.0 * a,
-        float(profile.rate(np.array([a]), np.array([past]))[0]) / 2.0,
+        float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
         None if pressure is None else parts.field(pressure.series),
         ROUNDING,
         2.0 * ROUNDING,

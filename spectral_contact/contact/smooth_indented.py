@@ -99,7 +99,7 @@ def _values(profile: Profile, radius: float, parts: Parts, family: Family) -> Ar
         past = v**2 - np.where(inside, 0.0, below)[:, None]
         w = np.sqrt(v**2 + start[:, None])
         t = np.sqrt(v**2 + np.where(inside, inner.square, points.z)[:, None])
-        rates = profile.rate(radius * t, radius**2 * past if k else np.zeros(t.shape))
+        rates = profile._rate(radius * t, radius**2 * past if k else np.zeros(t.shape))
         along = np.where(inside[:, None], v / np.where(w > 0.0, w, 1.0), 1.0)
         sums = (rates / t * along) @ weights
         # the last interval has the factor sqrt(d), which the weight stands for

@@ -16,6 +16,7 @@ from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
 from spectral_contact.interior.mesh import Evaluator, Mesh, Points, graded
 from spectral_contact.interior.results import Displacement, Stress, Surface
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.solution import Solution
 
 __all__ = ["Inside", "Units"]
@@ -68,7 +69,7 @@ class Inside:
     def __init__(self, solution: Solution, units: Units | None = None) -> None:
         self._solution = choices.instance("solution", solution, Solution)
         self._units = Units() if units is None else choices.instance("units", units, Units)
-        solution.scene.must_be_flat("the inside of the body")
+        refuse_profile(solution.scene, "the inside of the body")
         self._nu = solution.scene.poisson_ratio
         pressure, traction = solution.pressure_field, solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed

@@ -9,9 +9,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import inf
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.inputs.checks import lengths
 
 __all__ = ["Profile"]
 
@@ -48,16 +51,38 @@ class Profile(ABC):
         """Its kind and parameters, in one line."""
         return repr(self)
 
+    def height(self, r: ArrayLike) -> Any:
+        """Return the height above the lowest point.
+
+        Parameters
+        ----------
+        r : array_like
+            Radii from 0 to the reach, any shape.
+
+        Returns
+        -------
+        float or ndarray
+
+        Raises
+        ------
+        SceneError
+            If a radius is another.
+        """
+        radii = lengths("r", r, self.reach).astype(float)
+        return self._height(radii)[()]
+
+    # the methods below are the solver's: arrays of doubles as they are
+
     @abstractmethod
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii of any shape, 0 at the centre."""
 
     @abstractmethod
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii of any shape."""
 
     @abstractmethod
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)`` to relative accuracy.
 
         Parameters
@@ -70,7 +95,7 @@ class Profile(ABC):
         """
 
     @abstractmethod
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``.
 
         Parameters

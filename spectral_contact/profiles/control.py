@@ -19,7 +19,14 @@ from spectral_contact.profiles.shapes import (
     TruncatedCone,
 )
 
-__all__ = ["CONTROLS", "KINDS", "checked_controls", "profile_from", "profile_tree"]
+__all__ = [
+    "CONTROLS",
+    "KINDS",
+    "checked_controls",
+    "profile_from",
+    "profile_tree",
+    "refuse_profile",
+]
 
 #: What may be given of a contact under a profile, one of them.
 CONTROLS: Final = ("contact_radius", "load", "approach")
@@ -72,6 +79,19 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
         told = f"such that normal_compliance / contact_radius is in [{_LEAST:g}, {_MOST:g}]"
         raise SceneError(name, value, told)
     return {name: radius}
+
+
+def refuse_profile(scene: Any, what: str) -> None:
+    """Refuse a scene with a profile on behalf of what knows flat punches only.
+
+    Raises
+    ------
+    SceneError
+        If it has one.
+    """
+    if scene.profile is not None:
+        told = f"one without a profile: {what} knows flat punches only"
+        raise SceneError("scene", scene, told)
 
 
 def profile_tree(profile: Profile) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import finite, flag, real, values_at
-from spectral_contact.inputs.choices import function
+from spectral_contact.inputs.choices import function, listed
 from spectral_contact.profiles.base import Profile
 
 __all__ = ["Sampled"]
@@ -60,10 +60,8 @@ class Sampled(Profile):
         if len(edges) < 2 or edges[0] != 0.0:
             raise SceneError("edges", self.edges, "two or more radii that begin with 0")
         allowed = f"{len(edges) - 1} lists of numbers, one for each piece"
-        try:
-            rows = tuple(tuple(finite("slopes", row).tolist()) for row in self.slopes)
-        except TypeError as error:
-            raise SceneError("slopes", self.slopes, allowed) from error
+        given = listed("slopes", self.slopes, "lists of numbers, one for each piece")
+        rows = tuple(tuple(finite("slopes", row).tolist()) for row in given)
         if len(rows) != len(edges) - 1 or not all(rows):
             raise SceneError("slopes", self.slopes, allowed)
         object.__setattr__(self, "edges", edges)
@@ -103,13 +101,15 @@ class Sampled(Profile):
         function("height", height, "radii")
         function("slope", slope, "radii")
         reach = real("reach", reach, allowed="finite and > 0", low=0.0, low_open=True)
-        edges = _increasing("breaks", (0.0, *finite("breaks", list(breaks)).tolist(), reach))
+        edges = _increasing(
+            "breaks", (0.0, *finite("breaks", listed("breaks", breaks, "radii")).tolist(), reach)
+        )
         ends = np.array([edges[0], edges[-1]])
         largest = float(np.abs(values_at("slope", slope, ends)).max())
         rows = tuple(_fitted(slope, *ends, largest) for ends in pairwise(edges))
         profile = cls(edges, rows, rounded)
         r = np.linspace(0.0, reach, _LOOKS)
-        given, own = values_at("height", height, r), profile.height(r)
+        given, own = values_at("height", height, r), profile._height(r)
         scale = max(float(np.abs(own).max()), float(np.abs(given).max()))
         if not abs(given[0]) <= _ALIKE * scale:
             raise SceneError("height", float(given[0]), "0 at the centre")
@@ -181,11 +181,11 @@ class Sampled(Profile):
         """Its kind, pieces and reach."""
         return f"Sampled(pieces={len(self.slopes)}, reach={self.reach!r})"
 
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii; NaN beyond the reach."""
         r = np.asarray(r, dtype=float)
         total = np.where(r <= self.reach, 0.0, np.nan)
-        for low, high, row in self._pieces():
+        for (low, high), row in self._pieces():
             half = (high - low) / 2.0
             integral = half * chebyshev.chebint(row, lbnd=-1)
             inside = np.clip(r, low, high)
@@ -193,12 +193,12 @@ class Sampled(Profile):
             total = total + np.where(inside > low, risen, 0.0)
         return np.asarray(total)
 
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         t = np.asarray(t, dtype=float)
         return np.asarray(2.0 * t * self._mean(t, 0))
 
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         last = max((b for b in self.edges[:-1] if b < radius), default=0.0)
         inward = radius * y / (1.0 + t)
@@ -207,16 +207,16 @@ class Sampled(Profile):
         g, w = np.polynomial.legendre.leggauss(24)
         points = radius - np.where(near, inward, 0.0)[..., None] * (1.0 + g) / 2.0
         past = (points - last) * (points + last) * (last > 0.0)
-        along = inward * (self.rate(points, past) @ (w / 2.0))
+        along = inward * (self._rate(points, past) @ (w / 2.0))
         return np.where(
-            near, along, self.transform(np.asarray(radius)) - self.transform(radius * t)
+            near, along, self._transform(np.asarray(radius)) - self._transform(radius * t)
         )
 
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         t = np.asarray(t, dtype=float)
         rate = 2.0 * self._mean(t, 0) + 2.0 * t * self._mean(t, 1)
-        rows, edges = [row for _, _, row in self._pieces()], self.edges
+        rows, edges = [row for _, row in self._pieces()], self.edges
         for k in range(1, len(rows)):
             jump = float(chebyshev.chebval(-1.0, rows[k]) - chebyshev.chebval(1.0, rows[k - 1]))
             # the last break below t is known better than by t
@@ -231,7 +231,7 @@ class Sampled(Profile):
         """Return ``int_0^(pi/2) h' (t sin phi) dphi``, or with h'' sin phi instead of h'."""
         total = np.zeros(np.shape(t))
         safe = np.where(t > 0.0, t, 1.0)
-        for low, high, row in self._pieces():
+        for (low, high), row in self._pieces():
             g, w = np.polynomial.legendre.leggauss(len(row) + 16)
             begin = np.arcsin(np.minimum(low / safe, 1.0))
             end = np.where(t > 0.0, np.arcsin(np.minimum(high / safe, 1.0)), np.pi / 2.0)
@@ -248,14 +248,15 @@ class Sampled(Profile):
             total = total + half[..., 0] * (values @ w)
         return total
 
-    def _pieces(self) -> list[tuple[float, float, Any]]:
+    def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
+        """Return the ends and the series of every piece."""
         ends = pairwise(self.edges)
-        return [(*pair, np.array(row)) for pair, row in zip(ends, self.slopes, strict=True)]
+        return [(pair, np.array(row)) for pair, row in zip(ends, self.slopes, strict=True)]
 
     def _check_convex(self) -> None:
         nodes = np.cos(np.pi * np.linspace(1.0, 0.0, _LOOKS))
         r, slope = [], []
-        for low, high, row in self._pieces():
+        for (low, high), row in self._pieces():
             r.append(low + (high - low) * (1.0 + nodes) / 2.0)
             slope.append(chebyshev.chebval(nodes, row))
         at, values = np.concatenate(r), np.concatenate(slope)

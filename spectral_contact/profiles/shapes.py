@@ -63,19 +63,19 @@ class Parabola(Profile):
     def __post_init__(self) -> None:
         _positive(self, "radius")
 
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii."""
         return np.asarray(r**2 / (2.0 * self.radius))
 
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         return np.asarray(2.0 * t**2 / self.radius)
 
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         return np.asarray(4.0 * t / self.radius)
 
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         return np.asarray(2.0 * radius**2 / self.radius * y)
 
@@ -105,22 +105,22 @@ class Sphere(Profile):
         """Radius of the equator."""
         return self.radius
 
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii; NaN beyond the equator."""
         inside = r <= self.radius
         root = np.sqrt(np.where(inside, (self.radius - r) * (self.radius + r), np.nan))
         return np.asarray(r**2 / (self.radius + root))
 
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         return np.asarray(2.0 * t * np.arctanh(t / self.radius))
 
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         whole, x = self.radius, t / self.radius
         return np.asarray(2.0 * np.arctanh(x) + 2.0 * t * whole / ((whole - t) * (whole + t)))
 
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         a, whole, inward = radius, self.radius, radius * _inward(t, y)
         slope = log((whole + a) / (whole - a))
@@ -159,19 +159,19 @@ class PowerLaw(Profile):
         """Whether the exponent is no even number."""
         return self.exponent % 2.0 != 0.0
 
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii."""
         return np.asarray(self.coefficient * r**self.exponent)
 
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         return np.asarray(self._factor * t**self.exponent)
 
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         return np.asarray(self._factor * self.exponent * t ** (self.exponent - 1.0))
 
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         outer = np.minimum(y, 0.75)  # farther in y does not know the radius
         near = -np.expm1(self.exponent / 2.0 * np.log1p(-outer))
@@ -209,19 +209,19 @@ class Cone(Profile):
         """True."""
         return True
 
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii."""
         return np.asarray(r / tan(self.half_angle))
 
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         return np.asarray(pi / tan(self.half_angle) * t)
 
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         return np.full(np.shape(t), pi / tan(self.half_angle))
 
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         return np.asarray(pi / tan(self.half_angle) * radius * _inward(t, y))
 
@@ -273,23 +273,23 @@ class TruncatedCone(_FlatEnded):
         _positive(self, "flat_radius")
         _half_angle(self)
 
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii."""
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) / tan(self.half_angle))
 
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         angle = np.arctan2(self._outside(t), self.flat_radius)
         return np.asarray(2.0 / tan(self.half_angle) * t * angle)
 
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         root, b = np.sqrt(past), self.flat_radius
         outside = root > 0.0
         steep = np.arctan2(root, b) + b / np.where(outside, root, 1.0)
         return np.where(outside, 2.0 / tan(self.half_angle) * steep, 0.0)
 
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
         whole, less = self._roots(radius, y, past)
@@ -322,21 +322,21 @@ class RoundedFlat(_FlatEnded):
         _positive(self, "flat_radius")
         _positive(self, "radius")
 
-    def height(self, r: Array) -> Array:
+    def _height(self, r: Array) -> Array:
         """Return the height at radii."""
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) ** 2 / (2.0 * self.radius))
 
-    def transform(self, t: Array) -> Array:
+    def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         root = self._outside(t)
         return np.asarray(2.0 / self.radius * t * _risen(root, self.flat_radius))
 
-    def rate(self, t: Array, past: Array) -> Array:
+    def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         root, b = np.sqrt(past), self.flat_radius
         return np.asarray(2.0 / self.radius * (2.0 * root - b * np.arctan2(root, b)))
 
-    def fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
         whole, less = self._roots(radius, y, past)
