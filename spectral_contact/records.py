@@ -14,6 +14,7 @@ __all__ = [
     "FULL_STICK",
     "NORMAL",
     "PARTIAL_SLIP",
+    "PROFILE_QUANTITIES",
     "QUANTITIES",
     "SLIP_FIELD",
     "ZONE_SEARCH",
@@ -40,6 +41,9 @@ QUANTITIES = (
     "edge_ratio",
     "critical_friction",
 )
+
+#: What else there is of a punch that is not flat.
+PROFILE_QUANTITIES = ("contact_radius", "load", "stiffness", "indentation_work")
 
 #: Names of the steps, in plans and in records of work.
 COUPLING = "elastic coupling"
@@ -162,7 +166,9 @@ class ErrorEstimates:
     is relative to its largest modulus; `zones` bounds the relative error of every boundary measured
     from the centre and from the edge; `violation` is by how much the friction law is broken:
     the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
-    the largest slip, whichever is larger.
+    the largest slip, whichever is larger. With a profile, `pressure` is relative to the pressure
+    or its mean, whichever is larger; where a smooth surface has it infinite, at a tip or corner,
+    it is that of places farther off than some 1e-17 of the square of the contact radius.
     """
 
     approach: float | None = None
@@ -175,6 +181,10 @@ class ErrorEstimates:
     edge_ratio: float | None = None
     critical_friction: float | None = None
     violation: float | None = None
+    contact_radius: float | None = None
+    load: float | None = None
+    stiffness: float | None = None
+    indentation_work: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,8 @@ from spectral_contact.inputs.physical import (
 )
 from spectral_contact.inputs.units import Measured, in_si
 from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
+from spectral_contact.profiles import Profile
+from spectral_contact.profiles.control import checked_controls, profile_from, profile_tree
 
 __all__ = ["PhysicalData", "Scene", "same_problem"]
 
@@ -34,7 +36,7 @@ _COMPLIANCE_RANGE: Final = "0 or in [1e-14, 1e14]"
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A rigid flat punch on a rough elastic half-space, in the paper's dimensionless variables.
+    """A rigid punch on a rough elastic half-space, in the paper's dimensionless variables.
 
     What is absent is not modelled: without ``friction`` the contact is frictionless, and a
     compliance of 0 is a smooth surface. Scenes are immutable, hashable, comparable and picklable;
@@ -55,6 +57,12 @@ class Scene:
     coupling : bool
         Whether the traction acts back on the pressure, as it does in an elastic body; keyword
         only. False, the default, is the paper's model.
+    profile : Profile or None
+        What the punch looks like, out of `spectral_contact.profiles`; None, the default, is flat.
+        With a profile all lengths are in a reference length L, that of the profile's parameters,
+        tractions in E' = E/(4(1−ν²)), loads in E'L², and α* is αE'/L. Keyword only.
+    contact_radius, load, approach : float or None
+        With a profile one of them, finite and > 0; else None. Keyword only.
 
     Raises
     ------
@@ -75,6 +83,10 @@ class Scene:
     friction: float | None = None
     physical: PhysicalData | None = field(default=None, kw_only=True)
     coupling: bool = field(default=False, kw_only=True, metadata=YOUNGER)
+    profile: Profile | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    contact_radius: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    load: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    approach: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
@@ -90,6 +102,10 @@ class Scene:
             friction = real("friction", self.friction, allowed=allowed, low=0.0, infinite_ok=True)
             put(self, "friction", friction)
         put(self, "coupling", flag("coupling", self.coupling))
+        for name, number in checked_controls(
+            {name: getattr(self, name) for name in _names(Scene)}
+        ).items():
+            put(self, name, number)
         if self.physical is not None:
             self._check_physical()
 
@@ -223,7 +239,9 @@ class Scene:
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as a dictionary that strict JSON can hold, infinity being ``"inf"``."""
         friction = "inf" if self.friction == math.inf else self.friction
-        values = {**asdict(self), "friction": friction}
+        values = {**asdict(self), "friction": friction, "profile": self.profile}
+        if self.profile is not None:
+            values["profile"] = profile_tree(self.profile)
         for one in fields(self):
             if left_out(one, values[one.name]):
                 del values[one.name]
@@ -250,6 +268,8 @@ class Scene:
         if values["physical"] is not None:
             _check_keys(values["physical"], _names(PhysicalData), 'in "physical", ')
             values["physical"] = PhysicalData(**values["physical"])
+        if values.get("profile") is not None:
+            values["profile"] = profile_from(values["profile"])
         return cls(**values)
 
     def to_json(self) -> str:

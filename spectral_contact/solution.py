@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +17,7 @@ from spectral_contact.records import (
     FULL_STICK,
     NORMAL,
     PARTIAL_SLIP,
+    PROFILE_QUANTITIES,
     QUANTITIES,
     SLIP_FIELD,
     ZONE_SEARCH,
@@ -33,19 +32,17 @@ from spectral_contact.records import (
     Zone,
 )
 from spectral_contact.scene import Scene
+from spectral_contact.view.output import Output
 
 if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
-
     from spectral_contact.interior import Inside
-    from spectral_contact.view.physical import PhysicalSolution
 
 __all__ = [
     "COUPLING",
     "FULL_STICK",
     "NORMAL",
     "PARTIAL_SLIP",
+    "PROFILE_QUANTITIES",
     "QUANTITIES",
     "SLIP_FIELD",
     "ZONE_SEARCH",
@@ -67,7 +64,7 @@ TractionField = ZonalField | DiskSeries | None
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Solution:
+class Solution(Output):
     """The solution of a scene, dimensionless; SI values are in `physical`.
 
     Built by `solve`. Immutable, comparable (wall-clock times do not count) and picklable; it is
@@ -106,6 +103,8 @@ class Solution:
     def _require(self, quantity: str) -> None:
         if quantity not in self.plan.quantities:
             reasons = dict(self.plan.missing)
+            if quantity in PROFILE_QUANTITIES and self.scene.profile is None:
+                reasons[quantity] = "the punch is flat: its radius and load are the units"
             raise NotComputedError(quantity, reasons.get(quantity, "it was not asked for"))
 
     def _value(self, quantity: str) -> Any:
@@ -114,8 +113,55 @@ class Solution:
 
     @property
     def approach(self) -> float:
-        """Approach ``delta* = a delta E / (4 (1 - nu^2) P)``, equation (3.4)."""
+        """Approach ``delta* = a delta E / (4 (1 - nu^2) P)``, (3.4); with a profile in L."""
         return float(self._value("approach"))
+
+    @property
+    def contact_radius(self) -> float:
+        """Contact radius under a profile, in its unit of length L."""
+        return float(self._value("contact_radius"))
+
+    @property
+    def stiffness(self) -> float:
+        """Contact stiffness dP/dδ under a profile, in E'L."""
+        return float(self._value("stiffness"))
+
+    @property
+    def indentation_work(self) -> float:
+        """Work ∫P dδ of pressing a profile in, in E'L³."""
+        return float(self._value("indentation_work"))
+
+    def gap(self, s: ArrayLike | None = None, *, beyond: ArrayLike | None = None) -> Any:
+        """Evaluate the gap between punch and surface outside the contact of a profile, in L.
+
+        Taken from the pressure by quadrature; its error is some 1e-14 of the approach and that of
+        the pressure's estimate.
+
+        Parameters
+        ----------
+        s : array_like, optional
+            Radii r/a of at least 1, inside the reach of the profile.
+        beyond : array_like, optional
+            Instead of `s`: distances ``s - 1``.
+
+        Returns
+        -------
+        float or ndarray
+            Of the shape of the input.
+
+        Raises
+        ------
+        SceneError
+            For both or neither argument, or a radius that is inside or beyond the profile.
+        NotComputedError
+            If the punch is flat, or the pressure was not asked for.
+        """
+        from spectral_contact.equations.gap import gap_outside, outside_radii
+
+        places = outside_radii(s, beyond)
+        self._require("contact_radius")
+        self._require("pressure")
+        return gap_outside(self, places)
 
     @property
     def approach_bounds(self) -> tuple[float, float]:
@@ -131,6 +177,8 @@ class Solution:
             dissipates, or a compliance is 0.
         """
         self._require("pressure")
+        if self.scene.profile is not None:
+            raise NotComputedError("approach_bounds", "there are none with a profile")
         if self.scene.couples:
             return self._coupled_bounds()
         if self.scene.normal_compliance == 0.0:  # known exactly
@@ -214,7 +262,7 @@ class Solution:
 
     @over_s
     def pressure(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the pressure ``p* = a^2 p / P``.
+        """Evaluate the pressure ``p* = a^2 p / P``; with a profile ``p / E'``.
 
         Parameters
         ----------
@@ -261,128 +309,6 @@ class Solution:
 
         return Inside(self)
 
-    @property
-    def physical(self) -> PhysicalSolution:
-        """The same quantities in Pa, m and N.
-
-        Raises
-        ------
-        NotComputedError
-            If the scene was not made by `Scene.from_physical`.
-        """
-        found: PhysicalSolution = _above("view.physical").PhysicalSolution(self)
-        return found
-
-    def summary(self) -> str:
-        """Return what the command line prints: quantities with errors, zones, plan and work."""
-        return str(_above("view.report").report(self))
-
-    def plot(self) -> Figure:
-        """Draw the fields, the zones and the errors; see `plotting.plot_solution`.
-
-        Raises
-        ------
-        NotComputedError
-            If neither pressure nor traction was asked for.
-        MissingDependencyError
-            If matplotlib is not installed (extra: plot).
-        """
-        figure: Figure = _above("view.plotting").plot_solution(self)
-        return figure
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a table of the fields with estimates of their errors; the rest is in its comments.
-
-        The radii resolve the edge layer and every zone.
-
-        Raises
-        ------
-        NotComputedError
-            If no field was asked for.
-        SolutionFileError
-            If the path cannot be written.
-        """
-        _above("view.report").write_csv(self, path)
-
-    def to_xarray(
-        self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
-    ) -> xarray.Dataset:
-        """Return everything as a dataset with names, units and estimates of errors.
-
-        Parameters
-        ----------
-        s, from_edge : array_like, optional
-            Where the fields are taken: radii in [0, 1], or distances from the edge. By default at
-            radii that resolve the edge layer and every zone.
-
-        Returns
-        -------
-        xarray.Dataset
-            As that of `sweep`, for one scene.
-
-        Raises
-        ------
-        SceneError
-            For both arguments, or a radius outside [0, 1].
-        MissingDependencyError
-            If xarray is not installed (extra: sweep).
-        """
-        dataset: xarray.Dataset = _above("sweeps.dataset").of_solution(self, s, from_edge)
-        return dataset
-
-    def _repr_html_(self) -> str:
-        return str(_above("view.html").of_solution(self))
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Store the solution in one ``.npz`` or ``.json`` file, every value exactly.
-
-        Raises
-        ------
-        SolutionFileError
-            For another suffix, or a path that cannot be written.
-        """
-        from spectral_contact.io import storage
-
-        storage.save(self, path)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Solution:
-        """Load what `save` stored.
-
-        Raises
-        ------
-        SolutionFileError
-            For a file that is not there, not ours, damaged, or of another version.
-        """
-        from spectral_contact.io import storage
-
-        return storage.load(path)
-
-    def to_json(self) -> str:
-        """Return the solution as one line of strict JSON; its numbers are exact.
-
-        Raises
-        ------
-        SolutionFileError
-            If it holds NaN.
-        """
-        from spectral_contact.io import storage
-
-        return storage.to_json(self)
-
-    @classmethod
-    def from_json(cls, text: str) -> Solution:
-        """Return the solution that `to_json` wrote, equal to it bit for bit.
-
-        Raises
-        ------
-        SolutionFileError
-            If the text is not JSON, not ours, damaged, or of another version.
-        """
-        from spectral_contact.io import storage
-
-        return storage.from_json(text)
-
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):
             return NotImplemented
@@ -402,15 +328,10 @@ class Solution:
     def __repr__(self) -> str:
         known = ", ".join(
             f"{name}={self.values[name]:.16g}"
-            for name in ("approach", "total_shear", "stick_radius")
+            for name in ("contact_radius", "load", "approach", "total_shear", "stick_radius")
             if isinstance(self.values.get(name), float)
         )
         opening, unsure = self.values.get("opening"), self.less_certain.items()
         opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
         less = " but for" * bool(unsure) + ",".join(f" {k} to {error:.1e}" for k, error in unsure)
         return f"<Solution {known}{opens} converged={self.converged}{less}>"
-
-
-def _above(module: str) -> Any:
-    """Return a module that knows solutions, by name: an import would go up the layers."""
-    return import_module(f"spectral_contact.{module}")

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Final

@@ -10,6 +10,7 @@ the load 1.
 ``partial_slip``     no roughness, no coupling, slip outside the stick radius: elliptic integrals
 ``coupled``          no roughness, coupled, stuck everywhere: Mossakovskij and Spence
 ``eigenpairs``       eigenvalues and eigenfunctions of the half-space operators
+``indentation``      frictionless contact under profiles, in units of E'
 ``series``           rough normal problem, very rough or nearly smooth
 ===================  ===============================================================================
 """
@@ -24,6 +25,18 @@ from .coupled import (
 )
 from .eigenpairs import eigenfunction, eigenfunction_image, eigenvalue
 from .flat_punch import flat_punch_displacement, flat_punch_stress
+from .indentation import (
+    SmoothContact,
+    cone_contact,
+    cone_pressure,
+    parabola_contact,
+    parabola_pressure,
+    power_law_contact,
+    rounded_flat_contact,
+    sphere_contact,
+    truncated_cone_contact,
+    winkler_contact,
+)
 from .partial_slip import partial_slip_shear, partial_slip_traction, slip_displacement
 from .series import (
     approach_large_compliance,
@@ -34,9 +47,12 @@ from .series import (
 from .smooth import full_stick_shear, full_stick_traction, smooth_approach, smooth_pressure
 
 __all__ = [
+    "SmoothContact",
     "StickRadius",
     "approach_large_compliance",
     "approach_small_compliance",
+    "cone_contact",
+    "cone_pressure",
     "coupled_approach",
     "coupled_pressure",
     "coupled_shear",
@@ -51,10 +67,17 @@ __all__ = [
     "full_stick_shear",
     "full_stick_traction",
     "oscillation_exponent",
+    "parabola_contact",
+    "parabola_pressure",
     "partial_slip_shear",
     "partial_slip_traction",
+    "power_law_contact",
+    "rounded_flat_contact",
     "slip_displacement",
     "smooth_approach",
     "smooth_pressure",
+    "sphere_contact",
     "stick_radius",
+    "truncated_cone_contact",
+    "winkler_contact",
 ]

@@ -109,6 +109,20 @@ def check_friction(value: float) -> float:
     return number
 
 
+def check_positive(name: str, value: float) -> float:
+    """Return a number as a float.
+
+    Raises
+    ------
+    ValueError
+        Unless it is finite and positive.
+    """
+    number = _real(name, value, "finite and > 0")
+    if not (math.isfinite(number) and number > 0.0):
+        raise refusal(name, value, "finite and > 0")
+    return number
+
+
 def check_compliance(value: float) -> float:
     """Return the normal compliance α of the roughness as a float.
 
@@ -117,10 +131,7 @@ def check_compliance(value: float) -> float:
     ValueError
         Unless α is finite and positive.
     """
-    number = _real("normal_compliance", value, "finite and > 0")
-    if not (math.isfinite(number) and number > 0.0):
-        raise refusal("normal_compliance", value, "finite and > 0")
-    return number
+    return check_positive("normal_compliance", value)
 
 
 def kappa(poisson_ratio: float) -> float:

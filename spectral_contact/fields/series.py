@@ -98,6 +98,8 @@ class LogSeries:
     oscillation : float
         If not zero, the tail is ``a cos(oscillation u) + b sin(oscillation u)`` instead, in the
         depth ``u`` in ``x`` beyond the panels: it has no limit at ``d = 0``, where it is NaN.
+    logarithm : float
+        If not zero, the tail has this times ``u`` as well, and is infinite at ``d = 0``.
     """
 
     coefficients: Array
@@ -106,6 +108,7 @@ class LogSeries:
     power: float = 0.0
     root_tail: bool = False
     oscillation: float = 0.0
+    logarithm: float = 0.0
 
     def __call__(self, d: Array) -> Array:
         """Evaluate at distances `d` in [0, 1], any shape."""
@@ -162,7 +165,11 @@ class LogSeries:
         """Evaluate the tail."""
         if self.oscillation == 0.0:
             ratio = np.sqrt(d / end) if self.root_tail else d / end
-            return legendre_sums(2.0 * ratio - 1.0, self.tail[None, :])
+            sums = legendre_sums(2.0 * ratio - 1.0, self.tail[None, :])
+            if self.logarithm != 0.0:
+                with np.errstate(divide="ignore"):
+                    sums -= self.logarithm * np.log(d / end)
+            return sums
         inside = d > 0.0
         phase = -self.oscillation * np.log(np.where(inside, d, end) / end)
         wave = self.tail[0] * np.cos(phase) + self.tail[1] * np.sin(phase)
@@ -172,7 +179,7 @@ class LogSeries:
         """Evaluate at one distance, without arrays."""
         panels = len(self.coefficients)
         end = math.exp(-panels * self.width)
-        if d < end and self.oscillation != 0.0:
+        if d < end and (self.oscillation != 0.0 or self.logarithm != 0.0):
             value = float(self._deep(np.array([d]), end)[0])
         elif d < end:
             ratio = math.sqrt(d / end) if self.root_tail else d / end
@@ -184,6 +191,8 @@ class LogSeries:
             value = legendre_sum(local, self.coefficients[own].tolist())
         if self.power == 0.0 or math.isnan(value):
             return value
+        if self.power > 0.0:
+            return float(value * d**self.power)
         return value * d**self.power if d > 0.0 else math.copysign(math.inf, value)
 
     @property
@@ -191,7 +200,11 @@ class LogSeries:
         """Value at ``d = 0``; infinite where the tail is singular, NaN where it oscillates."""
         if self.oscillation != 0.0:
             return np.nan
-        return np.inf if self.power < 0.0 else legendre_sum(-1.0, self.tail.tolist())
+        if self.power > 0.0:
+            return 0.0
+        if self.power < 0.0 or self.logarithm != 0.0:
+            return np.inf
+        return legendre_sum(-1.0, self.tail.tolist())
 
     def at_ends(self) -> Array:
         """Return the values at `ends`."""

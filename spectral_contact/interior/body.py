@@ -24,6 +24,7 @@ from spectral_contact.interior.sampling import (
     displacement_error,
     stress_error,
 )
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.solution import Solution
 
 if TYPE_CHECKING:
@@ -78,6 +79,7 @@ class Inside:
     def __init__(self, solution: Solution, units: Units | None = None) -> None:
         self._solution = choices.instance("solution", solution, Solution)
         self._units = Units() if units is None else choices.instance("units", units, Units)
+        refuse_profile(solution.scene, "the inside of the body")
         self._nu = solution.scene.poisson_ratio
         pressure, traction = solution.pressure_field, solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed

@@ -29,7 +29,17 @@ from spectral_contact.io.codecs import (
     Several,
     Values,
 )
+from spectral_contact.profiles import (
+    Cone,
+    Parabola,
+    PowerLaw,
+    RoundedFlat,
+    Sampled,
+    Sphere,
+    TruncatedCone,
+)
 from spectral_contact.records import (
+    PROFILE_QUANTITIES,
     Ending,
     ErrorEstimates,
     Plan,
@@ -43,7 +53,7 @@ from spectral_contact.records import (
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 
-__all__ = ["CHOICES", "RECORDS", "SOLUTION"]
+__all__ = ["CHOICES", "PROFILES", "RECORDS", "SOLUTION"]
 
 _FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(str, "a text")
 _FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
@@ -59,16 +69,32 @@ _PHYSICAL = Record(
     normal_compliance=_FLOAT,
     tangential_compliance=_FLOAT,
 )
+#: Profiles of punches.
+PROFILES: Final = (
+    Record("Parabola", Parabola, radius=_FLOAT),
+    Record("Sphere", Sphere, radius=_FLOAT),
+    Record("PowerLaw", PowerLaw, coefficient=_FLOAT, exponent=_FLOAT),
+    Record("Cone", Cone, half_angle=_FLOAT),
+    Record("TruncatedCone", TruncatedCone, flat_radius=_FLOAT, half_angle=_FLOAT),
+    Record("RoundedFlat", RoundedFlat, flat_radius=_FLOAT, radius=_FLOAT),
+    Record(
+        "Sampled", Sampled, edges=Several(_FLOAT), slopes=Several(Several(_FLOAT)), rounded=_FLAG
+    ),
+)
 _SCENE = Record(
     "Scene",
     Scene,
-    {"coupling": False},
+    {"coupling": False, "profile": None, "contact_radius": None, "load": None, "approach": None},
     poisson_ratio=_FLOAT,
     normal_compliance=_FLOAT,
     tangential_compliance=_FLOAT,
     friction=_MAYBE_FLOAT,
     physical=Maybe(_PHYSICAL),
     coupling=_FLAG,
+    profile=Maybe(Either(*PROFILES)),
+    contact_radius=_MAYBE_FLOAT,
+    load=_MAYBE_FLOAT,
+    approach=_MAYBE_FLOAT,
 )
 _STATE = Choice(
     "StepState",
@@ -103,6 +129,7 @@ _ZONE = Record(
 _ERRORS = Record(
     "ErrorEstimates",
     ErrorEstimates,
+    dict.fromkeys(PROFILE_QUANTITIES),
     approach=_MAYBE_FLOAT,
     pressure=_MAYBE_FLOAT,
     traction=_MAYBE_FLOAT,
@@ -113,6 +140,10 @@ _ERRORS = Record(
     edge_ratio=_MAYBE_FLOAT,
     critical_friction=_MAYBE_FLOAT,
     violation=_MAYBE_FLOAT,
+    contact_radius=_MAYBE_FLOAT,
+    load=_MAYBE_FLOAT,
+    stiffness=_MAYBE_FLOAT,
+    indentation_work=_MAYBE_FLOAT,
 )
 _REFINEMENT = Record(
     "RefinementStep",
@@ -137,13 +168,14 @@ _RADIUS = Record("Radius", Radius, value=_FLOAT, from_edge=_FLOAT)
 _LOG_SERIES = Record(
     "LogSeries",
     LogSeries,
-    {"oscillation": 0.0},
+    {"oscillation": 0.0, "logarithm": 0.0},
     coefficients=_TABLE,
     tail=_ROW,
     width=_FLOAT,
     power=_FLOAT,
     root_tail=_FLAG,
     oscillation=_FLOAT,
+    logarithm=_FLOAT,
 )
 _WEIGHT = Record("EdgeWeight", EdgeWeight, amplitude=_FLOAT, shift=_FLOAT, logarithmic=_FLAG)
 _PRESSURE = Record("PressureField", PressureField, weight=Maybe(_WEIGHT), series=Maybe(_LOG_SERIES))
@@ -194,6 +226,10 @@ SOLUTION: Final = Record(
         zones=Several(_ZONE),
         stick_radius=_MAYBE_FLOAT,
         opening=_MAYBE_FLOAT,
+        contact_radius=_FLOAT,
+        load=_FLOAT,
+        stiffness=_FLOAT,
+        indentation_work=_FLOAT,
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,
@@ -202,6 +238,7 @@ SOLUTION: Final = Record(
 #: Everything that has a tag.
 RECORDS: Final = (
     SOLUTION,
+    *PROFILES,
     *(_PHYSICAL, _SCENE, _PLANNED_STEP, _PLAN, _ZONE, _ERRORS, _REFINEMENT, _STEP_WORK, _WORK),
     *(_RADIUS, _LOG_SERIES, _WEIGHT, _PRESSURE, _DISK, _ANNULUS, _PIECE, _ZONAL),
 )

@@ -18,6 +18,7 @@ from spectral_contact.precise.run import Run
 from spectral_contact.precise.search import lawful, solved
 from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
@@ -79,6 +80,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
+    refuse_profile(scene, "reference")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")

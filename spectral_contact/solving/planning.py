@@ -12,6 +12,7 @@ from spectral_contact.solution import (
     FULL_STICK,
     NORMAL,
     PARTIAL_SLIP,
+    PROFILE_QUANTITIES,
     QUANTITIES,
     SLIP_FIELD,
     ZONE_SEARCH,
@@ -23,7 +24,6 @@ from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = ["asked_quantities", "plan"]
 
-_ALL = frozenset(QUANTITIES)
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
 _NO_FRICTION = "the scene has no friction coefficient"
@@ -39,7 +39,8 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     ----------
     scene : Scene
     quantities : iterable of str, optional
-        Names out of `QUANTITIES`; the default is everything that the scene has.
+        Names out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, too; the default is
+        everything that the scene has.
 
     Returns
     -------
@@ -52,13 +53,15 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
         For a name that is no quantity.
     """
     instance("scene", scene, Scene)
-    asked, friction = asked_quantities(quantities), scene.friction
+    shaped = scene.profile is not None
+    asked, friction = asked_quantities(quantities, shaped=shaped), scene.friction
     kind = (
         friction if friction in (None, 0.0, math.inf) else "finite",
         scene.poisson_ratio == 0.5,
         scene.normal_compliance == 0.0,
         scene.tangential_compliance == 0.0,
         scene.coupling,
+        shaped,
     )
     return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
 
@@ -66,12 +69,12 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
 def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     """Return the plan for quantities; all that it depends on is of what kind a scene is."""
     missing: dict[str, str] = {
-        name: "it was not asked for" for name in QUANTITIES if name not in asked
+        name: "it was not asked for" for name in _present(scene) if name not in asked
     }
     if scene.friction is None:
         for name in ("slip", *sorted(_STICK_ONLY)):
             missing[name] = _NO_FRICTION
-    present = tuple(name for name in QUANTITIES if name not in missing)
+    present = tuple(name for name in _present(scene) if name not in missing)
     steps = (
         *_coupling(scene, present),
         _normal(scene, present),
@@ -81,7 +84,12 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     return Plan(present, steps, tuple(sorted(missing.items())))
 
 
-def asked_quantities(quantities: Iterable[str] | None) -> frozenset[str]:
+def _present(scene: Scene) -> tuple[str, ...]:
+    """Return what scenes of this kind may have."""
+    return QUANTITIES if scene.profile is None else (*PROFILE_QUANTITIES, *QUANTITIES)
+
+
+def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) -> frozenset[str]:
     """Return what is asked for; everything is the default.
 
     Raises
@@ -89,9 +97,8 @@ def asked_quantities(quantities: Iterable[str] | None) -> frozenset[str]:
     SceneError
         For a name that is no quantity.
     """
-    if quantities is None:
-        return _ALL
-    return frozenset(names("quantities", quantities, QUANTITIES))
+    known = (*PROFILE_QUANTITIES, *QUANTITIES) if shaped else QUANTITIES
+    return frozenset(known if quantities is None else names("quantities", quantities, known))
 
 
 def _affected(scene: Scene) -> frozenset[str]:
@@ -137,7 +144,7 @@ def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
         return PlannedStep(NORMAL, StepState.RUN, "the pressure is asked for" + smooth)
     if _needs_tangential(scene, present):
         return PlannedStep(NORMAL, StepState.RUN, "the pressure drives the traction" + smooth)
-    if "approach" in present:
+    if {"approach", *PROFILE_QUANTITIES}.intersection(present):
         return PlannedStep(NORMAL, StepState.RUN, "the approach alone, at low degree" + smooth)
     return PlannedStep(NORMAL, StepState.SKIPPED, "nothing asked for depends on the pressure")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.contact.refine import Refinement
@@ -41,8 +41,6 @@ _LOG = logging.getLogger("spectral_contact.solving.solver")
 
 #: What follows from the pressure for everything tangential; no step of its own.
 _DRIVE = "drive"
-#: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
-_BOUNDED = ("approach", "pressure", "traction", "total_shear")
 #: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
 _TIGHTER, _TIGHTEST = 0.1, 1.2e-13
 
@@ -61,6 +59,9 @@ class Run:
     shared : Shared
         What scenes before this one have left.
     """
+
+    #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
+    bounded: ClassVar[tuple[str, ...]] = ("approach", "pressure", "traction", "total_shear")
 
     def __init__(
         self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared
@@ -85,8 +86,7 @@ class Run:
     def solution(self) -> Solution:
         """Run the plan."""
         states = {step.name: step.state for step in self.plan.steps}
-        contact = self._normal(states) if states[NORMAL] is StepState.RUN else None
-        self.tangential(states, contact)
+        self.run_steps(states)
         done = self._done()
         wanted = {*done.quantities}
         errors = {k: v for k, v in self.errors.items() if k in wanted or k == "violation"}
@@ -115,6 +115,11 @@ class Run:
             self.slip if "slip" in wanted else None,
         )
 
+    def run_steps(self, states: dict[str, StepState]) -> None:
+        """Run what is to be run."""
+        contact = self._normal(states) if states[NORMAL] is StepState.RUN else None
+        self.tangential(states, contact)
+
     def _done(self) -> Plan:
         """Return the plan with what became of it."""
         if not self.outcome and not self.lacking:
@@ -129,7 +134,7 @@ class Run:
         """Return the estimates that `rtol` bounds, of what was asked."""
         return [
             self.errors[name]
-            for name in _BOUNDED
+            for name in self.bounded
             if name in self.plan.quantities and name in self.errors
         ]
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
-from spectral_contact.solution import Plan, Solution
+from spectral_contact.solution import PROFILE_QUANTITIES, Plan, Solution
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import Shared
@@ -18,7 +18,7 @@ from spectral_contact.threads import one_thread
 __all__ = ["Continuation", "checked_tolerance", "solve"]
 
 #: Integral quantities, which may be asked for at 1e-13.
-_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius"})
+_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
 
 #: A scene whose zones are not known is solved anew at so much of the tolerance, if the fields reach
 #: that.
@@ -144,6 +144,10 @@ class Continuation:
 
 def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared) -> Run:
     """Return the run that the scene calls for."""
+    if scene.profile is not None:
+        from spectral_contact.solving.profile_run import ProfileRun
+
+        return ProfileRun(scene, todo, rtol, max_unknowns, shared)
     if scene.coupling and scene.friction is not None and scene.poisson_ratio != 0.5:
         from spectral_contact.solving.coupled_run import CoupledRun
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +25,8 @@ from scipy.linalg import eigh
 
 from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.panels import LogPanels, Nodes
+from spectral_contact.spectral.regularised import Change, Regularised
 from spectral_contact.spectral.samples import Samples
 from spectral_contact.threads import cached_property
 
@@ -43,11 +44,6 @@ Array = NDArray[np.float64]
 
 #: Most strips of half-integrals, so that their zeros cost nothing, and the least functions of one.
 _STRIPS, _WORTH = 8, 40
-#: So many targets are solved for one by one: products with few vectors take BLAS more time.
-_FEW = 3
-#: Above this compliance the normal equations lose no more than 30 eps, and need no correction; of
-#: q/s at the centre they lose some thousand eps at 1e-3 ... 0.02.
-_HARMLESS = 0.1
 
 _OPERATORS: BoundedCache[LogPanels, DiskOperators] = BoundedCache("disk operators", 12)
 # A space knows its operator, which knows its disk. Were it known to them too, what a cache forgets
@@ -238,21 +234,6 @@ class GalerkinOperator:
         return _SPACES.get((self, degrees), lambda: Space(self, degrees))
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
-    """Difference of a solution to the one in the next coarser space.
-
-    Attributes
-    ----------
-    coefficients : ndarray, shape (size,)
-    energies : ndarray, shape (panels + 1,)
-        Diagonal part of its energy on every panel, and on the tail.
-    """
-
-    coefficients: Array
-    energies: Array
-
-
 class Space:
     """A subspace of an operator's basis: chosen degrees on every panel.
 
@@ -266,6 +247,7 @@ class Space:
     def __init__(self, operator: GalerkinOperator, degrees: tuple[int, ...]) -> None:
         self.operator = operator
         self.degrees = degrees
+        self.size, self.panels = operator.panels.size, operator.panels.panels
         terms = operator.panels.degree + 1
         # two degrees of every panel are shed, but not the constant
         own, highest = np.arange(terms), np.array(degrees)[:, None]
@@ -356,95 +338,8 @@ class Space:
         compliance : float
             The regularisation, at least 0.
         """
-        return Factored(self, compliance)
+        return Regularised(self, compliance)
 
 
-class Factored:
-    """The regularised least-squares problem of a space, factored once for many targets."""
-
-    def __init__(self, space: Space, compliance: float) -> None:
-        self.space = space
-        self.compliance = compliance
-        matrix = compliance * space.mass
-        matrix += space.gram
-        self._cholesky = Cholesky(matrix)
-
-    @property
-    def scale(self) -> Array:
-        """One over the square roots of the matrix's diagonal."""
-        return np.asarray(1.0 / np.sqrt(self._cholesky.diagonal))
-
-    def solve(
-        self, target: Array | float, load: Array | None = None, *, correct: bool = True
-    ) -> Array:
-        """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
-
-        Parameters
-        ----------
-        target : ndarray, shape (nodes,) or (nodes, k), or float
-            What the half-integral should be; columns are targets of their own, a number is a
-            constant.
-        load : ndarray, shape (size,), optional
-            Inner products of the basis with a known part of the solution, the lift.
-        correct : bool
-            Whether to correct with the half-integral residual. Integral quantities do not need
-            it, nor does a solution whose singular part is in the lift.
-
-        Returns
-        -------
-        ndarray, shape (size,) or (size, k)
-            Coefficients, zero outside the space.
-        """
-        if not isinstance(target, float) and target.ndim == 2 and target.shape[1] <= _FEW:
-            columns = np.ascontiguousarray(target.T)
-            return np.column_stack([self.solve(one, load, correct=correct) for one in columns])
-        space = self.space
-        fixed = 0.0 if load is None else self.compliance * load[space.index]
-        coefficients = np.zeros((space.operator.panels.size, *np.shape(target)[1:]))
-        misfit = target
-        rounds = 2 if correct and self.compliance < _HARMLESS else 1
-        for correction in range(rounds):
-            if isinstance(misfit, float):
-                residual = misfit * space.constant_moments - fixed
-            else:
-                residual = space.moments(misfit.T) - fixed
-            if correction and self.compliance != 0.0:
-                residual -= self.compliance * (space.mass @ coefficients[space.index]).T
-            coefficients[space.index] += self._cholesky.solve(residual).T
-            if correction + 1 < rounds:
-                misfit = target - space.half_integral(coefficients)
-        return coefficients
-
-    def compliance_energy(self, left: Array, right: Array) -> Array:
-        """Return the compliance times the inner products of functions of the space, as columns."""
-        index = self.space.index
-        product: Array = left[index].T @ (self.space.mass @ right[index])
-        return self.compliance * product
-
-    def dual(self, functional: Array) -> Array:
-        """Return the dual solution of a linear functional: what its value is most sensitive to.
-
-        Parameters
-        ----------
-        functional : ndarray, shape (size,)
-            Values of the functional on the basis.
-        """
-        index = self.space.index
-        coefficients = np.zeros_like(functional)
-        coefficients[index] = self._cholesky.solve(functional[index])
-        return coefficients
-
-    def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
-        """Return what the top two degrees of every panel, or the top one, contribute.
-
-        It is the difference to the Galerkin solution without them, from the same factorisation
-        and without cancellation.
-        """
-        index = self.space.index
-        kept = self.space.kept if degrees == 2 else self.space.kept_but_one
-        shed = self._cholesky.shed(coefficients[index], kept)
-        change = np.zeros_like(coefficients)
-        change[index] = shed
-        panels = self.space.operator.panels.panels
-        energies = np.bincount(self.space.panel, shed**2 * self._cholesky.diagonal, panels + 1)
-        return Change(change, np.asarray(energies, dtype=float))
+#: A space's problem, factored.
+Factored: TypeAlias = Regularised[Space]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import reals
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 
 __all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "grid", "listed", "row"]
@@ -166,6 +167,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
 
 
 def _row(scene: Scene) -> tuple[float, ...]:
+    refuse_profile(scene, "sweep")
     if scene.coupling:
         raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
     return row(scene)

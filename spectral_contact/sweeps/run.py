@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 import spectral_contact
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.sweeps.dataset import Table, assembled, needed
 from spectral_contact.sweeps.execution import outcomes
@@ -155,6 +156,7 @@ def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:
     }
     axes = {name: one for name, one in axes.items() if name not in alone}
     if isinstance(scenes, Scene):
+        refuse_profile(scenes, "sweep")
         return grid(replace(scenes, **alone), axes)
     given = [name for name, values in axes.items() if values is not None]
     if given:

@@ -20,6 +20,7 @@ from spectral_contact.equations.residuals import (
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 
 __all__ = ["Check", "CheckReport", "by_distance", "check_solution", "field_of"]
@@ -136,7 +137,7 @@ def check_solution(
     >>> check_solution(solve(scene), scene, 1e-10).passed
     True
     """
-    instance("scene", scene, Scene)
+    refuse_profile(instance("scene", scene, Scene), "check_solution")
     flag("strict", strict)
     rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
     cuts = [

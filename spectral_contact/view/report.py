@@ -13,6 +13,7 @@ import numpy as np
 import spectral_contact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.io.documents import path_text, replace_file, reported
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.view.physical import PhysicalSolution
@@ -31,6 +32,8 @@ __all__ = [
 
 #: Quantities that are functions of the radius: the columns of a table.
 FIELDS = ("pressure", "traction", "slip")
+_UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"
+_PROFILE_UNITS = "s = r/a, lengths in L, p in E' = E / (4 (1 - nu^2)), loads in E' L^2"
 # Of a dimensionless compliance: beyond, another unit is likelier than such a surface.
 _LEAST, _MOST = 1e-9, 1e3
 
@@ -184,7 +187,17 @@ def scene_text(scene: Scene) -> str:
     return (
         f"nu = {scene.poisson_ratio!r}, alpha* = {scene.normal_compliance!r}, "
         f"beta* = {scene.tangential_compliance!r}, {friction}{', coupled' * scene.coupling}"
+        f"{_shape_text(scene)}"
     )
+
+
+def _shape_text(scene: Scene) -> str:
+    """Return the profile, and what is given of the contact."""
+    if scene.profile is None:
+        return ""
+    given = {name: getattr(scene, name) for name in CONTROLS}
+    [control] = [f"{name} = {one!r}" for name, one in given.items() if one is not None]
+    return f", {scene.profile.brief}, {control.replace('_', ' ')}"
 
 
 def _scene_text(solution: Solution) -> str:
@@ -308,7 +321,7 @@ def _csv_comments(solution: Solution) -> list[str]:
         f"spectral_contact {spectral_contact.__version__}",
         *_scene_text(solution).splitlines(),
         f"converged: {'yes' if solution.converged else 'no'}",
-        "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)",
+        _UNITS if solution.scene.profile is None else _PROFILE_UNITS,
         "p_error, q_error, slip_error: estimates of relative errors",
     ]
     for row in (*_rows(solution), *_si_rows(solution)):

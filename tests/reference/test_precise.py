@@ -28,10 +28,10 @@ NU = 0.3
 #: In this order the tests of one scene follow each other, and it is solved once: `scenes`.
 SCENES = {
     "slip inside": Scene(NU, 0.05, 1.0, 0.23 / 7),
-    "slip inside, no normal compliance": Scene(0.2, 0.0, 0.5, 0.05),
     "rough": Scene(0.1, 0.5, 0.5, 0.1),
     "full stick": Scene(NU, 1e-3, 1.0, math.inf),
     "coupled": Scene(0.1, 0.2, 0.5, math.inf, coupling=True),
+    "slip inside, no normal compliance": Scene(0.2, 0.0, 0.5, 0.05),
     "no tangential compliance": Scene(-0.5, 0.5, 0.0, math.inf),
     "no normal compliance": Scene(0.2, 0.0, 0.5, math.inf),
     "slip at a rim of no compliance": Scene(NU, 0.5, 0.0, 0.1),
@@ -156,7 +156,7 @@ def test_values_and_slope_of_the_approach():
     assert abs(left / (precise.approach + alpha * slope) - 1) <= 1e-9
 
 
-@scenes(5)
+@scenes(4)
 def test_elliptic_equations_hold(name):
     precise, scene, mp = solved(name), SCENES[name], context(30)
     zone = len(precise.zones) - 1 if len(precise.zones) > 2 else 0
@@ -196,11 +196,11 @@ def test_elliptic_equations_hold(name):
     assert abs(outward / (kappa * inside) - 1) <= 10.0 ** -(DIGITS + 1)
 
 
-@scenes(2)
+@scenes(5)
 def test_tractions_are_continuous_at_the_boundaries(name):
     precise, mp = solved(name), context()
     friction = mp.mpf(SCENES[name].friction)
-    assert [z.kind for z in precise.zones] == ["stick", "slip", "stick"]
+    assert len(precise.zones) == (3 if "slip inside" in name else 2 if name == "rough" else 1)
     for zone in precise.zones[:-1]:
         for sense in (-1, 1):  # a distance that q varies over by less than the error
             from_edge = zone.outer_from_edge * (1 + sense * mp.mpf(10) ** -(DIGITS + 6))

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from bad_input_cases import Bench
 
-from spectral_contact import Scene, SpectralContactError, calibration, paper
+from spectral_contact import Scene, SpectralContactError, calibration, paper, profiles
 from spectral_contact.asperities import greenwood_williamson
 from spectral_contact.calibration.setting import Setting
 from spectral_contact.fields.series import Radius
@@ -82,6 +82,9 @@ ARGUMENTS: dict[str, Any] = {
     **{"resolutions": [8], "accuracies": [0.5], "solver": solver, "solvers": {"a": solver}},
     **{"seconds": [0.1], "wanted": ["approach"], "field": one, "truth": Quarter()},
     **{"from_edge": 0.5, "kappa": 0.2, "traction": one, "low": -1.0, "high": 1.0},
+    **{"contact_radius": 0.9, "half_angle": 0.8, "flat_radius": 0.5, "exponent": 2.0},
+    **{"coefficient": 0.4, "edges": (0.0, 1.0), "slopes": ((0.5, 0.5),), "reach": 2.0},
+    **{"height": lambda r: r**2, "radii": [0.0, 0.5, 1.0], "heights": [0.0, 0.125, 0.5]},
     **{"inner": Radius(0.5, 0.5), "outer": Radius(0.75, 0.25), "layer": {}},
 }
 #: By name of the callable's parameter, where the name alone does not say it.
@@ -92,6 +95,7 @@ SPECIAL: dict[str, Any] = {
     "calibration.fit.data": calibration.ApproachData([0.3], sigma=0.1),
     "calibration.fit.free": "normal_compliance",
     "calibration.RoughnessFit.from_json.text": "{}",
+    "profiles.Sampled.from_functions.slope": lambda r: 2.0 * r,
     "paper.FigureData.largest_error.name": "pressure",
     "paper.figure_data.name": "2",
     "paper.read_csv.name": "2",
@@ -151,6 +155,7 @@ class Examples:
         self._instances = [
             *bench.solutions,
             *(one.physical for one in bench.solutions if one.scene.physical is not None),
+            *(profiles.Parabola(1.0), profiles.Sampled((0.0, 1.0), ((0.5, 0.5),))),
             *(SCENE, si, own, own.points[0], own.points, rate),
             *(compared, QUICK, OwnSolver(), truth_of(NORMAL), figure),
             paper.FigureData(figure, 1e-3, table[:, : len(figure.columns)].copy()),

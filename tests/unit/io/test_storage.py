@@ -16,6 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from spectral_contact import profiles
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
@@ -33,6 +34,8 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.inputs import physical
 from spectral_contact.io import schema, storage
+from spectral_contact.profiles import sampled as sampled_profiles
+from spectral_contact.profiles import shapes as shape_profiles
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     Ending,
@@ -48,6 +51,7 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.solver import solve
 
+profile_classes = (sampled_profiles, shape_profiles)
 SUFFIXES = (".npz", ".json")
 AWKWARD = [math.inf, -math.inf, -0.0, 5e-324, -2.2e-308, 1.7976931348623157e308, 0.1 + 0.2, 1e22]
 STEEL = {
@@ -262,9 +266,10 @@ def test_reordered_and_indented_json_is_still_the_solution():
 
 def test_the_schema_declares_every_class_and_every_field():
     """A class or field that is added is to be declared in the schema, and used in `synthetic`."""
+    own = field_classes, physical, record_classes, scene_classes, solution_classes
     classes = {
         cls
-        for module in (field_classes, physical, record_classes, scene_classes, solution_classes)
+        for module in (*own, *profile_classes)
         for cls in vars(module).values()
         if isinstance(cls, type) and cls.__module__ == module.__name__
         if is_dataclass(cls) or issubclass(cls, Enum)
@@ -277,7 +282,43 @@ def test_the_schema_declares_every_class_and_every_field():
         declared = {one.name: one for one in fields(record.cls)}
         assert list(record.kinds) == list(declared)
         assert record.later == {key: declared[key].default for key in record.later}
-    assert all(f'"{one.tag}": ' in synthetic().to_json() for one in schema.RECORDS)
+    others = set(schema.RECORDS) - set(schema.PROFILES)  # those have a test of their own
+    assert all(f'"{one.tag}": ' in synthetic().to_json() for one in others)
+
+
+PROFILES = {
+    "parabola": profiles.Parabola(1.3),
+    "sphere": profiles.Sphere(1.3),
+    "power": profiles.PowerLaw(0.7, 2.5),
+    "cone": profiles.Cone(0.8),
+    "truncated cone": profiles.TruncatedCone(0.5, 1.1),
+    "rounded flat": profiles.RoundedFlat(0.5, 1.0),
+    "points": profiles.Sampled.from_points([0.0, 0.5, 1.0, 1.5], [0.0, 0.125, 0.5, 1.125]),
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("alpha", [0.0, 0.5])
+def test_solutions_with_a_profile_round_trip(name, alpha, tmp_path):
+    scene = Scene(0.3, alpha, profile=PROFILES[name], load=0.1)
+    solution = solve(scene, 1e-6)
+    for suffix in SUFFIXES:
+        assert_identical(through_file(solution, tmp_path / f"a{suffix}"), solution)
+    assert_identical(pickle.loads(pickle.dumps(solution)), solution)
+    assert Scene.from_json(scene.to_json()) == scene
+    assert hash(Scene.from_json(scene.to_json())) == hash(scene)
+    assert Scene.from_dict(scene.to_dict()) == scene
+    other = Scene(0.3, alpha, profile=PROFILES[name], load=0.2)
+    assert solution != solve(other, 1e-6)
+
+
+def test_each_profile_is_declared_and_tried():
+    assert {one.cls for one in schema.PROFILES} == {type(one) for one in PROFILES.values()}
+
+
+def test_flat_scenes_say_nothing_of_profiles():
+    assert "profile" not in solved("frictionless").to_json()
+    assert "profile" not in SCENES["frictionless"].to_json()
 
 
 # --- equality -------------------------------------------------------------------------------------

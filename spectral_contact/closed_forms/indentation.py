@@ -1,0 +1,326 @@
+"""Frictionless contact under a profile: on a smooth surface, and on one so rough that it is all.
+
+Lengths are in any unit L, tractions in E' = E/(4(1 − ν²)), a quarter of E*, loads in E'L². A
+contact is given by its radius.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._inputs import Array, Values, check_positive, real_numbers, refusal
+
+__all__ = [
+    "SmoothContact",
+    "cone_contact",
+    "cone_pressure",
+    "parabola_contact",
+    "parabola_pressure",
+    "power_law_contact",
+    "rounded_flat_contact",
+    "sphere_contact",
+    "truncated_cone_contact",
+    "winkler_contact",
+]
+
+
+@dataclass(frozen=True)
+class SmoothContact:
+    """A contact of a known radius.
+
+    Attributes
+    ----------
+    approach : float
+        δ, in L.
+    load : float
+        P, in E'L².
+    """
+
+    approach: float
+    load: float
+
+
+def _moderate(name: str, value: float) -> float:
+    """Return a positive number whose powers are doubles."""
+    number = check_positive(name, value)
+    if not 1e-30 <= number <= 1e30:
+        raise refusal(name, value, "in [1e-30, 1e30]")
+    return number
+
+
+def _angle(value: float) -> float:
+    """Return an angle between axis and side."""
+    number = check_positive("half_angle", value)
+    if number >= math.pi / 2.0:
+        raise refusal("half_angle", value, "in (0, pi/2)")
+    return number
+
+
+def _exponent(value: float, contact_radius: float) -> float:
+    """Return an exponent whose power of the radius is a double."""
+    number = check_positive("exponent", value)
+    if number > 100.0 or abs(number * math.log10(contact_radius)) > 150.0:
+        raise refusal("exponent", value, "at most 100, and the power of the radius a double")
+    return number
+
+
+def _inside(r: ArrayLike, contact_radius: float) -> Array:
+    """Return radii inside the contact."""
+    at = real_numbers("r", r, "in [0, contact_radius]")
+    if not ((at >= 0.0) & (at <= contact_radius)).all():
+        raise refusal("r", r, "in [0, contact_radius]")
+    return at
+
+
+def _above(contact_radius: float, flat_radius: float) -> float:
+    """Return the angle whose cosine is the flat part of the radius."""
+    contact_radius = _moderate("contact_radius", contact_radius)
+    flat_radius = _moderate("flat_radius", flat_radius)
+    if contact_radius < flat_radius:
+        raise ValueError(f"contact_radius = {contact_radius!r}: must be at least {flat_radius!r}")
+    return math.acos(flat_radius / contact_radius)
+
+
+def parabola_contact(contact_radius: float, radius: float) -> SmoothContact:
+    """Return Hertz's contact of the paraboloid r²/(2R): δ = a²/R, P = 16a³/(3R).
+
+    Parameters
+    ----------
+    contact_radius : float
+        a, > 0.
+    radius : float
+        R of curvature, > 0.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), equations (4.22) to (4.24).
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    radius = _moderate("radius", radius)
+    return SmoothContact(contact_radius**2 / radius, 16.0 * contact_radius**3 / (3.0 * radius))
+
+
+def parabola_pressure(contact_radius: float, radius: float, r: ArrayLike) -> Values:
+    """Return Hertz's pressure 8√(a² − r²)/(πR).
+
+    Parameters
+    ----------
+    contact_radius, radius : float
+        As of `parabola_contact`.
+    r : array_like
+        Radii in [0, a].
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    radius = _moderate("radius", radius)
+    at = _inside(r, contact_radius)
+    root = np.sqrt((contact_radius - at) * (contact_radius + at))
+    return np.asarray(8.0 / (math.pi * radius) * root)
+
+
+def sphere_contact(contact_radius: float, radius: float) -> SmoothContact:
+    """Return the contact of the exact sphere, a < R.
+
+    Parameters
+    ----------
+    contact_radius : float
+        a, in (0, R).
+    radius : float
+        R of the sphere, > 0.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+
+    References
+    ----------
+    Segedin (1957); Popov, Heß and Willert, Handbook of Contact Mechanics (2019), §2.5.
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    radius = _moderate("radius", radius)
+    if contact_radius >= radius:
+        raise ValueError(f"contact_radius = {contact_radius!r}: must be less than {radius!r}")
+    a, whole = contact_radius, radius
+    growth = math.log((whole + a) / (whole - a))
+    load = 4.0 * ((whole**2 + a**2) / 2.0 * growth - a * whole)
+    return SmoothContact(a / 2.0 * growth, load)
+
+
+def cone_contact(contact_radius: float, half_angle: float) -> SmoothContact:
+    """Return Sneddon's contact of the cone r cot θ: δ = (π/2) a cot θ, P = 2π a² cot θ.
+
+    Parameters
+    ----------
+    contact_radius : float
+        a, > 0.
+    half_angle : float
+        θ between axis and side, in radians.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+
+    References
+    ----------
+    Sneddon (1965).
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    half_angle = _angle(half_angle)
+    slope = 1.0 / math.tan(half_angle)
+    a = contact_radius
+    return SmoothContact(math.pi / 2.0 * slope * a, 2.0 * math.pi * slope * a**2)
+
+
+def cone_pressure(contact_radius: float, half_angle: float, r: ArrayLike) -> Values:
+    """Return the pressure 2 cot θ arcosh(a/r) under a cone, infinite at the tip.
+
+    Parameters
+    ----------
+    contact_radius, half_angle : float
+        As of `cone_contact`.
+    r : array_like
+        Radii in [0, a].
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    half_angle = _angle(half_angle)
+    at = _inside(r, contact_radius)
+    with np.errstate(divide="ignore"):
+        ratio = contact_radius / at
+    return np.asarray(2.0 / math.tan(half_angle) * np.arccosh(ratio))
+
+
+def power_law_contact(contact_radius: float, coefficient: float, exponent: float) -> SmoothContact:
+    """Return the contact of the profile C rⁿ.
+
+    Parameters
+    ----------
+    contact_radius : float
+        a, > 0.
+    coefficient, exponent : float
+        C and n, > 0.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+
+    References
+    ----------
+    Galin (1946); Sneddon (1965).
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    coefficient = _moderate("coefficient", coefficient)
+    exponent = _exponent(exponent, contact_radius)
+    n = exponent
+    ratio = math.exp(math.lgamma(n / 2.0 + 1.0) - math.lgamma((n + 1.0) / 2.0))
+    approach = coefficient * contact_radius**n * math.sqrt(math.pi) * ratio
+    return SmoothContact(approach, 8.0 * contact_radius * approach * n / (n + 1.0))
+
+
+def truncated_cone_contact(
+    contact_radius: float, flat_radius: float, half_angle: float
+) -> SmoothContact:
+    """Return the contact of a cone that is cut off flat at the radius b.
+
+    Parameters
+    ----------
+    contact_radius : float
+        a, at least b.
+    flat_radius : float
+        b, > 0.
+    half_angle : float
+        θ between axis and side, in radians.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+
+    References
+    ----------
+    Ejike (1969); Popov, Heß and Willert, Handbook of Contact Mechanics (2019), §2.5.
+    """
+    angle = _above(contact_radius, flat_radius)
+    half_angle = _angle(half_angle)
+    slope = 1.0 / math.tan(half_angle)
+    load = 4.0 * slope * contact_radius**2 * (angle + math.sin(angle) * math.cos(angle))
+    return SmoothContact(slope * contact_radius * angle, load)
+
+
+def rounded_flat_contact(contact_radius: float, flat_radius: float, radius: float) -> SmoothContact:
+    """Return the contact of a flat of radius b with an edge rounded to the radius R.
+
+    Parameters
+    ----------
+    contact_radius : float
+        a, at least b.
+    flat_radius : float
+        b, > 0.
+    radius : float
+        R of curvature, > 0.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+
+    References
+    ----------
+    Ciavarella, Hills and Monno (1998), for the punch; Jäger (1995).
+    """
+    angle = _above(contact_radius, flat_radius)
+    radius = _moderate("radius", radius)
+    sine, cosine = math.sin(angle), math.cos(angle)
+    load = sine * (4.0 - cosine**2) - 3.0 * angle * cosine
+    return SmoothContact(
+        contact_radius**2 / radius * (sine - angle * cosine),
+        4.0 * contact_radius**3 / (3.0 * radius) * load,
+    )
+
+
+def winkler_contact(
+    contact_radius: float, coefficient: float, exponent: float, normal_compliance: float
+) -> SmoothContact:
+    """Return the contact of the profile C rⁿ on a layer so soft that the half-space is rigid.
+
+    Its pressure is (δ − h)/α: the limit of a contact radius that is small against α.
+
+    Parameters
+    ----------
+    contact_radius : float
+        a, > 0.
+    coefficient, exponent : float
+        C and n, > 0.
+    normal_compliance : float
+        α, in L/E', > 0.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of range.
+    """
+    contact_radius = _moderate("contact_radius", contact_radius)
+    coefficient = _moderate("coefficient", coefficient)
+    exponent = _exponent(exponent, contact_radius)
+    normal_compliance = _moderate("normal_compliance", normal_compliance)
+    n, approach = exponent, coefficient * contact_radius**exponent
+    area = math.pi * contact_radius**2
+    return SmoothContact(approach, area * approach * n / ((n + 2.0) * normal_compliance))

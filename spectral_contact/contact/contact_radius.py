@@ -1,0 +1,196 @@
+r"""The contact radius that a load, or an approach, asks for.
+
+Both grow with the radius without bound, and ``dP/da = (dP/ddelta) (ddelta/da)`` is known with
+either, so Newton's method takes few steps. The unknown is the logarithm of how far the radius is
+beyond the flat part of the profile, over how far it is from its reach. First steps are taken in
+poor spaces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import exp, inf, isfinite, isinf, log
+
+from spectral_contact.contact.indented import Indentation, solve_indentation
+from spectral_contact.contact.refine import Refinement
+from spectral_contact.errors import SceneError
+from spectral_contact.profiles import Profile
+
+__all__ = ["find_radius"]
+
+Contact = Indentation | Refinement[Indentation]
+
+#: Tolerance of the poor spaces; steps in all; the longest.
+_POOR, _STEPS, _LONGEST = 1e-6, 60, 3.0
+#: Steps from which on a secant is taken for the slope.
+_CLOSE = 0.5
+#: Relative rounding of a value, at which a step ends the search.
+_ROUNDING = 2e-15
+
+
+@dataclass(frozen=True, slots=True)
+class _RadiusScale:
+    """The unknown and the radius that it stands for."""
+
+    profile: Profile
+
+    def radius(self, v: float) -> float:
+        """Return the radius."""
+        low, high = self.profile.flat_part, self.profile.reach
+        if isinf(high):
+            return low + exp(v)
+        return (
+            low + (high - low) / (1.0 + exp(-v))
+            if v < 0.0
+            else high - (high - low) / (1.0 + exp(v))
+        )
+
+    def place(self, radius: float) -> float:
+        """Return the unknown of a radius."""
+        low, high = self.profile.flat_part, self.profile.reach
+        return log(radius - low) - (0.0 if isinf(high) else log(high - radius))
+
+    def slope(self, radius: float) -> float:
+        """Return the derivative of the radius in the unknown."""
+        low, high = self.profile.flat_part, self.profile.reach
+        room = 1.0 if isinf(high) else (high - radius) / (high - low)
+        return (radius - low) * room
+
+
+def find_radius(
+    profile: Profile,
+    compliance: float,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    load: float | None,
+    approach: float | None,
+    pointwise: bool,
+) -> tuple[Contact, float]:
+    """Return the contact under a load or approach, and the relative error of its radius.
+
+    Parameters
+    ----------
+    profile : Profile
+    compliance, tolerance, max_unknowns, pointwise
+        As of `solve_indentation`.
+    load, approach : float or None
+        One of them.
+
+    Raises
+    ------
+    SceneError
+        If no contact smaller than the profile carries it.
+    """
+    search = _RadiusSearch(profile, load, approach)
+
+    def solved(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
+        return lambda radius: solve_indentation(
+            profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
+        )
+
+    near = max(0.02 * tolerance, _ROUNDING)
+    # what is integrated is known far better in a poor space than the pressure, and says how well
+    search.run(solved(max(tolerance, _POOR), False), near, rough=True)
+    search.run(solved(tolerance, pointwise), near)
+    return search.found()
+
+
+class _RadiusSearch:
+    """Newton's method, bracketed."""
+
+    def __init__(self, profile: Profile, load: float | None, approach: float | None) -> None:
+        self.profile, self.load, self.approach = profile, load, approach
+        self.at = _RadiusScale(profile)
+        size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
+        self.v = self.at.place(profile.flat_part + 0.5 * size)
+        self.low, self.high = -inf, inf
+        self.last: Contact | None = None
+        self.misfit = inf
+        self.known = 0.0
+        self.slope = 1.0
+        self.before: float | None = None
+
+    def run(self, solve: Callable[[float], Contact], near: float, *, rough: bool = False) -> None:
+        """Step until the logarithm of the value is as near to that of what is asked for.
+
+        Or, if rough, as near as the value is known.
+        """
+        # those of a poorer space may be wrong
+        self.low, self.high, self.before = -inf, inf, None
+        least = inf
+        for _ in range(_STEPS):
+            self._look(solve)
+            enough = max(near, self.known) if rough else near
+            if abs(self.misfit) <= enough or (abs(self.misfit) >= least and least < 1e3 * near):
+                return
+            least = min(least, abs(self.misfit))
+            self._step()
+        self._refuse()
+
+    def _look(self, solve: Callable[[float], Contact]) -> None:
+        radius = self.at.radius(self.v)
+        if not self.profile.flat_part < radius < self.profile.reach:
+            self._refuse()
+        self.last = solve(radius)
+        one = _value(self.last)
+        by_load = self.approach is None
+        value, asked = (one.load, self.load) if by_load else (one.approach, self.approach)
+        assert asked is not None
+        rate = one.growth * (one.stiffness if by_load else 1.0)
+        misfit = log(value / asked)
+        self.known = one.load_error if by_load else one.approach_error
+        self.slope = rate * self.at.slope(radius) / value
+        # between places that are close a secant knows better: next to the rim of a sphere the
+        # pressure bends closer to the edge than where its slope is taken
+        if self.before is not None and 0.0 < abs(self.v - self.before) < _CLOSE:
+            secant = (misfit - self.misfit) / (self.v - self.before)
+            self.slope = secant if secant > 0.0 else self.slope
+        self.misfit, self.before = misfit, self.v
+
+    def _step(self) -> None:
+        if self.misfit > 0.0:
+            self.high = min(self.high, self.v)
+        else:
+            self.low = max(self.low, self.v)
+        step = -self.misfit / self.slope if self.slope > 0.0 else -self.misfit
+        v = self.v + max(min(step, _LONGEST), -_LONGEST)
+        inside = self.low < v < self.high
+        self.v = v if inside or not isfinite(self.low + self.high) else (self.low + self.high) / 2.0
+
+    def _refuse(self) -> None:
+        name, value = ("load", self.load) if self.approach is None else ("approach", self.approach)
+        radius = self.at.radius(self.v)
+        told = (
+            f"what a contact of a radius in ({self.profile.flat_part:.6g}, "
+            f"{self.profile.reach:.6g}), where the profile is, carries; not even {radius:.6g} does"
+        )
+        raise SceneError(name, value, told)
+
+    def found(self) -> tuple[Contact, float]:
+        """Return the contact, what was asked exactly, and the relative error of its radius."""
+        assert self.last is not None
+        one = _value(self.last)
+        of_value = one.load_error if self.approach is None else one.approach_error
+        # errors of load and approach at this radius are those of a radius that is a little off
+        error = (of_value + abs(self.misfit)) / self.slope * self.at.slope(one.radius) / one.radius
+        growth = one.growth * one.radius
+        if self.approach is None:
+            assert self.load is not None
+            moved = growth * error / one.approach
+            best = replace(
+                one, load=self.load, load_error=0.0, approach_error=one.approach_error + moved
+            )
+        else:
+            moved = growth * one.stiffness * error / one.load
+            best = replace(
+                one, approach=self.approach, approach_error=0.0, load_error=one.load_error + moved
+            )
+        if isinstance(self.last, Refinement):
+            return replace(self.last, best=replace(self.last.best, value=best)), error
+        return best, error
+
+
+def _value(solved: Contact) -> Indentation:
+    return solved.best.value if isinstance(solved, Refinement) else solved

@@ -1,0 +1,121 @@
+r"""Pressure under a profile on a smooth surface: Abel's integral inverted, without a system.
+
+There the half-integral is known, ``F = H(1) - H(t)``, and ``p(s) = (2/pi) int_s^1 H'(t) dt /
+sqrt(t^2 - s^2)``. With ``w^2 = t^2 - s^2`` the integrand is ``H'(t)/t dw``: smooth but where t
+meets a break of the profile or the tip, to which panels of the quadrature are graded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.resolution import PANEL_WIDTH
+from spectral_contact.fields.series import CENTRE, EDGE, LogSeries
+from spectral_contact.profiles import Profile
+from spectral_contact.spectral.annulus import Family, sampled_series
+from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.transforms import transforms
+
+__all__ = ["SmoothPressure", "smooth_pressure"]
+
+Array = NDArray[np.float64]
+
+#: Quadrature: panels that shrink by this factor towards a break, so many, with so many points.
+_RATIO, _PANELS, _POINTS = 0.3, 44, 20
+#: Points where there is neither a break nor a tip.
+_PLAIN = 60
+#: A pressure that grows by less over a panel in the logarithm of the distance has a limit.
+_LIMIT = 1e-7
+#: Degree on a panel; panels to the edge, where what is over the weight is smooth, and to a break:
+#: there they end at 4e-18 of the square of the radius.
+_DEGREE, _TO_EDGE, _TO_BREAK = 24, 8, 40
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothPressure:
+    """Series on every part, and an estimate of their relative error, break and tip left out."""
+
+    series: list[LogSeries]
+    error: float
+
+
+def smooth_pressure(profile: Profile, radius: float, parts: Parts) -> SmoothPressure:
+    """Return the pressure on a smooth surface; next to the edge with the weight ``sqrt(d)``.
+
+    Parameters
+    ----------
+    profile : Profile
+    radius : float
+        Of the contact.
+    parts : Parts
+        Graded to the profile's breaks.
+    """
+    found, worst = [], 0.0
+    for end in parts.ends:
+        at_edge = end[0] is EDGE
+        panels = LogPanels(_TO_EDGE if at_edge else _TO_BREAK, PANEL_WIDTH, _DEGREE)
+        family = Family(*end, panels)
+        series = sampled_series(panels, _values(profile, radius, parts, family))
+        size = np.abs(series.at_ends())
+        last = np.abs(series.coefficients[:, -2:]).max(axis=1)
+        worst = max(worst, float((last / np.maximum(size[:-1], size[1:])).max()))
+        found.append(replace(series, power=0.5) if at_edge else _to_the_break(series))
+    return SmoothPressure(found, worst)
+
+
+def _to_the_break(series: LogSeries) -> LogSeries:
+    """Return a series whose tail goes on as a logarithm if the pressure has one."""
+    slope = 2.0 / series.width * float(series.coefficients[-1, 1])
+    end = float(series.coefficients[-1].sum())
+    if abs(slope) * series.width <= _LIMIT * abs(end):
+        return series
+    return replace(series, tail=np.array([end]), logarithm=slope)
+
+
+def _values(profile: Profile, radius: float, parts: Parts, family: Family) -> Array:
+    """Return the pressure at the sampling points of a part, at the edge over ``sqrt(d)``."""
+    at_edge = family.boundary is EDGE
+    points = family.points(transforms(family.panels).distances)
+    bounds = (*parts.breaks, EDGE)
+    rule, weights = _graded_rule() if len(parts.ends) > 1 else _plain_rule()
+    total = np.zeros(len(points.offset))
+    for k, outer in enumerate(bounds):
+        inner = CENTRE if k == 0 else bounds[k - 1]
+        room = np.maximum(points.before(outer), 0.0)
+        if not room.any():
+            continue
+        below = points.before(inner)  # of the square of the inner break, negative if that is inside
+        inside = below > 0.0
+        # over w from the point itself, or over v with v^2 = t^2 - inner^2 from the break on
+        start = np.where(inside, below, 0.0)
+        extent = np.where(inside, room - start, room)
+        v = np.sqrt(extent)[:, None] * rule
+        past = v**2 - np.where(inside, 0.0, below)[:, None]
+        w = np.sqrt(v**2 + start[:, None])
+        t = np.sqrt(v**2 + np.where(inside, inner.square, points.z)[:, None])
+        rates = profile._rate(radius * t, radius**2 * past if k else np.zeros(t.shape))
+        along = np.where(inside[:, None], v / np.where(w > 0.0, w, 1.0), 1.0)
+        sums = (rates / t * along) @ weights
+        # the last interval has the factor sqrt(d), which the weight stands for
+        total += sums * (np.sqrt(family.reach) if at_edge else np.sqrt(extent))
+    return np.asarray(2.0 / pi * total)
+
+
+def _graded_rule() -> tuple[Array, Array]:
+    """Return a rule on (0, 1) graded to 0."""
+    g, w = gauss_rule(_POINTS)
+    ends = np.append(_RATIO ** np.arange(_PANELS), 0.0)
+    low, width = ends[1:, None], -np.diff(ends)[:, None]
+    return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
+
+
+def _plain_rule() -> tuple[Array, Array]:
+    """Return a rule on (0, 1)."""
+    g, w = gauss_rule(_PLAIN)
+    return (1.0 + g) / 2.0, w / 2.0

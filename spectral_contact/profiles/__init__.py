@@ -1,0 +1,28 @@
+"""Profiles of punches: how far each stands above its lowest point, at every radius.
+
+Lengths are in a reference length of the user's choice. Every profile is convex and touches at its
+centre first. What the solver asks of one is in `Profile`; shapes of everyday use have it in closed
+form, and `Sampled` makes one of functions or of points.
+"""
+
+from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.sampled import Sampled
+from spectral_contact.profiles.shapes import (
+    Cone,
+    Parabola,
+    PowerLaw,
+    RoundedFlat,
+    Sphere,
+    TruncatedCone,
+)
+
+__all__ = [
+    "Cone",
+    "Parabola",
+    "PowerLaw",
+    "Profile",
+    "RoundedFlat",
+    "Sampled",
+    "Sphere",
+    "TruncatedCone",
+]

@@ -1,0 +1,108 @@
+r"""What the solver asks of a profile.
+
+With the height ``h`` above the lowest point, a rigid punch asks for the half-integral
+``2 delta - H(t)`` of the pressure, with ``H(t) = 2 t int_0^t h'(r) dr / sqrt(t^2 - r^2)``
+(docs/theory, profiles).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.inputs.checks import lengths
+
+__all__ = ["Profile"]
+
+Array = NDArray[np.float64]
+
+
+class Profile(ABC):
+    """A convex axisymmetric punch. Immutable, comparable, hashable and picklable."""
+
+    __slots__ = ()
+
+    @property
+    def flat_part(self) -> float:
+        """Radius of the flat part; the contact is always larger."""
+        return 0.0
+
+    @property
+    def reach(self) -> float:
+        """Radius at which the profile ends; the contact is always smaller."""
+        return inf
+
+    @property
+    def pointed(self) -> bool:
+        """Whether the height is no smooth function of the radius squared at the centre."""
+        return False
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Radii, increasing and positive, at which a derivative of the height jumps."""
+        return (self.flat_part,) if self.flat_part > 0.0 else ()
+
+    @property
+    def brief(self) -> str:
+        """Its kind and parameters, in one line."""
+        return repr(self)
+
+    def height(self, r: ArrayLike) -> Any:
+        """Return the height above the lowest point.
+
+        Parameters
+        ----------
+        r : array_like
+            Radii from 0 to the reach, any shape.
+
+        Returns
+        -------
+        float or ndarray
+
+        Raises
+        ------
+        SceneError
+            If a radius is another.
+        """
+        radii = lengths("r", r, self.reach).astype(float)
+        return self._height(radii)[()]
+
+    # the methods below are the solver's: arrays of doubles as they are
+
+    @abstractmethod
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii of any shape, 0 at the centre."""
+
+    @abstractmethod
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii of any shape."""
+
+    @abstractmethod
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)`` to relative accuracy.
+
+        Parameters
+        ----------
+        radius : float
+        t, y : ndarray
+            Numbers in [0, 1], and ``1 - t**2`` without cancellation.
+        past : ndarray
+            As in `rate`, of the radii ``radius t``.
+        """
+
+    @abstractmethod
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``.
+
+        Parameters
+        ----------
+        t : ndarray
+            Radii.
+        past : ndarray
+            ``t**2 - b**2`` without cancellation, where b is the largest of the breaks below t; 0 if
+            there is none.
+        """

@@ -1,0 +1,121 @@
+"""What tells how far a profile is pressed in, and profiles in documents."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, Final
+
+from spectral_contact.errors import SceneError, shown
+from spectral_contact.inputs.checks import real
+from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.sampled import Sampled
+from spectral_contact.profiles.shapes import (
+    Cone,
+    Parabola,
+    PowerLaw,
+    RoundedFlat,
+    Sphere,
+    TruncatedCone,
+)
+
+__all__ = [
+    "CONTROLS",
+    "KINDS",
+    "checked_controls",
+    "profile_from",
+    "profile_tree",
+    "refuse_profile",
+]
+
+#: What may be given of a contact under a profile, one of them.
+CONTROLS: Final = ("contact_radius", "load", "approach")
+#: Profiles by the name that they have in files.
+KINDS: Final[dict[str, type[Profile]]] = {
+    one.__name__: one
+    for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled)
+}
+#: Compliances in units of the contact radius.
+_LEAST, _MOST = 1e-14, 1e14
+
+
+def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
+    """Return what is given of a contact, by name: one number with a profile, none without.
+
+    Parameters
+    ----------
+    scene : mapping
+        What a scene has, by name; the compliance is checked already.
+
+    Raises
+    ------
+    SceneError
+        If it is another number, or out of range.
+    """
+    profile, compliance = scene["profile"], scene["normal_compliance"]
+    values = {name: scene[name] for name in CONTROLS}
+    given = {name: value for name, value in values.items() if value is not None}
+    if profile is None:
+        for name, value in given.items():
+            told = "None without a profile: a flat punch's radius and load are the units"
+            raise SceneError(name, value, told)
+        return {}
+    if type(profile) not in KINDS.values():
+        raise SceneError("profile", profile, f"None or one of profiles: {', '.join(KINDS)}")
+    assert isinstance(profile, Profile)
+    for name in ("friction", "physical"):
+        if scene[name] is not None:
+            raise SceneError(name, scene[name], "None with a profile")
+    if len(given) != 1:
+        told = "one value and two None: give one of them with a profile"
+        raise SceneError(", ".join(CONTROLS), tuple(values.values()), told)
+    [(name, value)] = given.items()
+    if name != "contact_radius":
+        return {name: real(name, value, allowed="finite and > 0", low=0.0, low_open=True)}
+    low, high = profile.flat_part, profile.reach
+    told = f"finite, and in ({low:.6g}, {high:.6g}), where the profile is"
+    radius = real(name, value, allowed=told, low=low, high=high, low_open=True, high_open=True)
+    if compliance and not _LEAST <= compliance / radius <= _MOST:
+        told = f"such that normal_compliance / contact_radius is in [{_LEAST:g}, {_MOST:g}]"
+        raise SceneError(name, value, told)
+    return {name: radius}
+
+
+def refuse_profile(scene: Any, what: str) -> None:
+    """Refuse a scene with a profile on behalf of what knows flat punches only.
+
+    Raises
+    ------
+    SceneError
+        If it has one.
+    """
+    if scene.profile is not None:
+        told = f"one without a profile: {what} knows flat punches only"
+        raise SceneError("scene", scene, told)
+
+
+def profile_tree(profile: Profile) -> dict[str, Any]:
+    """Return a profile as strict JSON can hold it: its kind over its parameters."""
+    body = {one.name: getattr(profile, one.name) for one in fields(profile)}  # type: ignore[arg-type]
+    return {type(profile).__name__: body}
+
+
+def profile_from(tree: Any) -> Profile:
+    """Return the profile that `profile_tree` wrote.
+
+    Raises
+    ------
+    SceneError
+        If it is none, or a parameter is out of range.
+    """
+    allowed = f"an object with one key, one of {', '.join(KINDS)}, over its parameters"
+    if not isinstance(tree, Mapping) or len(tree) != 1:
+        raise SceneError("profile", tree, allowed)
+    [(kind, body)] = tree.items()
+    if kind not in KINDS or not isinstance(body, Mapping):
+        raise SceneError("profile", shown(tree), allowed)
+    names = {one.name for one in fields(KINDS[kind])}  # type: ignore[arg-type]
+    if names != set(body):
+        raise SceneError("profile", shown(tree), f"{kind} with {', '.join(sorted(names))}")
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in body.items()}
+    return KINDS[kind](**values)

@@ -1,0 +1,306 @@
+"""Profiles made of functions or of points: the slope as a polynomial on every piece."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import finite, flag, real, values_at
+from spectral_contact.inputs.choices import function, listed
+from spectral_contact.profiles.base import Profile
+
+__all__ = ["Sampled"]
+
+Array = NDArray[np.float64]
+Rows = tuple[tuple[float, ...], ...]
+
+#: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
+_DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
+#: By how much of its largest value a slope may fall, and a height differ from its integral.
+_SLACK, _ALIKE = 1e-11, 1e-9
+#: Where the slope of a piece is looked at.
+_LOOKS = 257
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled(Profile):
+    """A profile whose slope is a Chebyshev series on every piece.
+
+    Made by `from_functions` or `from_points`.
+
+    Parameters
+    ----------
+    edges : tuple of float
+        Where the pieces begin and end: from 0, increasing.
+    slopes : tuple of tuple of float
+        Chebyshev coefficients of the slope ``h'`` on each piece.
+    rounded : bool
+        Whether the height is a smooth function of ``r**2`` at the centre, as a sphere's is and a
+        cone's is not. If it is not known, False is always right, and takes more time.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is not of this form, or the slope is negative or falls anywhere.
+    """
+
+    edges: tuple[float, ...]
+    slopes: Rows
+    rounded: bool = False
+
+    def __post_init__(self) -> None:
+        edges = _increasing("edges", self.edges)
+        if len(edges) < 2 or edges[0] != 0.0:
+            raise SceneError("edges", self.edges, "two or more radii that begin with 0")
+        allowed = f"{len(edges) - 1} lists of numbers, one for each piece"
+        given = listed("slopes", self.slopes, "lists of numbers, one for each piece")
+        rows = tuple(tuple(finite("slopes", row).tolist()) for row in given)
+        if len(rows) != len(edges) - 1 or not all(rows):
+            raise SceneError("slopes", self.slopes, allowed)
+        object.__setattr__(self, "edges", edges)
+        object.__setattr__(self, "slopes", rows)
+        object.__setattr__(self, "rounded", flag("rounded", self.rounded))
+        self._check_convex()
+
+    @classmethod
+    def from_functions(
+        cls,
+        height: Callable[[Array], ArrayLike],
+        slope: Callable[[Array], ArrayLike],
+        *,
+        reach: float,
+        breaks: Sequence[float] = (),
+        rounded: bool = False,
+    ) -> Self:
+        """Make a profile of two functions of the radius, which are sampled now.
+
+        Parameters
+        ----------
+        height, slope : callable
+            ``h`` and ``h'`` at an array of radii, in the reference length.
+        reach : float
+            Up to which radius; the contact has to stay below it. Finite and > 0.
+        breaks : sequence of float
+            Radii in between at which a derivative jumps: the slope has to be smooth elsewhere.
+        rounded : bool
+            Whether the height is a smooth function of ``r**2`` at the centre.
+
+        Raises
+        ------
+        SceneError
+            If the slope is not smooth between the breaks, to 2e-14 of its largest value; is not the
+            derivative of the height; or the profile is not convex, or not 0 at the centre.
+        """
+        function("height", height, "radii")
+        function("slope", slope, "radii")
+        reach = real("reach", reach, allowed="finite and > 0", low=0.0, low_open=True)
+        edges = _increasing(
+            "breaks", (0.0, *finite("breaks", listed("breaks", breaks, "radii")).tolist(), reach)
+        )
+        ends = np.array([edges[0], edges[-1]])
+        largest = float(np.abs(values_at("slope", slope, ends)).max())
+        rows = tuple(_fitted(slope, *ends, largest) for ends in pairwise(edges))
+        profile = cls(edges, rows, rounded)
+        r = np.linspace(0.0, reach, _LOOKS)
+        given, own = values_at("height", height, r), profile._height(r)
+        scale = max(float(np.abs(own).max()), float(np.abs(given).max()))
+        if not abs(given[0]) <= _ALIKE * scale:
+            raise SceneError("height", float(given[0]), "0 at the centre")
+        off = ~(np.abs(given - own) <= _ALIKE * scale)
+        if off.any():
+            told = f"{own[off][0]:.10g} at the radius {r[off][0]:.6g}, the integral of the slope"
+            raise SceneError("height", float(given[off][0]), told)
+        return profile
+
+    @classmethod
+    def from_points(cls, radii: ArrayLike, heights: ArrayLike) -> Self:
+        """Make a profile of points, with SciPy's shape-preserving cubics (PCHIP) between them.
+
+        Every point is a break, to which panels are graded: some tens are practical.
+
+        Parameters
+        ----------
+        radii, heights : array_like, shape (n,)
+            At least three of each; both begin with 0, and the radii increase.
+
+        Raises
+        ------
+        SceneError
+            If they do not, or the cubics are not convex.
+        """
+        from scipy.interpolate import PchipInterpolator
+
+        edges, values = _increasing("radii", radii), finite("heights", heights)
+        if len(edges) < 3 or edges[0] != 0.0:
+            raise SceneError("radii", radii, "three or more that begin with 0")
+        if len(values) != len(edges) or values[0] != 0.0:
+            raise SceneError("heights", heights, f"{len(edges)} numbers that begin with 0")
+        slope = PchipInterpolator(np.array(edges), values).derivative()
+        rows = []
+        for low, high in pairwise(edges):
+            # three points fix a parabola; those inside know of no other piece
+            nodes = chebyshev.chebpts1(3)
+            at_nodes = slope(low + (high - low) * (1.0 + nodes) / 2.0)
+            rows.append(tuple(chebyshev.chebfit(nodes, at_nodes, 2).tolist()))
+        return cls(edges, tuple(rows))
+
+    @property
+    def flat_part(self) -> float:
+        """Radius up to which the slope is zero."""
+        flat = 0.0
+        for end, row in zip(self.edges[1:], self.slopes, strict=True):
+            if any(row):
+                return flat
+            flat = end
+        return flat
+
+    @property
+    def reach(self) -> float:
+        """Radius up to which it is known."""
+        return self.edges[-1]
+
+    @property
+    def pointed(self) -> bool:
+        """Whether panels are graded to the centre, too."""
+        return not self.rounded and self.flat_part == 0.0
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Where the pieces meet."""
+        return self.edges[1:-1]
+
+    @property
+    def brief(self) -> str:
+        """Its kind, pieces and reach."""
+        return f"Sampled(pieces={len(self.slopes)}, reach={self.reach!r})"
+
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii; NaN beyond the reach."""
+        r = np.asarray(r, dtype=float)
+        total = np.where(r <= self.reach, 0.0, np.nan)
+        for (low, high), row in self._pieces():
+            half = (high - low) / 2.0
+            integral = half * chebyshev.chebint(row, lbnd=-1)
+            inside = np.clip(r, low, high)
+            risen = chebyshev.chebval((inside - low) / half - 1.0, integral)
+            total = total + np.where(inside > low, risen, 0.0)
+        return np.asarray(total)
+
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii."""
+        t = np.asarray(t, dtype=float)
+        return np.asarray(2.0 * t * self._mean(t, 0))
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)``."""
+        last = max((b for b in self.edges[:-1] if b < radius), default=0.0)
+        inward = radius * y / (1.0 + t)
+        # next to the edge it is the integral of the derivative
+        near = inward < 0.25 * (radius - last)
+        g, w = np.polynomial.legendre.leggauss(24)
+        points = radius - np.where(near, inward, 0.0)[..., None] * (1.0 + g) / 2.0
+        past = (points - last) * (points + last) * (last > 0.0)
+        along = inward * (self._rate(points, past) @ (w / 2.0))
+        return np.where(
+            near, along, self._transform(np.asarray(radius)) - self._transform(radius * t)
+        )
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``."""
+        t = np.asarray(t, dtype=float)
+        rate = 2.0 * self._mean(t, 0) + 2.0 * t * self._mean(t, 1)
+        rows, edges = [row for _, row in self._pieces()], self.edges
+        for k in range(1, len(rows)):
+            jump = float(chebyshev.chebval(-1.0, rows[k]) - chebyshev.chebval(1.0, rows[k - 1]))
+            # the last break below t is known better than by t
+            last = (t > edges[k]) & (t <= edges[k + 1])
+            beyond = np.where(last, past, np.maximum(t - edges[k], 0.0) * (t + edges[k]))
+            outside = beyond > 0.0
+            root = np.sqrt(np.where(outside, beyond, 1.0))
+            rate += np.where(outside, 2.0 * jump * edges[k] / root, 0.0)
+        return np.asarray(rate)
+
+    def _mean(self, t: Array, order: int) -> Array:
+        """Return ``int_0^(pi/2) h' (t sin phi) dphi``, or with h'' sin phi instead of h'."""
+        total = np.zeros(np.shape(t))
+        safe = np.where(t > 0.0, t, 1.0)
+        for (low, high), row in self._pieces():
+            g, w = np.polynomial.legendre.leggauss(len(row) + 16)
+            begin = np.arcsin(np.minimum(low / safe, 1.0))
+            end = np.where(t > 0.0, np.arcsin(np.minimum(high / safe, 1.0)), np.pi / 2.0)
+            half = ((end - begin) / 2.0)[..., None]
+            sine = np.sin(begin[..., None] + half * (1.0 + g))
+            local = np.clip(
+                2.0 * (np.asarray(t)[..., None] * sine - low) / (high - low) - 1.0, -1.0, 1.0
+            )
+            if order:
+                values = chebyshev.chebval(local, chebyshev.chebder(row)) * sine
+                values *= 2.0 / (high - low)
+            else:
+                values = chebyshev.chebval(local, np.array(row))
+            total = total + half[..., 0] * (values @ w)
+        return total
+
+    def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
+        """Return the ends and the series of every piece."""
+        ends = pairwise(self.edges)
+        return [(pair, np.array(row)) for pair, row in zip(ends, self.slopes, strict=True)]
+
+    def _check_convex(self) -> None:
+        nodes = np.cos(np.pi * np.linspace(1.0, 0.0, _LOOKS))
+        r, slope = [], []
+        for (low, high), row in self._pieces():
+            r.append(low + (high - low) * (1.0 + nodes) / 2.0)
+            slope.append(chebyshev.chebval(nodes, row))
+        at, values = np.concatenate(r), np.concatenate(slope)
+        slack = _SLACK * float(np.abs(values).max())
+        if values[-1] <= 0.0:
+            raise SceneError("slope", float(values[-1]), "positive where the profile ends")
+        if values.min() < -slack:
+            worst = int(values.argmin())
+            told = f"at least 0, also at the radius {at[worst]:.6g}"
+            raise SceneError("slope", float(values[worst]), told)
+        falls = np.diff(values) < -slack
+        if falls.any():
+            worst = int(np.flatnonzero(falls)[0])
+            told = f"convex: the slope may not fall, as it does at the radius {at[worst]:.6g}"
+            raise SceneError("profile", f"a slope of {values[worst + 1]:.6g}", told)
+
+
+def _increasing(name: str, values: Any) -> tuple[float, ...]:
+    radii = finite(name, list(values) if isinstance(values, tuple) else values)
+    if not (np.diff(radii) > 0.0).all():
+        raise SceneError(name, values, "radii that increase")
+    return tuple(radii.tolist())
+
+
+def _fitted(
+    slope: Callable[[Array], ArrayLike], low: float, high: float, largest: float
+) -> tuple[float, ...]:
+    """Return the Chebyshev coefficients of a function on a piece."""
+    for degree in _DEGREES:
+        nodes = chebyshev.chebpts1(degree + 1)
+        values = values_at("slope", slope, low + (high - low) * (1.0 + nodes) / 2.0)
+        if not np.isfinite(values).all():
+            raise SceneError("slope", values[~np.isfinite(values)][0], "finite")
+        row = _interpolant(nodes, values)
+        scale = max(float(np.abs(values).max()), largest)
+        if np.abs(row[-2:]).max() <= _EXACT * scale:
+            significant = np.flatnonzero(np.abs(row) > 1e-16 * scale)
+            return tuple(row[: significant[-1] + 1].tolist()) if len(significant) else (0.0,)
+    told = f"smooth between {low:.6g} and {high:.6g}, or to have its breaks named"
+    raise SceneError("slope", "a function that no polynomial fits", told)
+
+
+def _interpolant(nodes: Array, values: Array) -> Array:
+    """Return the Chebyshev coefficients through values at the zeros of a Chebyshev polynomial."""
+    matrix = chebyshev.chebvander(nodes, len(nodes) - 1).T * (2.0 / len(nodes))
+    matrix[0] /= 2.0
+    return np.asarray(matrix @ values)

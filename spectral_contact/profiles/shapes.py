@@ -1,0 +1,366 @@
+"""Shapes of everyday use, everything about them in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan, gamma, log, pi, sqrt, tan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.inputs.checks import real
+from spectral_contact.profiles.base import Profile
+
+__all__ = ["Cone", "Parabola", "PowerLaw", "RoundedFlat", "Sphere", "TruncatedCone"]
+
+Array = NDArray[np.float64]
+
+#: Beyond, powers of ordinary lengths leave the range of doubles.
+_HIGHEST_POWER = 100.0
+
+
+def _positive(profile: object, name: str) -> None:
+    value = real(name, getattr(profile, name), allowed="finite and > 0", low=0.0, low_open=True)
+    object.__setattr__(profile, name, value)
+
+
+def _half_angle(profile: object) -> None:
+    allowed = "in (0, pi/2), in radians, between the axis and the side"
+    value = real(
+        "half_angle",
+        getattr(profile, "half_angle", None),
+        allowed=allowed,
+        low=0.0,
+        high=pi / 2.0,
+        low_open=True,
+        high_open=True,
+    )
+    object.__setattr__(profile, "half_angle", value)
+
+
+def _inward(t: Array, y: Array) -> Array:
+    """Return ``1 - t`` without cancellation."""
+    return y / (1.0 + t)
+
+
+@dataclass(frozen=True, slots=True)
+class Parabola(Profile):
+    """The paraboloid ``h = r**2 / (2 radius)``: the tip of a sphere.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature, finite and > 0.
+
+    Raises
+    ------
+    SceneError
+        If it is not.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        _positive(self, "radius")
+
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii."""
+        return np.asarray(r**2 / (2.0 * self.radius))
+
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii."""
+        return np.asarray(2.0 * t**2 / self.radius)
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``."""
+        return np.asarray(4.0 * t / self.radius)
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)``."""
+        return np.asarray(2.0 * radius**2 / self.radius * y)
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere(Profile):
+    """The exact sphere ``h = radius - sqrt(radius**2 - r**2)``, up to its equator.
+
+    Parameters
+    ----------
+    radius : float
+        Finite and > 0.
+
+    Raises
+    ------
+    SceneError
+        If it is not.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        _positive(self, "radius")
+
+    @property
+    def reach(self) -> float:
+        """Radius of the equator."""
+        return self.radius
+
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii; NaN beyond the equator."""
+        inside = r <= self.radius
+        root = np.sqrt(np.where(inside, (self.radius - r) * (self.radius + r), np.nan))
+        return np.asarray(r**2 / (self.radius + root))
+
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii."""
+        return np.asarray(2.0 * t * np.arctanh(t / self.radius))
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``."""
+        whole, x = self.radius, t / self.radius
+        return np.asarray(2.0 * np.arctanh(x) + 2.0 * t * whole / ((whole - t) * (whole + t)))
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)``."""
+        a, whole, inward = radius, self.radius, radius * _inward(t, y)
+        slope = log((whole + a) / (whole - a))
+        steeper = np.log1p(2.0 * whole * inward / ((whole - a) * (whole + a * t)))
+        return np.asarray(inward * slope + a * t * steeper)
+
+
+@dataclass(frozen=True, slots=True)
+class PowerLaw(Profile):
+    """The profile ``h = coefficient * r**exponent``.
+
+    Parameters
+    ----------
+    coefficient : float
+        Finite and > 0.
+    exponent : float
+        In [1, 100].
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of range.
+    """
+
+    coefficient: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        _positive(self, "coefficient")
+        allowed = "in [1, 100]: below 1 the profile is not convex"
+        exponent = real("exponent", self.exponent, allowed=allowed, low=1.0, high=_HIGHEST_POWER)
+        object.__setattr__(self, "exponent", exponent)
+
+    @property
+    def pointed(self) -> bool:
+        """Whether the exponent is no even number."""
+        return self.exponent % 2.0 != 0.0
+
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii."""
+        return np.asarray(self.coefficient * r**self.exponent)
+
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii."""
+        return np.asarray(self._factor * t**self.exponent)
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``."""
+        return np.asarray(self._factor * self.exponent * t ** (self.exponent - 1.0))
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)``."""
+        outer = np.minimum(y, 0.75)  # farther in y does not know the radius
+        near = -np.expm1(self.exponent / 2.0 * np.log1p(-outer))
+        left = np.where(t < 0.5, 1.0 - t**self.exponent, near)
+        return np.asarray(self._factor * radius**self.exponent * left)
+
+    @property
+    def _factor(self) -> float:
+        n = self.exponent  # n B(n/2, 1/2)
+        return self.coefficient * n * gamma(n / 2.0) * sqrt(pi) / gamma((n + 1.0) / 2.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Cone(Profile):
+    """The cone ``h = r / tan(half_angle)``.
+
+    Parameters
+    ----------
+    half_angle : float
+        Between the axis and the side, in radians, in (0, pi/2).
+
+    Raises
+    ------
+    SceneError
+        If it is not.
+    """
+
+    half_angle: float
+
+    def __post_init__(self) -> None:
+        _half_angle(self)
+
+    @property
+    def pointed(self) -> bool:
+        """True."""
+        return True
+
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii."""
+        return np.asarray(r / tan(self.half_angle))
+
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii."""
+        return np.asarray(pi / tan(self.half_angle) * t)
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``."""
+        return np.full(np.shape(t), pi / tan(self.half_angle))
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)``."""
+        return np.asarray(pi / tan(self.half_angle) * radius * _inward(t, y))
+
+
+class _FlatEnded(Profile):
+    """A flat part and what rises around it."""
+
+    __slots__ = ()
+    flat_radius: float
+
+    @property
+    def flat_part(self) -> float:
+        """Radius of the flat part."""
+        return self.flat_radius
+
+    def _outside(self, t: Array) -> Array:
+        """Return ``sqrt(t**2 - flat_radius**2)``, 0 on the flat part."""
+        b = self.flat_radius
+        return np.sqrt(np.maximum(t - b, 0.0) * (t + b))
+
+    def _roots(self, radius: float, y: Array, past: Array) -> tuple[float, Array]:
+        """Return the `_outside` of the radius, and by how much that of ``radius t`` is less."""
+        whole = float(self._outside(np.asarray(radius)))
+        inner = np.sqrt(past)
+        return whole, np.where(inner > 0.0, radius**2 * y / (whole + inner), whole)
+
+
+@dataclass(frozen=True, slots=True)
+class TruncatedCone(_FlatEnded):
+    """A cone whose tip is cut off: ``h = (r - flat_radius) / tan(half_angle)`` outside of it.
+
+    Parameters
+    ----------
+    flat_radius : float
+        Of the flat part, finite and > 0.
+    half_angle : float
+        Between the axis and the side, in radians, in (0, pi/2).
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of range.
+    """
+
+    flat_radius: float
+    half_angle: float
+
+    def __post_init__(self) -> None:
+        _positive(self, "flat_radius")
+        _half_angle(self)
+
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii."""
+        return np.asarray(np.maximum(r - self.flat_radius, 0.0) / tan(self.half_angle))
+
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii."""
+        angle = np.arctan2(self._outside(t), self.flat_radius)
+        return np.asarray(2.0 / tan(self.half_angle) * t * angle)
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``."""
+        root, b = np.sqrt(past), self.flat_radius
+        outside = root > 0.0
+        steep = np.arctan2(root, b) + b / np.where(outside, root, 1.0)
+        return np.where(outside, 2.0 / tan(self.half_angle) * steep, 0.0)
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)``."""
+        b = self.flat_radius
+        whole, less = self._roots(radius, y, past)
+        angle = np.arctan(less * b / (b**2 + whole * (whole - less)))
+        fallen = radius * (_inward(t, y) * atan(whole / b) + t * angle)
+        return np.asarray(2.0 / tan(self.half_angle) * fallen)
+
+
+@dataclass(frozen=True, slots=True)
+class RoundedFlat(_FlatEnded):
+    """A flat with a rounded edge: ``h = (r - flat_radius)**2 / (2 radius)`` outside of it.
+
+    Parameters
+    ----------
+    flat_radius : float
+        Of the flat part, finite and > 0.
+    radius : float
+        Radius of curvature of the edge, finite and > 0.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of range.
+    """
+
+    flat_radius: float
+    radius: float
+
+    def __post_init__(self) -> None:
+        _positive(self, "flat_radius")
+        _positive(self, "radius")
+
+    def _height(self, r: Array) -> Array:
+        """Return the height at radii."""
+        return np.asarray(np.maximum(r - self.flat_radius, 0.0) ** 2 / (2.0 * self.radius))
+
+    def _transform(self, t: Array) -> Array:
+        """Return ``H`` at radii."""
+        root = self._outside(t)
+        return np.asarray(2.0 / self.radius * t * _risen(root, self.flat_radius))
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        """Return the derivative of ``H``."""
+        root, b = np.sqrt(past), self.flat_radius
+        return np.asarray(2.0 / self.radius * (2.0 * root - b * np.arctan2(root, b)))
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return ``H(radius) - H(radius t)``."""
+        b = self.flat_radius
+        whole, less = self._roots(radius, y, past)
+        # sqrt - b arctan(sqrt/b), and by how much it is less inside
+        rise = _risen(np.asarray(whole), b)
+        inner = whole - less
+        product = b**2 + whole * inner
+        angle = less * b / product
+        # less - b arctan(angle): angle b = less (1 - whole inner / product)
+        step = less * (whole * inner / product) + b * _past(angle)
+        fallen = radius * (_inward(t, y) * rise + t * step)
+        return np.asarray(2.0 / self.radius * fallen)
+
+
+def _risen(root: Array, b: float) -> Array:
+    """Return ``root - b arctan(root / b)`` without cancellation."""
+    return np.asarray(b * _past(root / b))
+
+
+def _past(x: Array) -> Array:
+    """Return ``x - arctan(x)`` without cancellation."""
+    small = np.abs(x) < 0.25
+    square = np.where(small, x, 0.0) ** 2
+    series = np.zeros(np.shape(x))
+    for n in range(13, 0, -1):
+        series = 1.0 / (2 * n + 1) - square * series
+    return np.where(small, x * square * series, x - np.arctan(x))

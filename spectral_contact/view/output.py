@@ -1,0 +1,165 @@
+"""What a solution makes of itself when it is asked to: SI values, tables, pictures, files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, overload
+
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+    from spectral_contact.solution import Solution
+    from spectral_contact.view.physical import PhysicalSolution
+
+__all__ = ["Output"]
+
+
+def _above(module: str) -> Any:
+    """Return a module that knows solutions, by name: an import would go up the layers."""
+    return import_module(f"spectral_contact.{module}")
+
+
+class _Load:
+    """What the name `load` stands for: reading a file, of the class; the load, of a solution."""
+
+    @overload
+    def __get__(
+        self, instance: None, owner: type[Solution]
+    ) -> Callable[[str | os.PathLike[str]], Solution]: ...
+    @overload
+    def __get__(self, instance: Solution, owner: type[Solution]) -> float: ...
+    def __get__(self, instance: Solution | None, owner: type[Solution]) -> Any:
+        if instance is None:
+            return _loaded
+        return float(instance._value("load"))
+
+
+def _loaded(path: str | os.PathLike[str]) -> Solution:
+    """Load what `Solution.save` stored.
+
+    Raises
+    ------
+    SolutionFileError
+        For a file that is not there, not ours, damaged, or of another version.
+    """
+    solution: Solution = _above("io.storage").load(path)
+    return solution
+
+
+class Output:
+    """Base of `Solution`: every method hands the solution to the module that does it."""
+
+    __slots__ = ()
+
+    @property
+    def physical(self) -> PhysicalSolution:
+        """The same quantities in Pa, m and N.
+
+        Raises
+        ------
+        NotComputedError
+            If the scene was not made by `Scene.from_physical`.
+        """
+        found: PhysicalSolution = _above("view.physical").PhysicalSolution(self)
+        return found
+
+    def summary(self) -> str:
+        """Return what the command line prints: quantities with errors, zones, plan and work."""
+        return str(_above("view.report").report(self))
+
+    def plot(self) -> Figure:
+        """Draw the fields, the zones and the errors; see `plotting.plot_solution`.
+
+        Raises
+        ------
+        NotComputedError
+            If neither pressure nor traction was asked for.
+        MissingDependencyError
+            If matplotlib is not installed (extra: plot).
+        """
+        figure: Figure = _above("view.plotting").plot_solution(self)
+        return figure
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a table of the fields with estimates of their errors; the rest is in its comments.
+
+        The radii resolve the edge layer and every zone.
+
+        Raises
+        ------
+        NotComputedError
+            If no field was asked for.
+        SolutionFileError
+            If the path cannot be written.
+        """
+        _above("view.report").write_csv(self, path)
+
+    def to_xarray(
+        self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
+    ) -> xarray.Dataset:
+        """Return everything as a dataset with names, units and estimates of errors.
+
+        Parameters
+        ----------
+        s, from_edge : array_like, optional
+            Where the fields are taken: radii in [0, 1], or distances from the edge. By default at
+            radii that resolve the edge layer and every zone.
+
+        Returns
+        -------
+        xarray.Dataset
+            As that of `sweep`, for one scene.
+
+        Raises
+        ------
+        SceneError
+            For both arguments, or a radius outside [0, 1].
+        MissingDependencyError
+            If xarray is not installed (extra: sweep).
+        """
+        dataset: xarray.Dataset = _above("sweeps.dataset").of_solution(self, s, from_edge)
+        return dataset
+
+    def _repr_html_(self) -> str:
+        return str(_above("view.html").of_solution(self))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Store the solution in one ``.npz`` or ``.json`` file, every value exactly.
+
+        Raises
+        ------
+        SolutionFileError
+            For another suffix, or a path that cannot be written.
+        """
+        _above("io.storage").save(self, path)
+
+    #: Of the class, ``Solution.load(path)``: load what `save` stored. Of a solution with a profile,
+    #: ``solution.load``: its load, in E'L² with E' = E/(4(1−ν²)).
+    load = _Load()
+
+    def to_json(self) -> str:
+        """Return the solution as one line of strict JSON; its numbers are exact.
+
+        Raises
+        ------
+        SolutionFileError
+            If it holds NaN.
+        """
+        return str(_above("io.storage").to_json(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Solution:
+        """Return the solution that `to_json` wrote, equal to it bit for bit.
+
+        Raises
+        ------
+        SolutionFileError
+            If the text is not JSON, not ours, damaged, or of another version.
+        """
+        solution: Solution = _above("io.storage").from_json(text)
+        return solution

@@ -1,0 +1,251 @@
+"""Contact under profiles against closed forms, published numbers, identities and quadrature.
+
+No oracle shares code with the solver but the superposition, which is made of flat punches.
+"""
+
+import functools
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from spectral_contact import Scene, profiles, solve
+from spectral_contact import closed_forms as exact
+from spectral_contact.equations.residuals import load as integrated_load
+from spectral_contact.equations.residuals import normal_displacement
+
+RTOL = 1e-12
+SHAPES = {
+    "parabola": profiles.Parabola(1.0),
+    "sphere": profiles.Sphere(1.2),
+    "cone": profiles.Cone(0.8),
+    "power": profiles.PowerLaw(0.7, 2.5),
+    "rounded flat": profiles.RoundedFlat(0.5, 1.0),
+    "truncated cone": profiles.TruncatedCone(0.5, 1.1),
+    "sampled": profiles.Sampled.from_functions(
+        lambda r: np.cosh(r) - 1.0, np.sinh, reach=2.0, rounded=True
+    ),
+}
+
+
+@functools.cache
+def solved(name, alpha, radius=1.0, rtol=RTOL):
+    scene = Scene(0.3, alpha, profile=SHAPES[name], contact_radius=radius)
+    return solve(scene, rtol, strict=False)
+
+
+def shown(digits):
+    """Equality to one unit of the last digit shown."""
+    return pytest.approx(float(digits), rel=0, abs=10.0 ** -len(digits.partition(".")[2]))
+
+
+def test_the_numbers_of_other_codes():
+    solution = solved("parabola", 0.5)
+    assert solution.converged
+    assert solution.approach == shown("0.6063170022")
+    assert solution.load == shown("1.1763284084")
+    assert solution.stiffness == shown("3.4134376476")
+    cone = solve(Scene(0.3, 0.5, profile=profiles.Cone(math.pi / 4), contact_radius=1.0), RTOL)
+    assert cone.approach == shown("1.1372474947")
+    assert cone.load == shown("1.5441735804")
+
+
+SMOOTH = [
+    (profiles.Parabola(1.3), 0.9, exact.parabola_contact(0.9, 1.3)),
+    (profiles.Sphere(1.3), 0.9, exact.sphere_contact(0.9, 1.3)),
+    (profiles.Cone(0.7), 0.9, exact.cone_contact(0.9, 0.7)),
+    (profiles.PowerLaw(0.4, 3.7), 0.9, exact.power_law_contact(0.9, 0.4, 3.7)),
+    (profiles.PowerLaw(0.4, 4.0), 0.9, exact.power_law_contact(0.9, 0.4, 4.0)),
+    (profiles.TruncatedCone(0.5, 0.7), 0.9, exact.truncated_cone_contact(0.9, 0.5, 0.7)),
+    (profiles.TruncatedCone(0.5, 0.7), 0.5001, exact.truncated_cone_contact(0.5001, 0.5, 0.7)),
+    (profiles.RoundedFlat(0.5, 2.0), 0.9, exact.rounded_flat_contact(0.9, 0.5, 2.0)),
+]
+KINDS = [f"{type(one[0]).__name__} {one[1]}" for one in SMOOTH]
+
+
+@pytest.mark.parametrize(("profile", "radius", "truth"), SMOOTH, ids=KINDS)
+def test_smooth_contacts_are_the_closed_forms(profile, radius, truth):
+    solution = solve(Scene(0.3, profile=profile, contact_radius=radius), RTOL)
+    assert solution.converged
+    # the closed form of the load cancels next to the rim of a flat part
+    assert solution.approach == pytest.approx(truth.approach, rel=3e-14)
+    assert solution.load == pytest.approx(truth.load, rel=1e-13)
+    assert solution.stiffness == pytest.approx(8.0 * radius, rel=1e-14)
+
+
+@pytest.mark.parametrize(("profile", "radius", "truth"), SMOOTH, ids=KINDS)
+def test_a_load_and_an_approach_find_the_radius_that_has_them(profile, radius, truth):
+    for given_one in ({"load": truth.load}, {"approach": truth.approach}):
+        solution = solve(Scene(0.3, profile=profile, **given_one), RTOL)
+        assert solution.converged
+        assert solution.contact_radius == pytest.approx(radius, rel=1e-12)
+        [(name, value)] = given_one.items()
+        assert getattr(solution, name) == value
+        assert getattr(solution.error, name) == 0.0
+
+
+def test_smooth_pressures_are_the_closed_forms():
+    s = np.array([1e-12, 1e-6, 0.01, 0.3, 0.5, 0.7, 0.71, 0.9, 0.999])
+    hertz = solve(Scene(0.3, profile=profiles.Parabola(1.3), contact_radius=0.9), RTOL)
+    truth = exact.parabola_pressure(0.9, 1.3, 0.9 * s)
+    assert hertz.error.pressure < RTOL
+    assert np.abs(hertz.pressure(s) / truth - 1.0).max() <= hertz.error.pressure
+    assert hertz.pressure(1.0) == 0.0
+    assert hertz.pressure(from_edge=1e-200) == pytest.approx(
+        8.0 / math.pi * 0.9 / 1.3 * math.sqrt(2e-200), rel=1e-12
+    )
+    cone = solve(Scene(0.3, profile=profiles.Cone(0.7), contact_radius=0.9), RTOL)
+    truth = exact.cone_pressure(0.9, 0.7, 0.9 * s)
+    assert np.abs(cone.pressure(s) / truth - 1.0).max() <= cone.error.pressure
+    assert cone.pressure(0.0) == math.inf
+
+
+def test_a_thin_layer_tends_to_hertz_as_its_series_says():
+    """The shift of the approach is of the order of alpha ln(1/alpha), and so is all else."""
+    shifts = []
+    for alpha in (1e-12, 1e-10, 1e-8):
+        solution = solved("parabola", alpha)
+        assert solution.converged
+        shifts.append((1.0 - solution.approach) / alpha)
+        assert solution.load == pytest.approx(16.0 / 3.0, rel=100.0 * alpha + 1e-13)
+    # linear in the logarithm: equal steps; what rounding leaves of 1e-12 is four digits
+    assert shifts[0] - shifts[1] == pytest.approx(shifts[1] - shifts[2], rel=1e-3)
+    assert shifts[0] - shifts[1] > 1.0
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 3.0])
+def test_a_soft_layer_tends_to_winkler(exponent):
+    alpha, profile = 1e6, profiles.PowerLaw(0.4, exponent)
+    solution = solve(Scene(0.3, alpha, profile=profile, contact_radius=0.9), RTOL)
+    truth = exact.winkler_contact(0.9, 0.4, exponent, alpha)
+    assert solution.converged
+    assert solution.approach == pytest.approx(truth.approach, rel=2e-6)
+    assert solution.load == pytest.approx(truth.load, rel=2e-6)
+    assert solution.approach > truth.approach
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("alpha", [1e-3, 0.5, 30.0])
+def test_the_pressure_solves_the_equation_by_quadrature(name, alpha):
+    """(alpha/a) p + N p = (delta - h)/a with the elliptic kernel, and it bears the load."""
+    profile, a = SHAPES[name], 1.1
+    solution = solved(name, alpha, a)
+    assert solution.error.pressure < 1e-11
+
+    def pressure(from_edge):
+        return solution.pressure(from_edge=from_edge)
+
+    breaks = [1.0 - b / a for b in profile.breaks]
+    depths = [10.0**-k for k in range(1, 6) if 10.0**-k > alpha / 30.0]
+    for from_edge in (1e-3, 0.2, 0.52, 0.93):
+        moved = normal_displacement(pressure, from_edge, [*breaks, *depths])
+        height = float(profile.height(np.array(a * (1.0 - from_edge))))
+        layer = alpha / a * solution.pressure(from_edge=from_edge)
+        assert a * (layer + moved) == pytest.approx(solution.approach - height, abs=3e-11)
+    whole = 2.0 * math.pi * a**2 * integrated_load(pressure, breaks=[*breaks, *depths])
+    assert solution.load == pytest.approx(whole, rel=1e-11)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("alpha", [0.0, 1e-3, 0.5])
+def test_the_gap_opens_at_the_edge(name, alpha):
+    """It is zero at the edge, which takes pressure, approach and profile together, and grows."""
+    solution = solved(name, alpha, 1.1)
+    beyond = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.05])
+    gap = solution.gap(beyond=beyond)
+    assert abs(gap[0]) <= 1e-13 * solution.approach
+    assert (np.diff(gap) > 0.0).all()
+    assert solution.gap(1.05) == pytest.approx(gap[-1], rel=1e-12)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_stiffness_is_that_of_a_flat_punch_of_the_radius(name):
+    """The theorem dP/ddelta = a/delta*_flat(alpha/a), by the flat punch and by differences."""
+    alpha, a, step = 0.2, 1.1, 1e-4
+    solution = solved(name, alpha, a)
+    flat = solve(Scene(0.3, alpha / a), RTOL).approach
+    assert solution.stiffness == pytest.approx(a / flat, rel=1e-12)
+    below, above = (solved(name, alpha, a + sign * step) for sign in (-1, 1))
+    slope = (above.load - below.load) / (above.approach - below.approach)
+    assert solution.stiffness == pytest.approx(slope, rel=1e-6)
+
+
+def test_the_pressure_is_a_superposition_of_flat_punches():
+    """p(r) = int p*(r/b; alpha/b) dP/b^2 over the radii b from r to a."""
+    alpha, a, r = 0.3, 1.0, 0.6
+    nodes = np.polynomial.chebyshev.chebpts1(16)
+    loads = [solved("parabola", alpha, r + (a - r) * (1.0 + x) / 2.0).load for x in nodes]
+    series = np.polynomial.Chebyshev.fit(nodes, loads, 15)
+    slope = series.deriv()
+    g, w = np.polynomial.legendre.leggauss(12)
+    total = 0.0
+    ends = [0.0, *(0.2 ** np.arange(9, -1, -1.0))]
+    for low, high in pairwise(ends):  # to b = r, where p* has a y ln y
+        for x, weight in zip(g, w, strict=True):
+            share = low + (high - low) * (1.0 + x) / 2.0
+            b = r + (a - r) * share
+            flat = solve(Scene(0.3, alpha / b), 1e-12, ["pressure"])
+            rate = slope(2.0 * share - 1.0) * 2.0
+            value = flat.pressure(from_edge=(a - r) * share / b) * rate / b**2
+            total += weight * (high - low) / 2.0 * value
+    assert solved("parabola", alpha).pressure(r) == pytest.approx(total, rel=1e-11)
+
+
+def test_the_work_is_the_integral_of_the_load():
+    """W = int P ddelta, with Gauss's rule in the radius and dP, ddelta by interpolation."""
+    for name in ("parabola", "cone"):
+        solution, alpha = solved(name, 0.3), 0.3
+        nodes = np.polynomial.chebyshev.chebpts1(20)
+        start = 0.3
+        radii = start + (1.0 - start) * (1.0 + nodes) / 2.0
+        found = [solved(name, alpha, radius) for radius in radii]
+        load = np.polynomial.Chebyshev.fit(nodes, [one.load for one in found], 19)
+        approach = np.polynomial.Chebyshev.fit(nodes, [one.approach for one in found], 19)
+        rise = (load * approach.deriv()).integ()
+        done = solution.indentation_work - solved(name, alpha, start).indentation_work
+        assert done == pytest.approx(rise(1.0) - rise(-1.0), rel=1e-11)
+
+
+def test_a_punch_is_never_pinned_at_a_corner():
+    """However small the load, the contact goes past the flat part; then it is flat punch's."""
+    for profile in (SHAPES["rounded flat"], SHAPES["truncated cone"]):
+        loads = [
+            solve(Scene(0.3, 0.5, profile=profile, contact_radius=0.5 + step), 1e-10).load
+            for step in (1e-2, 1e-4, 1e-6)
+        ]
+        assert loads[0] > 10.0 * loads[1] > 100.0 * loads[2] > 0.0
+
+
+def test_an_exact_sphere_is_pinned_at_its_equator():
+    sphere = profiles.Sphere(1.0)
+    near = solve(Scene(0.3, 0.5, profile=sphere, load=3.25), 1e-10)
+    assert near.contact_radius < 1.0
+    with pytest.raises(Exception, match=r"load = 3\.27: must be what a contact"):
+        solve(Scene(0.3, 0.5, profile=sphere, load=3.27), 1e-10)
+
+
+@given(
+    st.sampled_from(sorted(SHAPES)),
+    st.floats(-6.0, 3.0),
+    st.floats(0.55, 1.15),
+    st.floats(-10.0, -3.0),
+)
+@settings(max_examples=25, deadline=None)
+def test_true_errors_are_within_their_estimates(name, exponent, radius, digits):
+    """Against the same method at its best; what it converges to is tested above."""
+    alpha, rtol = 10.0**exponent, 10.0**digits
+    best = solved(name, alpha, radius)
+    scene = Scene(0.3, alpha, profile=SHAPES[name], contact_radius=radius)
+    rough = solve(scene, rtol, strict=False)
+    for quantity in ("approach", "load", "stiffness", "indentation_work"):
+        truth, error = best.values[quantity], getattr(rough.error, quantity)
+        margin = getattr(best.error, quantity)
+        assert abs(rough.values[quantity] / truth - 1.0) <= error + margin
+    from_edge = np.concatenate([10.0 ** -np.linspace(0.5, 12.0, 12), np.linspace(0.0, 1.0, 40)])
+    truth = best.pressure(from_edge=from_edge)
+    size = np.maximum(np.abs(truth), best.load / (math.pi * radius**2))
+    off = np.abs(rough.pressure(from_edge=from_edge) - truth) / size
+    assert off.max() <= rough.error.pressure + best.error.pressure
