@@ -24,7 +24,7 @@ from spectral_contact.inputs.physical import (
 from spectral_contact.inputs.units import Measured, in_si
 from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import checked_controls, profile_from, profile_tree
+from spectral_contact.profiles.control import CONTROLS, checked_controls, profile_from, profile_tree
 
 __all__ = ["PhysicalData", "Scene", "same_problem"]
 
@@ -204,7 +204,10 @@ class Scene:
     def _arguments(self) -> dict[str, Any]:
         """Return what makes the scene: what `from_physical` takes if it has SI data."""
         own = {name: getattr(self, name) for name in _names(Scene) if name != "physical"}
-        return own if self.physical is None else {**own, **asdict(self.physical)}
+        if self.physical is None:
+            return own
+        flat = {name: value for name, value in own.items() if name not in ("profile", *CONTROLS)}
+        return {**flat, **asdict(self.physical)}
 
     def __repr__(self) -> str:
         made_by = type(self).__name__ + ".from_physical" * (self.physical is not None)

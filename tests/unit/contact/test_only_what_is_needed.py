@@ -30,6 +30,7 @@ ONE_DISK = FULL_STICK | {
 }
 ANY_ZONES = ONE_DISK | {"boundaries", "stick_annuli", "zone_system", "zones"}
 ONSET = FULL_STICK | {"layout", "onset", "zone_search"}
+PROFILE = NORMAL | {"contact_radius", "coupled_parts", "indented", "smooth_indented"}
 COUPLED_STICK = NORMAL | {"coupled_parts", "coupled_stick", "ratio"}
 ALPHAS = (0.0, 1e-8, 0.5, 1e4)
 
@@ -40,7 +41,7 @@ def imported_by(scene, rtol=1e-6, quantities=None):
     code = (
         "import sys\n"
         "from math import inf\n"
-        "from spectral_contact import Scene, solve\n"
+        "from spectral_contact import Scene, profiles, solve\n"
         f"solve({scene}, {rtol}, {quantities})\n"
         "prefix = 'spectral_contact.contact.'\n"
         "print(*(n.removeprefix(prefix) for n in sys.modules if n.startswith(prefix)))\n"
@@ -121,10 +122,16 @@ def test_at_the_critical_friction_slip_is_looked_for_and_not_solved():
     assert imported_by(f"Scene(0.1, 0.5, 0.5, {critical})", 1e-3) == ONSET
 
 
+def test_a_profile_imports_nothing_tangential():
+    given = "profile=profiles.Parabola(1.0), load=1.0"
+    assert imported_by(f"Scene(0.3, 0.5, {given})") == PROFILE
+    assert imported_by(f"Scene(0.3, 0.0, {given})") == PROFILE
+
+
 def test_every_module_is_loaded_by_something():
     """Else what is not loaded proves nothing."""
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
-    assert coupled | ANY_ZONES | ONSET == CONTACT
+    assert coupled | ANY_ZONES | ONSET | PROFILE == CONTACT
 
 
 @pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])
