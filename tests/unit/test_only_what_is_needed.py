@@ -31,7 +31,23 @@ ONE_DISK = FULL_STICK | {
 ONSET = FULL_STICK | {"onset"}
 RINGS = {"active_set", "ring_law", "zone_search"}
 ANY_ZONES = ONE_DISK | ONSET | RINGS | {"boundaries", "stick_annuli", "zone_system", "zones"}
-COUPLED_STICK = NORMAL | {"coupled_parts", "coupled_stick", "ratio"}
+COUPLED_STICK = NORMAL | {
+    "boundaries",
+    "coupled_errors",
+    "coupled_outcome",
+    "coupled_parts",
+    "coupled_problem",
+    "coupled_spaces",
+    "coupled_state",
+    "coupled_stick",
+    "coupled_zones",
+    "drive",
+    "friction_law",
+    "layout",
+    "ratio",
+    "slip_displacement",
+    "stick_radius",
+}
 ALPHAS = (0.0, 1e-8, 0.5, 1e4)
 
 
@@ -255,10 +271,10 @@ def test_coupling_alone_imports_what_couples():
 def test_without_coupling_no_coupled_operator_is_assembled(friction):
     clear_caches()
     solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
-    assert cache_sizes().get("coupled spaces", 0) == 0
+    assert cache_sizes().get("disk Gram", 0) == 0
 
 
 def test_with_coupling_they_are():
     clear_caches()
     solve(Scene(0.1, 0.5, 0.5, math.inf, coupling=True), 1e-6)
-    assert cache_sizes()["coupled spaces"] > 0
+    assert cache_sizes()["disk Gram"] > 0
