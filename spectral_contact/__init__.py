@@ -8,6 +8,8 @@ Quick start
 0.292959796910
 """
 
+from typing import TYPE_CHECKING, Any
+
 from spectral_contact import processes
 
 processes.quiet_imports()  # before what takes a second to import
@@ -20,7 +22,6 @@ from spectral_contact.errors import (
     SolutionFileError,
     SpectralContactError,
 )
-from spectral_contact.planning import plan
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import (
     QUANTITIES,
@@ -34,8 +35,23 @@ from spectral_contact.solution import (
     Work,
     Zone,
 )
-from spectral_contact.solver import solve
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.solver import solve
 from spectral_contact.spectral.cache import cache_sizes, clear_caches
+
+if TYPE_CHECKING:
+    from spectral_contact import asperities as asperities
+    from spectral_contact import calibration as calibration
+    from spectral_contact import closed_forms as closed_forms
+    from spectral_contact import gold as gold
+    from spectral_contact import paper as paper
+    from spectral_contact import precise as precise
+    from spectral_contact import studies as studies
+    from spectral_contact import testing as testing
+    from spectral_contact.calibration import fit as fit
+    from spectral_contact.precise.reference import reference as reference
+    from spectral_contact.sweeps import sweep as sweep
+    from spectral_contact.view import plotting as plotting
 
 __all__ = [
     "QUANTITIES",
@@ -56,9 +72,54 @@ __all__ = [
     "StepState",
     "Work",
     "Zone",
+    "asperities",
     "cache_sizes",
+    "calibration",
     "clear_caches",
+    "closed_forms",
+    "fit",
+    "gold",
+    "paper",
     "plan",
+    "plotting",
+    "precise",
+    "reference",
     "solve",
+    "studies",
+    "sweep",
+    "testing",
 ]
-__version__ = "0.1.0"
+__version__ = "0.2.0"
+
+#: What is loaded when it is used: the module, and the name in it unless it is meant itself.
+_LAZY: dict[str, tuple[str, str | None]] = {
+    "asperities": ("spectral_contact.asperities", None),
+    "calibration": ("spectral_contact.calibration", None),
+    "closed_forms": ("spectral_contact.closed_forms", None),
+    "fit": ("spectral_contact.calibration", "fit"),
+    "gold": ("spectral_contact.gold", None),
+    "paper": ("spectral_contact.paper", None),
+    "plotting": ("spectral_contact.view.plotting", None),
+    "precise": ("spectral_contact.precise", None),
+    "reference": ("spectral_contact.precise", "reference"),
+    "studies": ("spectral_contact.studies", None),
+    "sweep": ("spectral_contact.sweeps", "sweep"),
+    "testing": ("spectral_contact.testing", None),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is not loaded yet."""
+    if name not in _LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    module, inner = _LAZY[name]
+    found = import_module(module)
+    globals()[name] = found = found if inner is None else getattr(found, inner)
+    return found
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return [*__all__, "__version__"]

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spectral_contact.checks import real
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import real
 
 __all__ = ["AsperityLayer", "greenwood_williamson"]
 

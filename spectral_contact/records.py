@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
-from spectral_contact.choices import instance, one_of
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
+from spectral_contact.inputs.choices import instance, one_of
 
 __all__ = [
     "COUPLING",

@@ -15,10 +15,10 @@ from dataclasses import asdict, dataclass, field, fields
 from fractions import Fraction
 from typing import Any, Final, Self
 
-from spectral_contact.checks import exactly_one, flag, real
-from spectral_contact.documents import YOUNGER, key_complaint, left_out
 from spectral_contact.errors import SceneError, SolutionFileError, shown
-from spectral_contact.units import Measured, in_si
+from spectral_contact.inputs.checks import exactly_one, flag, real
+from spectral_contact.inputs.units import Measured, in_si
+from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
 
 __all__ = ["PhysicalData", "Scene"]
 

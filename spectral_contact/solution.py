@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spectral_contact import checks, choices
 from spectral_contact.errors import NotComputedError
-from spectral_contact.fields import DiskSeries, PressureField, ZonalField
+from spectral_contact.fields.series import DiskSeries, PressureField, ZonalField
+from spectral_contact.inputs import checks, choices
 from spectral_contact.records import (
     COUPLING,
     FULL_STICK,
@@ -130,14 +130,14 @@ class Solution:
             return self._coupled_bounds()
         if self.scene.normal_compliance == 0.0:  # known exactly
             return self.approach, self.approach
-        from spectral_contact.bounds import approach_bounds
+        from spectral_contact.equations.bounds import approach_bounds
 
         field = self.pressure_field
         assert isinstance(field, PressureField)
         return approach_bounds(self.scene.normal_compliance, self.values["approach"], field)
 
     def _coupled_bounds(self) -> tuple[float, float]:
-        from spectral_contact.bounds import CoupledTraction, approach_bounds
+        from spectral_contact.equations.bounds import CoupledTraction, approach_bounds
 
         self._require("traction")
         scene, pressure, traction = self.scene, self.pressure_field, self.traction_field
@@ -272,7 +272,7 @@ class Solution:
         SolutionFileError
             For another suffix, or a path that cannot be written.
         """
-        from spectral_contact import storage
+        from spectral_contact.io import storage
 
         storage.save(self, path)
 
@@ -285,7 +285,7 @@ class Solution:
         SolutionFileError
             For a file that is not there, not ours, damaged, or of another version.
         """
-        from spectral_contact import storage
+        from spectral_contact.io import storage
 
         return storage.load(path)
 
@@ -297,7 +297,7 @@ class Solution:
         SolutionFileError
             If it holds NaN.
         """
-        from spectral_contact import storage
+        from spectral_contact.io import storage
 
         return storage.to_json(self)
 
@@ -310,14 +310,14 @@ class Solution:
         SolutionFileError
             If the text is not JSON, not ours, damaged, or of another version.
         """
-        from spectral_contact import storage
+        from spectral_contact.io import storage
 
         return storage.from_json(text)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):
             return NotImplemented
-        from spectral_contact import storage
+        from spectral_contact.io import storage
 
         return storage.comparable(self) == storage.comparable(other)
 

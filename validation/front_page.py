@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from spectral_contact import Scene, Solution, solve
-from spectral_contact.plotting import save, scene_title, style
+from spectral_contact.view.plotting import save, scene_title, style
 
 PICTURE = Path(__file__).parents[1] / "docs" / "front_page.png"
 SCENES = Scene(0.1, 0.5, 0.5, friction=0.1), Scene(0.3, 0.05, 1.0, friction=0.0328)

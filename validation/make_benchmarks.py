@@ -20,10 +20,11 @@ from typing import Any
 from mpmath import mp
 
 import spectral_contact
-from spectral_contact import Scene, Solution, benchmarks, plotting, solve
+from spectral_contact import Scene, Solution, benchmarks, solve
 from spectral_contact.benchmarks.page import page
-from spectral_contact.plotting import graded_radii
 from spectral_contact.precise import reference
+from spectral_contact.view import plotting
+from spectral_contact.view.plotting import graded_radii
 
 HERE = Path(__file__).parent
 DATA = Path(benchmarks.__file__).parent / "data"

@@ -32,6 +32,9 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+
+sys.path.append(str(Path(__file__).parent / "net"))
+
 import net_kept
 from net_checks import Finding, sections, worse
 from net_commit import COMMIT

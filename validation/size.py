@@ -36,17 +36,17 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 10_583, 6_500),
-    Gate("lines in all", 31_744, 23_000),
-    Gate("float literals of the core", 260, 90),
+    Gate("lines of the core", 10_748, 6_500),
+    Gate("lines in all", 31_836, 23_000),
+    Gate("float literals of the core", 262, 90),
     Gate("functions above 15", 9, 0),
     Gate("names that several classes bear", 21, 0),
     Gate("results of anonymous tuples of more than two", 36, 0),
-    Gate("modules at the root", 39, 10),
-    Gate("packages at the root", 12, 15),
-    Gate("circles of imports", 3, 0),
-    Gate("longest chain of imports", 33, 12),
-    Gate("lines of import contracts", 258, 90),
+    Gate("modules at the root", 9, 10),
+    Gate("packages at the root", 19, 15),
+    Gate("circles of imports", 2, 0),
+    Gate("longest chain of imports", 34, 12),
+    Gate("lines of import contracts", 90, 90),
 )
 
 

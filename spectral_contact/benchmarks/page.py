@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from spectral_contact.benchmarks.loader import Benchmark, CheckNumber, Stiffness
 from spectral_contact.scene import Scene
+
+if TYPE_CHECKING:  # a benchmark writes its page when asked to
+    from spectral_contact.benchmarks.loader import Benchmark, CheckNumber, Stiffness
 
 __all__ = ["page"]
 

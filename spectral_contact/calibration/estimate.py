@@ -17,9 +17,9 @@ from spectral_contact.calibration.measurements import (
 )
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
 from spectral_contact.calibration.setting import PARAMETERS, Setting
-from spectral_contact.checks import real, whole
-from spectral_contact.choices import instance, names
 from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.inputs.checks import real, whole
+from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
 
 __all__ = ["fit"]

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
-from spectral_contact.checks import finite, real
-from spectral_contact.choices import instance, one_of
-from spectral_contact.equations import load as moment
+from spectral_contact.equations.residuals import load as moment
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import finite, real
+from spectral_contact.inputs.choices import instance, one_of
 
 __all__ = ["ApproachData", "Data", "PressureData", "StickRadiusData"]
 

@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import real, whole
-from spectral_contact.documents import Refused, check_schema, key_complaint, reported
+from spectral_contact.inputs.checks import real, whole
+from spectral_contact.io.documents import Refused, check_schema, key_complaint, reported
 from spectral_contact.scene import Scene
 
 __all__ = ["FittedParameter", "RoughnessFit"]

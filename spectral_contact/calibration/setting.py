@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
-from spectral_contact.solver import solve
+from spectral_contact.solving.solver import solve
 
 __all__ = ["PARAMETERS", "Layer", "Setting"]
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.ring_law import RingLaw, RingState, Settled, settle
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.rings import graded_rings, ring_operators
 
 __all__ = ["Doubt", "RingLayout", "ring_layout"]

@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import gap
 
 __all__ = [

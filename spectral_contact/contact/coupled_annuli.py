@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.coupled_outcome import DISTANCES, CoupledSlip, checked, slip_annulus
 from spectral_contact.contact.coupled_problem import CoupledZones
 from spectral_contact.contact.resolution import ROUNDING
-from spectral_contact.fields import CENTRE, EDGE, ZonalField
+from spectral_contact.fields.series import CENTRE, EDGE, ZonalField
 from spectral_contact.solution import Zone
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parameters import Parameters

@@ -8,8 +8,8 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.coupled_parts import leading_depth, root_error, rounding_depth
+from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import (
     decay_rates,
     expected_error,

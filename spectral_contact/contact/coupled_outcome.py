@@ -21,7 +21,7 @@ from spectral_contact.contact.friction_law import (
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, slip_displacement
-from spectral_contact.fields import (
+from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
     AnnulusSeries,

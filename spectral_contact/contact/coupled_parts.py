@@ -10,8 +10,8 @@ from math import atanh, ceil, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
-from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.contact.refine import Resolution
+from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 

@@ -14,7 +14,6 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Attempt, Resolution
 from spectral_contact.contact.boundaries import (
     NoBoundariesError,
     differences,
@@ -30,6 +29,7 @@ from spectral_contact.contact.coupled_parts import (
 from spectral_contact.contact.coupled_spaces import first_spaces
 from spectral_contact.contact.coupled_state import CoupledState, Effect
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
@@ -40,7 +40,7 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.stick_radius import root_near
-from spectral_contact.fields import EDGE, Radius
+from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.factored import Factored, Symmetric, factored
 from spectral_contact.spectral.parameters import Parameters

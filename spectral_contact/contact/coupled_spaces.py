@@ -11,10 +11,10 @@ from math import ceil, log
 
 import numpy as np
 
-from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.coupled_parts import LEADING, thinnest_layer, without_rounding
+from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import PANEL_WIDTH
-from spectral_contact.fields import CENTRE, EDGE, Radius
+from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
 

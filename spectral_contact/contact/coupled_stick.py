@@ -14,15 +14,15 @@ from math import atan2, exp, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.coupled_errors import shares_of, sizes_of
 from spectral_contact.contact.coupled_parts import ended
 from spectral_contact.contact.coupled_problem import CoupledZones
 from spectral_contact.contact.coupled_zones import solve_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
+from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import ROUNDING, panel_of, series_of
-from spectral_contact.fields import EDGE, DiskSeries, LogSeries, PressureField
+from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 

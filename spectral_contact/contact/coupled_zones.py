@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from spectral_contact.adaptive import Refinement, refine
 from spectral_contact.contact.coupled_problem import ROUGH, UNFELT, CoupledProblem, CoupledZones
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.solution import Ending
 from spectral_contact.spectral.parameters import Parameters
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.fields import LogSeries, Radius
-from spectral_contact.legendre import chebyshev_sums
+from spectral_contact.fields.legendre import chebyshev_sums
+from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import ROUNDING
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Annulus, gap
 
 __all__ = [

@@ -11,9 +11,9 @@ from math import inf, log, nan, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
+from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     ROUNDING,
     SAFETY,
@@ -29,7 +29,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields import EDGE, DiskSeries, EdgeWeight
+from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 

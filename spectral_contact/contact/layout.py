@@ -9,7 +9,7 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
+from spectral_contact.contact.refine import Resolution
 
 __all__ = ["Layout", "ZonesSpace", "logit_at"]
 

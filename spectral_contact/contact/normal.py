@@ -8,7 +8,7 @@ from math import log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     ROUNDING,
     decay_rates,
@@ -18,7 +18,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields import EdgeWeight, PressureField
+from spectral_contact.fields.series import EdgeWeight, PressureField
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 

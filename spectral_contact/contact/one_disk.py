@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
-from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
@@ -51,7 +51,7 @@ from spectral_contact.contact.stick_radius import (
     polished_root,
     root_near,
 )
-from spectral_contact.fields import EDGE, DiskSeries, Radius
+from spectral_contact.fields.series import EDGE, DiskSeries, Radius
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 
 __all__ = ["OneDisk", "solve_one_disk"]

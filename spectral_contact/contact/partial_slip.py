@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
+from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     all_slip,

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.polynomial.legendre import legder
 from numpy.typing import NDArray
 
-from spectral_contact.fields import DiskSeries, PressureField
-from spectral_contact.legendre import legendre_sum
+from spectral_contact.fields.legendre import legendre_sum
+from spectral_contact.fields.series import DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 
 __all__ = ["AT_ONE_PLACE", "largest_ratio"]

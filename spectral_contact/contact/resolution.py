@@ -9,8 +9,8 @@ from math import ceil, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
-from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.contact.refine import Resolution
+from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import Change, Factored, disk_operators

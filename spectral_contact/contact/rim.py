@@ -13,10 +13,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import starting_resolution
-from spectral_contact.fields import PressureField, Radius
+from spectral_contact.fields.series import PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, gap
 from spectral_contact.spectral.cache import BoundedCache

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
-from spectral_contact.fields import EDGE, AnnulusSeries, DiskSeries, PressureField, Radius
-from spectral_contact.legendre import chebyshev_sums
+from spectral_contact.fields.legendre import chebyshev_sums
+from spectral_contact.fields.series import EDGE, AnnulusSeries, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import (
     FAR_FIT,

@@ -30,7 +30,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_displacement,
     slip_misfit,
 )
-from spectral_contact.fields import (
+from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
     AnnulusSeries,

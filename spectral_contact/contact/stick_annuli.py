@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from spectral_contact.contact.resolution import interpolate
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Annulus, Family, Points, gap
 from spectral_contact.spectral.annulus_space import AnnulusSpace, annulus_space, log_interpolation
 from spectral_contact.spectral.galerkin import disk_operators

@@ -13,7 +13,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.onset import depth_of, full_stick_violations
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 
 __all__ = ["search_zones"]
 

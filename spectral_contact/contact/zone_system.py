@@ -13,8 +13,8 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Resolution
 from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import PANEL_WIDTH, series_of
 from spectral_contact.contact.rim import SlipSource, rim_target
 from spectral_contact.contact.slip_displacement import (
@@ -23,7 +23,7 @@ from spectral_contact.contact.slip_displacement import (
     smooth_between,
 )
 from spectral_contact.contact.stick_annuli import StickAnnuli
-from spectral_contact.fields import EDGE, Radius
+from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus, Points
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 from spectral_contact.spectral.panels import LogPanels

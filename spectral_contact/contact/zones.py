@@ -14,7 +14,6 @@ from math import ceil, inf, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.adaptive import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.boundaries import (
     Boundaries,
     differences,
@@ -23,6 +22,7 @@ from spectral_contact.contact.boundaries import (
 )
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, ZonesSpace
+from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
     ROUNDING,
@@ -43,7 +43,7 @@ from spectral_contact.contact.slip_displacement import (
     slip_misfit,
 )
 from spectral_contact.contact.zone_system import ZoneSystem, ZoneTractions
-from spectral_contact.fields import CENTRE, EDGE, AnnulusSeries, DiskSeries, Radius
+from spectral_contact.fields.series import CENTRE, EDGE, AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import gap
 
 __all__ = ["ZonesSolution", "solve_zones"]

@@ -1,7 +1,7 @@
 """Reading gold tables, schema and numbers checked; knows no solver.
 
 The schema is documented in docs/gold.md. The tables that ship with the library are the files in
-``tables``, written by validation/make_gold.py.
+``tables``, written by validation/gold/make_gold.py.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from typing import Any, Final
 
 from mpmath.ctx_mp import MPContext
 
-from spectral_contact.documents import (
+from spectral_contact.errors import shown
+from spectral_contact.io.documents import (
     Refused,
     check_schema,
     key_complaint,
     read_file,
     reported,
 )
-from spectral_contact.errors import shown
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact import checks, choices
 from spectral_contact.errors import SceneError
-from spectral_contact.fields import CENTRE, EDGE, Radius, ZonalField
+from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
+from spectral_contact.inputs import checks, choices
 from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
 from spectral_contact.interior.mesh import Evaluator, Mesh, Points, graded

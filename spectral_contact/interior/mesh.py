@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 
 __all__ = ["Evaluator", "Mesh", "Nodes", "Points", "graded"]
 

@@ -11,12 +11,12 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact import checks, choices
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs import checks, choices
 from spectral_contact.paper.onset import slip_onset
-from spectral_contact.radii import Radii
 from spectral_contact.scene import Scene
-from spectral_contact.solver import solve
+from spectral_contact.solving.solver import solve
+from spectral_contact.view.radii import Radii
 
 __all__ = ["FIGURES", "PARAMETERS", "FigureData", "PaperFigure", "figure_data", "paper_figure"]
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spectral_contact.choices import instance
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
-from spectral_contact.solver import solve
+from spectral_contact.solving.solver import solve
 
 __all__ = ["SlipOnset", "slip_onset"]
 

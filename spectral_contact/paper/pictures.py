@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.paper.figures import FigureData
-from spectral_contact.plotting import style
+from spectral_contact.view.plotting import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

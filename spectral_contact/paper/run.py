@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from spectral_contact import checks, choices, plotting
-from spectral_contact.documents import path_text, replace_file, reported
+from spectral_contact.inputs import checks, choices
+from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.paper.figures import FIGURES, FigureData, PaperFigure, paper_figure
 from spectral_contact.paper.pictures import check, draw
 from spectral_contact.paper.statements import Statement, statements, statements_table
 from spectral_contact.paper.tables import complete_csv
+from spectral_contact.view import plotting
 
 __all__ = ["Reproduced", "reproduce"]
 

@@ -11,10 +11,10 @@ from math import ceil, inf, log10, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact import checks
+from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
-from spectral_contact.solver import solve
+from spectral_contact.solving.solver import solve
 
 __all__ = ["Statement", "statements", "statements_table"]
 

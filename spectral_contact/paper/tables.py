@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import spectral_contact
-from spectral_contact import checks
-from spectral_contact.documents import Refused, append_file, read_file, reported
+from spectral_contact.inputs import checks
+from spectral_contact.io.documents import Refused, append_file, read_file, reported
 from spectral_contact.paper.figures import FigureData, PaperFigure, paper_figure
 
 __all__ = ["complete_csv", "read_csv"]

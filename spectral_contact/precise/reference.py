@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from spectral_contact import checks
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
+from spectral_contact.inputs import checks
 from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.search import lawful, solved
 from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.precise.zone_trial import Layout
-from spectral_contact.progress import ProgressLine
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
-from spectral_contact.solver import solve
+from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["reference"]
 

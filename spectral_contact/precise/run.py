@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from spectral_contact.fields import EDGE, Radius
+from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.precise.disk import Disk, Mesh
 from spectral_contact.precise.drive import Drive, RoughDrive, SmoothDrive
 from spectral_contact.precise.fixed import Fixed, Ints

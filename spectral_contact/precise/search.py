@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from spectral_contact.errors import ConvergenceError, NotComputedError
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.law import Breach, obeying
 from spectral_contact.precise.run import Run

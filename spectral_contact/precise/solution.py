@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from spectral_contact import checks
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs import checks
 from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run
 from spectral_contact.records import ErrorEstimates, Zone

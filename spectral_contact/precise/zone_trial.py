@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import EDGE, Radius
+from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.precise.annulus import AnnulusMesh, AnnulusSeries, Blocks
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.drive import Drive

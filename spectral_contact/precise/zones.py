@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.precise.fixed import Ints
 from spectral_contact.precise.zone_trial import ZoneProblem, Zones, ZoneTrial
 

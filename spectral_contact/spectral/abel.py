@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.legendre import legendre_rows_between
+from spectral_contact.fields.legendre import legendre_rows_between
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     gauss_rule,

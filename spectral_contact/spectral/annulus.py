@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import LogSeries, Radius
+from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import (
     beyond,
     deeper,

@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import LogSeries
+from spectral_contact.fields.series import LogSeries
 from spectral_contact.spectral.annulus import UNIT, Annulus, Points
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 from scipy.linalg import lapack
 
-from spectral_contact.legendre import legendre_rows
+from spectral_contact.fields.legendre import legendre_rows
 from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = [

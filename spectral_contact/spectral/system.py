@@ -25,7 +25,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import Block, Seen, block, disk_gram

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.legendre import legendre_rows
+from spectral_contact.fields.legendre import legendre_rows
 from spectral_contact.spectral.abel import (
     EXTRA,
     deeper,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from spectral_contact.fields import CENTRE, EDGE, Radius
+from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.panels import LogPanels
 

@@ -11,7 +11,8 @@ from io import StringIO
 from pathlib import Path
 from typing import Any, Final
 
-from spectral_contact.documents import (
+from spectral_contact.errors import SolutionFileError, shown
+from spectral_contact.io.documents import (
     Refused,
     check_schema,
     key_complaint,
@@ -20,13 +21,12 @@ from spectral_contact.documents import (
     replace_file,
     reported,
 )
-from spectral_contact.errors import SolutionFileError, shown
-from spectral_contact.report import scene_text
 from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
+from spectral_contact.view.report import scene_text
 
 __all__ = ["SUFFIXES", "load", "point_from_row", "point_row", "save"]
 

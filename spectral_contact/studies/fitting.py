@@ -10,9 +10,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact.checks import finite, real, reals
-from spectral_contact.choices import listed
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import finite, real, reals
+from spectral_contact.inputs.choices import listed
 
 __all__ = ["Line", "Rate", "fit_line", "fit_rate"]
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spectral_contact.documents import path_text
-from spectral_contact.plotting import save, scene_title, style
+from spectral_contact.io.documents import path_text
 from spectral_contact.studies.fitting import Rate
 from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
+from spectral_contact.view.plotting import save, scene_title, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

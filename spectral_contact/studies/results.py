@@ -7,9 +7,9 @@ import os
 from dataclasses import dataclass
 from typing import Any, cast
 
-from spectral_contact.checks import flag, real
-from spectral_contact.choices import instance, one_of
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import flag, real
+from spectral_contact.inputs.choices import instance, one_of
 from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from spectral_contact.checks import real
-from spectral_contact.choices import instance
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
-from spectral_contact.solver import solve
+from spectral_contact.solving.solver import solve
 
 __all__ = ["OwnSolver", "Solver", "named_solver", "solver_name"]
 

@@ -11,7 +11,8 @@ import os
 from pathlib import Path
 from typing import Any, Final
 
-from spectral_contact.documents import (
+from spectral_contact.errors import shown
+from spectral_contact.io.documents import (
     Refused,
     append_file,
     check_schema,
@@ -19,7 +20,6 @@ from spectral_contact.documents import (
     path_text,
     reported,
 )
-from spectral_contact.errors import shown
 from spectral_contact.scene import Scene
 from spectral_contact.studies.files import point_from_row, point_row
 from spectral_contact.studies.results import Point

@@ -9,10 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from spectral_contact.checks import flag, real
-from spectral_contact.choices import function, instance, listed
 from spectral_contact.errors import SceneError
-from spectral_contact.progress import ProgressLine
+from spectral_contact.inputs.checks import flag, real
+from spectral_contact.inputs.choices import function, instance, listed
 from spectral_contact.scene import Scene
 from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import Convergence, Point, WorkPrecision
@@ -20,6 +19,7 @@ from spectral_contact.studies.solvers import Solver, solver_name
 from spectral_contact.studies.store import Store
 from spectral_contact.studies.timing import Stopwatch, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_named, truth_of
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["convergence", "work_precision"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from spectral_contact.report import scene_text, table
 from spectral_contact.scene import Scene
 from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
+from spectral_contact.view.report import scene_text, table
 
 __all__ = ["text_of"]
 

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from spectral_contact.checks import finite, real, whole
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import finite, real, whole
 from spectral_contact.scene import Scene
 from spectral_contact.threads import THREADS, look_for_blas, one_thread
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import flag, scalar
-from spectral_contact.choices import instance, names
 from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.inputs.checks import flag, scalar
+from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.testing.checks import field_of
 

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.checks import flag, real, scalar, values_at
-from spectral_contact.choices import instance, listed
-from spectral_contact.equations import (
+from spectral_contact.equations.residuals import (
     load,
     normal_displacement,
     shear_lift,
     tangential_displacement,
 )
 from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import flag, real, scalar, values_at
+from spectral_contact.inputs.choices import instance, listed
 from spectral_contact.scene import Scene
 
 __all__ = ["Check", "CheckReport", "check_solution", "field_of"]

@@ -11,11 +11,11 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from spectral_contact.checks import real
-from spectral_contact.choices import instance
 from spectral_contact.errors import MissingDependencyError, SceneError
+from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
-from spectral_contact.solver import solve
+from spectral_contact.solving.solver import solve
 
 try:
     from hypothesis import assume

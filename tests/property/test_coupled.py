@@ -5,14 +5,18 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from disk_integral import integral, places
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
-from property_settings import few
+from oracles.disk_integral import integral, places
+from oracles.property_settings import few
 from scipy.linalg import cholesky, solve_triangular, svdvals
 
 from spectral_contact import Scene, solve
-from spectral_contact.equations import normal_displacement, shear_lift, tangential_displacement
+from spectral_contact.equations.residuals import (
+    normal_displacement,
+    shear_lift,
+    tangential_displacement,
+)
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System

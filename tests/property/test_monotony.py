@@ -9,7 +9,7 @@ import math
 import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from property_settings import few
+from oracles.property_settings import few
 
 from spectral_contact import Scene, solve
 from spectral_contact.spectral.galerkin import disk_operators

@@ -6,7 +6,7 @@ import math
 import numpy as np
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
-from property_settings import bounded, few
+from oracles.property_settings import bounded, few
 
 from spectral_contact import Scene, solve
 from spectral_contact.testing import check_solution

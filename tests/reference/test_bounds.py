@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import NotComputedError, Scene, gold, solve
-from spectral_contact.bounds import CoupledTraction, approach_bounds
+from spectral_contact.equations.bounds import CoupledTraction, approach_bounds
 
 #: Digits of `precise.reference`.
 TRUE = {

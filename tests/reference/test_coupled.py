@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 import pytest
-from disk_integral import integral
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oracles.disk_integral import integral
 
 from spectral_contact import NotComputedError, Scene, StepState, closed_forms, solve
 from spectral_contact.testing import check_solution

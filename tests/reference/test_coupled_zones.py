@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import NotComputedError, Scene, Solution, StepState, solve
-from spectral_contact.equations import (
+from spectral_contact.equations.residuals import (
     normal_displacement,
     shear_lift,
     tangential_displacement,

@@ -11,10 +11,10 @@ from itertools import product
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from projection_cases import TAIL, interior_slip, lift_case
-from projection_oracle import Piece, basis, entries, kernels, mp, rows
+from oracles.projection_cases import TAIL, interior_slip, lift_case
+from oracles.projection_oracle import Piece, basis, entries, kernels, mp, rows
 
-from spectral_contact.adaptive import Resolution
+from spectral_contact.contact.refine import Resolution
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 

@@ -6,8 +6,8 @@ The oracle was computed in fixed point on other meshes, and its reader knows no 
 import math
 
 import pytest
-from gold_errors import TOLERANCES, exceeded, unmet
 from mpmath.ctx_mp import MPContext
+from oracles.gold_errors import TOLERANCES, exceeded, unmet
 
 from spectral_contact import gold, solve
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hard_cases import CASES, EPS, exceeded, outputs, perturbations, shifts, true_errors
-from hard_inside import overrefined
+from oracles.hard_cases import CASES, EPS, exceeded, outputs, perturbations, shifts, true_errors
+from oracles.hard_inside import overrefined
 
 from spectral_contact import Scene, solve
 

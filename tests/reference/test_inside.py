@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from inside_oracle import hankel, stuck
+from oracles.inside_oracle import hankel, stuck
 
 from spectral_contact import NotComputedError, Scene, SceneError, solve
 from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress

@@ -17,7 +17,7 @@ from spectral_contact.closed_forms import (
     coupled_traction,
     partial_slip_traction,
 )
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
 from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.precise import search
 from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.fixed import Fixed

@@ -6,7 +6,7 @@ import numpy as np
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact import Scene, solve
-from spectral_contact.fields import Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.precise.drive import Drive
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.run import Run

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from spectral_contact.contact.rim import SlipSource
-from spectral_contact.fields import EDGE, EdgeWeight, PressureField, Radius
+from spectral_contact.fields.series import EDGE, EdgeWeight, PressureField, Radius
 
 
 def integral(radius, alpha, kernel):

@@ -4,7 +4,7 @@ import functools
 import math
 
 import pytest
-from spence import Collocation
+from oracles.spence import Collocation
 
 from spectral_contact import Scene, solve
 

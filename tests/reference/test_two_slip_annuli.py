@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, solve
-from spectral_contact.adaptive import Refinement
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import solve_full_stick
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.partial_slip import solve_partial_slip
+from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import series_of
-from spectral_contact.equations import tangential_displacement
-from spectral_contact.fields import PressureField
+from spectral_contact.equations.residuals import tangential_displacement
+from spectral_contact.fields.series import PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
 

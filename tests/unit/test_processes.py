@@ -66,7 +66,7 @@ def children(number):
 # --- Ctrl-C and TERM ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("module", ["numpy", "spectral_contact.cli", "spectral_contact.sweep.run"])
+@pytest.mark.parametrize("module", ["numpy", "spectral_contact.cli", "spectral_contact.sweeps.run"])
 def test_ctrl_c_while_it_imports_is_one_line(tmp_path, module):
     (tmp_path / "sitecustomize.py").write_text(SITE.format(name=module))
     reached = tmp_path / "reached"
@@ -128,7 +128,7 @@ import numpy as np
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from spectral_contact import Scene
-from spectral_contact.sweep import sweep
+from spectral_contact.sweeps import sweep
 with ProcessPoolExecutor(1, get_context(sys.argv[1])) as pool:
     friction = np.linspace(0.01, 0.12, 4000)
     sweep(Scene(0.3, 0.5, 0.5), friction=friction, executor=pool, store=sys.argv[2])

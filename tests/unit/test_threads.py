@@ -14,14 +14,15 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import spectral_contact
-from spectral_contact import ConvergenceError, Scene, cli, solve
+from spectral_contact import ConvergenceError, Scene, solve
+from spectral_contact.cli import commands as cli
 from spectral_contact.precise import reference
-from spectral_contact.run import Run
-from spectral_contact.solver import Continuation
-from spectral_contact.sweep import chunk, sweep
-from spectral_contact.sweep import run as sweep_run
-from spectral_contact.sweep.parameters import listed
-from spectral_contact.sweep.request import requested
+from spectral_contact.solving.run import Run
+from spectral_contact.solving.solver import Continuation
+from spectral_contact.sweeps import chunk, sweep
+from spectral_contact.sweeps import run as sweep_run
+from spectral_contact.sweeps.parameters import listed
+from spectral_contact.sweeps.request import requested
 from spectral_contact.threads import _Hold, one_thread
 
 SCENE = Scene(0.1, 0.5)
@@ -230,7 +231,7 @@ for _ in range(5):
 
 FIRST = """
 from spectral_contact import Scene, solve
-from spectral_contact.run import Run
+from spectral_contact.solving.run import Run
 original = Run._normal
 def spy(*arguments):
     print("inside", blas())

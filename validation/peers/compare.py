@@ -28,8 +28,8 @@ import nystrom
 import rings
 
 from spectral_contact import MissingDependencyError, Scene
-from spectral_contact.report import scene_text
 from spectral_contact.studies import OwnSolver, Stopwatch, WorkPrecision, work_precision
+from spectral_contact.view.report import scene_text
 
 RESULTS = Path(__file__).parents[1] / "results"
 PACKAGES = ("tamaas", "scikit-fem")

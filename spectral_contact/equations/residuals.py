@@ -1,0 +1,194 @@
+"""The equations evaluated with the elliptic kernels, for fields of any origin.
+
+No Abel factorisation, no basis, nothing of the solver: tanh-sinh quadrature between the places
+where a field is not smooth. Fields are functions of the distance from the edge, ``1 - s``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
+from spectral_contact.inputs.checks import real, values_at
+from spectral_contact.inputs.choices import function, listed
+
+__all__ = ["load", "normal_displacement", "shear_lift", "tangential_displacement"]
+
+Array = NDArray[np.float64]
+Field = Callable[[Array], Array]
+_FINITE: dict[str, Any] = {"allowed": "finite"}
+Integrand = Callable[[Array, Array], Array]
+
+#: Step and reach of the tanh-sinh rule; the last points lie 1e-200 from the ends.
+_T = np.arange(-5.6, 5.6001, 1.0 / 32.0)
+_U = np.pi / 2.0 * np.sinh(_T)
+_LEFT = 1.0 / (1.0 + np.exp(-2.0 * np.clip(_U, -340.0, 340.0)))
+_RIGHT = 1.0 / (1.0 + np.exp(2.0 * np.clip(_U, -340.0, 340.0)))
+_WEIGHT = np.pi * np.cosh(_T) * _LEFT * _RIGHT / 32.0
+
+
+def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) -> float:
+    """Return ``int p s ds`` over the disk of radius ``1 - inside``, 1/(2 pi) of its load.
+
+    Parameters
+    ----------
+    pressure : callable
+        ``p*`` as a function of an array of distances from the edge.
+    inside : float
+        Distance of the disk's rim from the edge.
+    breaks : sequence of float
+        Distances from the edge at which the field is not smooth.
+
+    Raises
+    ------
+    SceneError
+        For an argument that is not as said, or values of the field that are no real numbers.
+    """
+    field = _field("pressure", pressure)
+    inside = real("inside", inside, allowed="in [0, 1)", low=0.0, high=1.0, high_open=True)
+    breaks = _cuts(breaks)
+
+    def integrand(d: Array, s: Array) -> Array:
+        return field(d) * s
+
+    cuts = sorted({inside, 1.0, *(b for b in breaks if inside < b < 1.0)})
+    return sum(_integral(integrand, near, far) for near, far in pairwise(cuts))
+
+
+def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[float] = ()) -> float:
+    """Return ``N p = (1/pi) int_0^1 p K1 deta``, the deflection under the pressure, (3.5).
+
+    Parameters
+    ----------
+    pressure : callable
+        ``p*`` as a function of an array of distances from the edge.
+    from_edge : float
+        The field point, in (0, 1).
+    breaks : sequence of float
+        Distances from the edge at which the field is not smooth.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
+    """
+    place, breaks = _place(from_edge), _cuts(breaks)
+    return _potential(_field("pressure", pressure), normal_kernel, place, breaks)
+
+
+def tangential_displacement(
+    traction: Field,
+    pressure: Field,
+    kappa: float,
+    from_edge: float,
+    breaks: Sequence[float] = (),
+) -> tuple[float, float]:
+    """Return the two parts ``T q`` and ``kappa g`` of the radial displacement, (4.2).
+
+    Parameters
+    ----------
+    traction, pressure : callable
+        ``q*`` and ``p*`` as functions of an array of distances from the edge.
+    kappa : float
+        ``(1 - 2 nu)/(4 (1 - nu))``.
+    from_edge : float
+        The field point, in (0, 1).
+    breaks : sequence of float
+        Distances from the edge at which the fields are not smooth.
+
+    Returns
+    -------
+    outward, inward : float
+        What the traction moves the surface outward by, and the pressure inward; the layer adds
+        ``beta q``.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
+    """
+    place, breaks, coupling = _place(from_edge), _cuts(breaks), real("kappa", kappa, **_FINITE)
+    outward = _potential(_field("traction", traction), tangential_kernel, place, breaks)
+    inward = coupling * load(pressure, inside=place, breaks=breaks) / (1.0 - place)
+    return outward, inward
+
+
+def shear_lift(
+    traction: Field, kappa: float, from_edge: float, breaks: Sequence[float] = ()
+) -> float:
+    """Return ``kappa int_s^1 q deta``, by how much less the surface gives way under a traction.
+
+    Parameters
+    ----------
+    traction : callable
+        ``q*`` as a function of an array of distances from the edge.
+    kappa : float
+        ``(1 - 2 nu)/(4 (1 - nu))``.
+    from_edge : float
+        The field point, in (0, 1].
+    breaks : sequence of float
+        Distances from the edge at which the field is not smooth.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
+    """
+    field, coupling = _field("traction", traction), real("kappa", kappa, **_FINITE)
+    place = real("from_edge", from_edge, allowed="in (0, 1]", low=0.0, high=1.0, low_open=True)
+    cuts = sorted({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
+    return coupling * sum(_integral(lambda d, _: field(d), *pair) for pair in pairwise(cuts))
+
+
+def _field(parameter: str, field: object) -> Field:
+    """Return a field that is a real number everywhere."""
+    return partial(values_at, parameter, function(parameter, field, "distances from the edge"))
+
+
+def _place(from_edge: object) -> float:
+    limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
+    return real("from_edge", from_edge, allowed="in (0, 1)", **limits)
+
+
+def _cuts(breaks: object) -> list[float]:
+    return [real("breaks", one, **_FINITE) for one in listed("breaks", breaks, "numbers")]
+
+
+def _integral(integrand: Integrand, near: float, far: float) -> float:
+    """Integrate a function of (distance from the edge, s) between two distances."""
+    width = far - near
+    left, right = width * _LEFT, width * _RIGHT
+    d = np.where(left < right, near + left, far - right)
+    # at the centre the distance cannot resolve s, what is left of the interval can
+    s = np.where(right < left, right, 1.0 - d) if far == 1.0 else 1.0 - d
+    with np.errstate(over="ignore", invalid="ignore"):  # a field may be anything
+        return width * float(_WEIGHT @ integrand(d, s))
+
+
+def _potential(
+    field: Field, kernel: Callable[..., Array], from_edge: float, breaks: Sequence[float]
+) -> float:
+    """Return ``(1/pi) int_0^1 field K(eta, s) deta`` at ``s = 1 - from_edge``."""
+    total = 0.0
+    cuts = sorted({0.0, 1.0, from_edge, *(b for b in breaks if 0.0 < b < 1.0)})
+    for near, far in pairwise(cuts):
+        width = far - near
+        # next to the field point the distance to it is known better than the difference
+        gap = None
+        if near == from_edge:
+            gap = width * _LEFT
+        elif far == from_edge:
+            gap = width * _RIGHT
+
+        def integrand(d: Array, eta: Array, gap: Array | None = gap) -> Array:
+            apart = np.abs(d - from_edge) if gap is None else gap
+            return field(d) * kernel(eta, 1.0 - from_edge, distance=apart)
+
+        total += _integral(integrand, near, far)
+    return total / np.pi

@@ -1,0 +1,3 @@
+"""Series that fields are given by, with what evaluates them; internal."""
+
+__all__: list[str] = []

@@ -1,0 +1,385 @@
+"""Fields on the contact: immutable data that can be evaluated, compared and stored.
+
+A field is written in the distance to a boundary, never in the radius alone, so that it keeps
+relative accuracy at the edge and at both ends of every zone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields.legendre import legendre_sum, legendre_sums
+
+__all__ = [
+    "CENTRE",
+    "EDGE",
+    "AnnulusSeries",
+    "DiskSeries",
+    "EdgeWeight",
+    "LogSeries",
+    "PressureField",
+    "Radius",
+    "ZonalField",
+    "ZonePiece",
+]
+
+Array = NDArray[np.float64]
+
+#: Legendre polynomials at -1, of more terms than any panel has.
+_AT_START: Array = np.where(np.arange(128) % 2, -1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Radius:
+    """A dimensionless radius known to relative accuracy from the centre and from the edge.
+
+    Attributes
+    ----------
+    value, from_edge : float
+        ``b`` and ``1 - b``.
+    """
+
+    value: float
+    from_edge: float
+
+    @classmethod
+    def from_logit(cls, logit: float) -> Radius:
+        """Return the radius with ``ln(b**2 / (1 - b**2)) = logit``."""
+        inside, outside = float(np.exp(min(logit, 0.0))), float(np.exp(min(-logit, 0.0)))
+        total = inside + outside
+        value = float(np.sqrt(inside / total))
+        return cls(value, outside / total / (1.0 + value))
+
+    @property
+    def square(self) -> float:
+        """Return ``b**2``."""
+        return self.value**2
+
+    @property
+    def rest(self) -> float:
+        """Return ``1 - b**2`` without cancellation."""
+        return self.from_edge * (1.0 + self.value)
+
+    @property
+    def logit(self) -> float:
+        """Return ``ln(b**2 / (1 - b**2))``."""
+        return 2.0 * float(np.log(self.value)) - float(np.log(self.rest))
+
+    def below(self, s: Array, from_edge: Array) -> Array:
+        """Return ``b**2 - s**2`` without cancellation beyond the rounding of the inputs."""
+        gap = np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)
+        return np.asarray(gap * (self.value + s))
+
+
+CENTRE, EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LogSeries:
+    """``d**power`` times a Legendre series in ``x = -ln d``, with a tail polynomial in ``d``.
+
+    Attributes
+    ----------
+    coefficients : ndarray, shape (panels, degree + 1)
+        Legendre coefficients on the panels ``[j h, (j+1) h]`` in ``x``.
+    tail : ndarray, shape (terms,)
+        Legendre coefficients in ``d`` on ``[0, exp(-panels h)]``.
+    width : float
+        Panel width ``h``.
+    power : float
+        Endpoint weight.
+    root_tail : bool
+        The tail is a series in ``sqrt(d)``.
+    oscillation : float
+        If not zero, the tail is ``a cos(oscillation u) + b sin(oscillation u)`` instead, in the
+        depth ``u`` in ``x`` beyond the panels: it has no limit at ``d = 0``, where it is NaN.
+    """
+
+    coefficients: Array
+    tail: Array
+    width: float
+    power: float = 0.0
+    root_tail: bool = False
+    oscillation: float = 0.0
+
+    def __call__(self, d: Array) -> Array:
+        """Evaluate at distances `d` in [0, 1], any shape."""
+        shape = np.shape(d)
+        d = np.ravel(d)
+        if d.size == 0:
+            return np.empty(shape)
+        if d.size == 1:
+            return np.full(shape, self.value(float(d[0])))
+        return np.asarray(self.several([self], d)[0].reshape(shape))
+
+    def on_panels_of(self, other: LogSeries | None) -> bool:
+        """Return whether another series has these panels and as many terms."""
+        return (
+            other is not None
+            and self.coefficients.shape == other.coefficients.shape
+            and (self.width, self.power) == (other.width, other.power)
+        )
+
+    @staticmethod
+    def several(series: Sequence[LogSeries | None], d: Array) -> Array:
+        """Return the values of series `on_panels_of` each other at distances (n,), as rows.
+
+        One pass serves all of them. They are zero if there is none.
+        """
+        known = [one for one in series if one is not None]
+        if not known:
+            return np.zeros((len(series), len(d)))
+        first, count = known[0], len(known)
+        panels = len(first.coefficients)
+        end = math.exp(-panels * first.width)
+        local = np.log(np.maximum(d, end * 1e-2))
+        local /= -first.width
+        own = np.minimum(local.astype(int), panels - 1)
+        local -= own + 0.5
+        local *= 2.0
+        np.minimum(np.maximum(local, -1.0, out=local), 1.0, out=local)
+        table = first.coefficients
+        if count > 1:
+            table = np.concatenate([one.coefficients for one in known])
+            own = (own + panels * np.arange(count)[:, None]).ravel()
+            local = np.tile(local, count)
+        result = legendre_sums(local, table, own).reshape(count, -1)
+        deep = d < end
+        if deep.any():
+            for row, one in zip(result, known, strict=True):
+                row[deep] = one._deep(d[deep], end)
+        if first.power != 0.0:
+            with np.errstate(divide="ignore"):
+                result *= d**first.power
+        return result
+
+    def _deep(self, d: Array, end: float) -> Array:
+        """Evaluate the tail."""
+        if self.oscillation == 0.0:
+            ratio = np.sqrt(d / end) if self.root_tail else d / end
+            return legendre_sums(2.0 * ratio - 1.0, self.tail[None, :])
+        inside = d > 0.0
+        phase = -self.oscillation * np.log(np.where(inside, d, end) / end)
+        wave = self.tail[0] * np.cos(phase) + self.tail[1] * np.sin(phase)
+        return np.where(inside, wave, np.nan)
+
+    def value(self, d: float) -> float:
+        """Evaluate at one distance, without arrays."""
+        panels = len(self.coefficients)
+        end = math.exp(-panels * self.width)
+        if d < end and self.oscillation != 0.0:
+            value = float(self._deep(np.array([d]), end)[0])
+        elif d < end:
+            ratio = math.sqrt(d / end) if self.root_tail else d / end
+            value = legendre_sum(2.0 * ratio - 1.0, self.tail.tolist())
+        else:
+            x = -math.log(d) / self.width
+            own = min(max(int(x), 0), panels - 1)
+            local = min(max(2.0 * (x - own) - 1.0, -1.0), 1.0)
+            value = legendre_sum(local, self.coefficients[own].tolist())
+        if self.power == 0.0 or math.isnan(value):
+            return value
+        return value * d**self.power if d > 0.0 else math.copysign(math.inf, value)
+
+    @property
+    def limit(self) -> float:
+        """Value at ``d = 0``; infinite where the tail is singular, NaN where it oscillates."""
+        if self.oscillation != 0.0:
+            return np.nan
+        return np.inf if self.power < 0.0 else legendre_sum(-1.0, self.tail.tolist())
+
+    def at_ends(self) -> Array:
+        """Return the values at `ends`."""
+        terms = self.coefficients.shape[1]
+        values = np.empty(len(self.coefficients) + 1)
+        values[:-1] = self.coefficients @ _AT_START[:terms]
+        values[-1] = self.coefficients[-1].sum()
+        if self.power != 0.0:
+            values *= self.ends**self.power
+        return values
+
+    @property
+    def ends(self) -> Array:
+        """Where the panels end: ``d = exp(-j width)``, (panels + 1,)."""
+        return np.asarray(np.exp(-self.width * np.arange(len(self.coefficients) + 1)))
+
+    def minus(self, other: LogSeries) -> LogSeries:
+        """Return the difference of two series on the same panels."""
+        return replace(
+            self, coefficients=self.coefficients - other.coefficients, tail=self.tail - other.tail
+        )
+
+    def times(self, factor: float) -> LogSeries:
+        """Return the series multiplied by a number."""
+        return replace(self, coefficients=self.coefficients * factor, tail=self.tail * factor)
+
+
+@dataclass(frozen=True, slots=True)
+class EdgeWeight:
+    """The endpoint weight ``amplitude / sqrt(y + shift)`` with ``y = 1 - s**2``.
+
+    With ``logarithmic`` it is ``amplitude * (-ln y) / (s**2 sqrt(y))``, the smooth limit of full
+    stick.
+    """
+
+    amplitude: float
+    shift: float
+    logarithmic: bool = False
+
+    def __call__(self, y: Array) -> Array:
+        """Evaluate at `y` in [0, 1]; ``inf`` at y = 0 when the shift is zero."""
+        if self.shift > 0.0:  # nothing to divide by zero; the logarithmic one has no shift
+            return np.asarray(self.amplitude / np.sqrt(y + self.shift))
+        with np.errstate(divide="ignore"):
+            value = self.amplitude / np.sqrt(y)
+        if self.logarithmic:
+            z = 1.0 - y
+            safe = np.where(z > 0.0, z, 1.0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                value = value * np.where(z > 0.0, -np.log(y) / safe, 1.0)
+        return np.asarray(value)
+
+    def half_integral(self, d: Array) -> Array:
+        """Return its half-integral at ``1 - t**2 = d``: amplitude arctan sqrt(d / shift)."""
+        if self.shift == 0.0:
+            return np.full(np.shape(d), self.amplitude * np.pi / 2.0)
+        return np.asarray(self.amplitude * np.arctan(np.sqrt(d / self.shift)))
+
+    def deficit(self, d: Array) -> Array:
+        """Return ``amplitude pi/2`` minus the half-integral, without the subtraction."""
+        return np.asarray(self.amplitude * np.arctan(np.sqrt(self.shift / d)))
+
+    def times(self, factor: float) -> EdgeWeight:
+        """Return the weight multiplied by a number."""
+        return EdgeWeight(self.amplitude * factor, self.shift, self.logarithmic)
+
+
+@dataclass(frozen=True, slots=True)
+class PressureField:
+    """Pressure as an endpoint weight plus a series in ``y``; either may be absent."""
+
+    weight: EdgeWeight | None
+    series: LogSeries | None
+
+    def at(self, y: Array) -> Array:
+        """Evaluate at ``y = 1 - s**2``."""
+        value = np.zeros(np.shape(y))
+        if self.weight is not None:
+            value = value + self.weight(y)
+        if self.series is not None:
+            value = value + self.series(y)
+        return value
+
+    def value(self, y: float) -> float:
+        """Evaluate at one ``y``."""
+        weight = 0.0 if self.weight is None else float(self.weight(np.array(y)))
+        return weight if self.series is None else weight + self.series.value(y)
+
+    @staticmethod
+    def several(fields: Sequence[PressureField], y: Array) -> Array:
+        """Return the values of fields whose series have the same panels at ``y``, (n,), as rows."""
+        values = LogSeries.several([one.series for one in fields], y)
+        for row, one in zip(values, fields, strict=True):
+            if one.weight is not None:
+                row += one.weight(y)
+        return values
+
+    def at_ends(self) -> Array:
+        """Return the values at the `ends` of the series."""
+        assert self.series is not None
+        values = self.series.at_ends()
+        return values if self.weight is None else values + self.weight(self.series.ends)
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate at radii `s` whose distances to the edge are `from_edge`."""
+        return self.at(from_edge * (1.0 + s))
+
+
+@dataclass(frozen=True, slots=True)
+class DiskSeries:
+    """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone.
+
+    With the `power` 0 instead of 1 it is without the factor ``s / outer``: a pressure.
+    """
+
+    outer: Radius
+    series: LogSeries | None
+    weight: EdgeWeight | None = None
+    power: int = 1
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate inside the disk."""
+        scaled = s / self.outer.value
+        d = np.clip(self.outer.below(s, from_edge) / self.outer.square, 0.0, 1.0)
+        value = np.zeros(np.shape(s))
+        if self.series is not None:
+            value = value + self.series(d)
+        if self.weight is not None:
+            value = value + self.weight(d)
+        return np.asarray(scaled**self.power * value)
+
+    def times(self, factor: float) -> DiskSeries:
+        """Return the field multiplied by a number."""
+        series = None if self.series is None else self.series.times(factor)
+        weight = None if self.weight is None else self.weight.times(factor)
+        return DiskSeries(self.outer, series, weight, self.power)
+
+
+@dataclass(frozen=True, slots=True)
+class AnnulusSeries:
+    """``s**power`` times two series, each in the distance to one end of an annulus."""
+
+    inner: Radius
+    outer: Radius
+    toward_inner: LogSeries
+    toward_outer: LogSeries
+    power: int = 1
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate inside the annulus."""
+        above = np.maximum(-self.inner.below(s, from_edge), 0.0)
+        below = np.maximum(self.outer.below(s, from_edge), 0.0)
+        half = (above + below) / 2.0
+        half = np.where(half > 0.0, half, 1.0)
+        value = np.where(
+            above <= below,
+            self.toward_inner(np.clip(above / half, 0.0, 1.0)),
+            self.toward_outer(np.clip(below / half, 0.0, 1.0)),
+        )
+        return np.asarray(s**self.power * value)
+
+
+@dataclass(frozen=True, slots=True)
+class ZonePiece:
+    """One zone of a field: ``factor * field`` up to `outer`; no field means zero."""
+
+    outer: Radius
+    field: DiskSeries | AnnulusSeries | PressureField | None
+    factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class ZonalField:
+    """A field that has its own expression in every zone, ordered from the centre to the edge."""
+
+    pieces: tuple[ZonePiece, ...]
+
+    def __call__(self, s: Array, from_edge: Array) -> Array:
+        """Evaluate at radii `s` whose distances to the edge are `from_edge`, any shape."""
+        result = np.zeros(np.shape(s))
+        todo = np.ones(np.shape(s), dtype=bool)
+        for piece in self.pieces:
+            inside = todo & (piece.outer.below(s, from_edge) >= 0.0)
+            todo &= ~inside
+            if piece.field is not None and piece.factor != 0.0 and inside.any():
+                result[inside] = piece.factor * piece.field(s[inside], from_edge[inside])
+        return result
+
+    def times(self, factor: float) -> ZonalField:
+        """Return the field multiplied by a number."""
+        return ZonalField(tuple(replace(p, factor=p.factor * factor) for p in self.pieces))

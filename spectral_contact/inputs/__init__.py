@@ -1,0 +1,3 @@
+"""Checks of what users give: numbers, names, units; internal."""
+
+__all__: list[str] = []

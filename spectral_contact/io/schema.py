@@ -1,0 +1,208 @@
+"""What a stored solution holds, declared: version 1 of the format, as docs/file_format.md tells it.
+
+Tags and keys are the format's own. They are written here as text, and stay when a class, a module
+or an annotation changes; a test compares the fields declared here with those of the classes.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from spectral_contact.fields.series import (
+    AnnulusSeries,
+    DiskSeries,
+    EdgeWeight,
+    LogSeries,
+    PressureField,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
+from spectral_contact.io.codecs import (
+    Array,
+    Choice,
+    Either,
+    Float,
+    Maybe,
+    Plain,
+    Record,
+    Several,
+    Values,
+)
+from spectral_contact.records import (
+    Ending,
+    ErrorEstimates,
+    Plan,
+    PlannedStep,
+    RefinementStep,
+    StepState,
+    StepWork,
+    Work,
+    Zone,
+)
+from spectral_contact.scene import PhysicalData, Scene
+from spectral_contact.solution import Solution
+
+__all__ = ["CHOICES", "RECORDS", "SOLUTION"]
+
+_FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(str, "a text")
+_FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
+_MAYBE_FLOAT = Maybe(_FLOAT)
+
+_PHYSICAL = Record(
+    "PhysicalData",
+    PhysicalData,
+    youngs_modulus=_FLOAT,
+    radius=_FLOAT,
+    load=_MAYBE_FLOAT,
+    approach=_MAYBE_FLOAT,
+    normal_compliance=_FLOAT,
+    tangential_compliance=_FLOAT,
+)
+_SCENE = Record(
+    "Scene",
+    Scene,
+    {"coupling": False},
+    poisson_ratio=_FLOAT,
+    normal_compliance=_FLOAT,
+    tangential_compliance=_FLOAT,
+    friction=_MAYBE_FLOAT,
+    physical=Maybe(_PHYSICAL),
+    coupling=_FLAG,
+)
+_STATE = Choice(
+    "StepState",
+    RUN=StepState.RUN,
+    CONDITIONAL=StepState.CONDITIONAL,
+    SKIPPED=StepState.SKIPPED,
+)
+_ENDING = Choice(
+    "Ending",
+    CONVERGED=Ending.CONVERGED,
+    UNKNOWNS=Ending.UNKNOWNS,
+    ROUNDING=Ending.ROUNDING,
+    ZONES=Ending.ZONES,
+)
+_PLANNED_STEP = Record("PlannedStep", PlannedStep, name=_TEXT, state=_STATE, reason=_TEXT)
+_PLAN = Record(
+    "Plan",
+    Plan,
+    quantities=Several(_TEXT),
+    steps=Several(_PLANNED_STEP),
+    missing=Several(Several(_TEXT, 2)),
+)
+_ZONE = Record(
+    "Zone",
+    Zone,
+    kind=Plain(str, '"stick" or "slip"', "stick", "slip"),
+    inner=_FLOAT,
+    outer=_FLOAT,
+    inner_from_edge=_FLOAT,
+    outer_from_edge=_FLOAT,
+)
+_ERRORS = Record(
+    "ErrorEstimates",
+    ErrorEstimates,
+    approach=_MAYBE_FLOAT,
+    pressure=_MAYBE_FLOAT,
+    traction=_MAYBE_FLOAT,
+    slip=_MAYBE_FLOAT,
+    zones=_MAYBE_FLOAT,
+    stick_radius=_MAYBE_FLOAT,
+    total_shear=_MAYBE_FLOAT,
+    edge_ratio=_MAYBE_FLOAT,
+    critical_friction=_MAYBE_FLOAT,
+    violation=_MAYBE_FLOAT,
+)
+_REFINEMENT = Record(
+    "RefinementStep",
+    RefinementStep,
+    unknowns=_INT,
+    highest_degree=_INT,
+    error=_FLOAT,
+    seconds=_FLOAT,
+)
+_STEP_WORK = Record(
+    "StepWork",
+    StepWork,
+    name=_TEXT,
+    unknowns=_INT,
+    degrees=Several(_INT),
+    history=Several(_REFINEMENT),
+    ending=_ENDING,
+    seconds=_FLOAT,
+)
+_WORK = Record("Work", Work, steps=Several(_STEP_WORK))
+_RADIUS = Record("Radius", Radius, value=_FLOAT, from_edge=_FLOAT)
+_LOG_SERIES = Record(
+    "LogSeries",
+    LogSeries,
+    {"oscillation": 0.0},
+    coefficients=_TABLE,
+    tail=_ROW,
+    width=_FLOAT,
+    power=_FLOAT,
+    root_tail=_FLAG,
+    oscillation=_FLOAT,
+)
+_WEIGHT = Record("EdgeWeight", EdgeWeight, amplitude=_FLOAT, shift=_FLOAT, logarithmic=_FLAG)
+_PRESSURE = Record("PressureField", PressureField, weight=Maybe(_WEIGHT), series=Maybe(_LOG_SERIES))
+_DISK = Record(
+    "DiskSeries",
+    DiskSeries,
+    {"power": 1},
+    outer=_RADIUS,
+    series=Maybe(_LOG_SERIES),
+    weight=Maybe(_WEIGHT),
+    power=_INT,
+)
+_ANNULUS = Record(
+    "AnnulusSeries",
+    AnnulusSeries,
+    inner=_RADIUS,
+    outer=_RADIUS,
+    toward_inner=_LOG_SERIES,
+    toward_outer=_LOG_SERIES,
+    power=_INT,
+)
+_PIECE = Record(
+    "ZonePiece",
+    ZonePiece,
+    outer=_RADIUS,
+    field=Maybe(Either(_DISK, _ANNULUS, _PRESSURE)),
+    factor=_FLOAT,
+)
+_ZONAL = Record("ZonalField", ZonalField, pieces=Several(_PIECE))
+_TANGENTIAL = Maybe(Either(_ZONAL, _DISK))
+
+#: The root of the tree.
+SOLUTION: Final = Record(
+    "Solution",
+    Solution,
+    scene=_SCENE,
+    rtol=_FLOAT,
+    plan=_PLAN,
+    error=_ERRORS,
+    converged=_FLAG,
+    ending=_ENDING,
+    work=_WORK,
+    values=Values(
+        approach=_FLOAT,
+        total_shear=_FLOAT,
+        edge_ratio=_FLOAT,
+        critical_friction=_FLOAT,
+        zones=Several(_ZONE),
+        stick_radius=_MAYBE_FLOAT,
+        opening=_MAYBE_FLOAT,
+    ),
+    pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
+    traction_field=_TANGENTIAL,
+    slip_field=_TANGENTIAL,
+)
+#: Everything that has a tag.
+RECORDS: Final = (
+    SOLUTION,
+    *(_PHYSICAL, _SCENE, _PLANNED_STEP, _PLAN, _ZONE, _ERRORS, _REFINEMENT, _STEP_WORK, _WORK),
+    *(_RADIUS, _LOG_SERIES, _WEIGHT, _PRESSURE, _DISK, _ANNULUS, _PIECE, _ZONAL),
+)
+CHOICES: Final = (_STATE, _ENDING)

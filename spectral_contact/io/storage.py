@@ -1,0 +1,199 @@
+"""Solutions as one ``.npz`` or ``.json`` file, or as JSON text: every double exactly, no pickle.
+
+docs/file_format.md describes the files, `spectral_contact.io.schema` declares what is in them. The
+checksum is taken anew from what was loaded, so a file that was changed, by accident or by a
+tool that rounds numbers, is refused, and never read as another solution.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import sys
+from dataclasses import fields, is_dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import SolutionFileError
+from spectral_contact.io.codecs import Arrays
+from spectral_contact.io.documents import (
+    Refused,
+    check_schema,
+    key_complaint,
+    npz_members,
+    path_text,
+    replace_file,
+    reported,
+)
+from spectral_contact.io.schema import SOLUTION
+from spectral_contact.solution import Solution
+
+__all__ = ["comparable", "from_json", "load", "save", "to_json"]
+
+_SCHEMA: Final = "spectral_contact.solution"
+_VERSION: Final = 1
+_MEMBERS: Final = ("schema", "version", "library", "sha256", "solution")
+_SUFFIXES: Final = (".npz", ".json")
+_INFINITIES: Final = ("inf", "-inf")
+
+
+def save(solution: Solution, path: str | os.PathLike[str]) -> None:
+    """Store a solution; the file is complete or, after any failure, as it was before.
+
+    Parameters
+    ----------
+    solution : Solution
+    path : str or os.PathLike
+        Ends in ``.npz`` or ``.json``, which chooses the format. A file there is replaced.
+
+    Raises
+    ------
+    SolutionFileError
+        For another suffix, a path that cannot be written, or a solution that holds NaN or
+        anything else that does not belong into one.
+    """
+    source, suffix = _source(path)
+    with reported(source, "cannot be written"):
+        replace_file(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
+
+
+def load(path: str | os.PathLike[str]) -> Solution:
+    """Return the solution that `save` stored, equal bit for bit; its arrays are read-only.
+
+    Raises
+    ------
+    SolutionFileError
+        For another suffix, or a file that is not there, not ours, changed, damaged, or of another
+        version.
+    """
+    source, suffix = _source(path)
+    with reported(source, "cannot be read"):
+        content = Path(source).read_bytes()
+    with reported(source, f"damaged, or not a {suffix} file of a solution"):
+        if suffix == ".json":
+            return _unpack(json.loads(content.decode()), None)
+        arrays = npz_members(content)
+        return _unpack(json.loads(arrays.pop("header").item()), arrays)
+
+
+def to_json(solution: Solution) -> str:
+    """Return the solution as one line of strict JSON, which is also what `save` writes.
+
+    Raises
+    ------
+    SolutionFileError
+        If the solution holds NaN or anything else that does not belong into one.
+    """
+    with reported("solution", "cannot be written as JSON"):
+        return _json(solution)
+
+
+def from_json(text: str) -> Solution:
+    """Return the solution that `to_json` wrote, equal bit for bit; its arrays are read-only.
+
+    Raises
+    ------
+    SolutionFileError
+        If the text is not JSON, not a solution, changed, damaged, or of another version.
+    """
+    with reported("solution", "damaged, or not the JSON text of a solution"):
+        return _unpack(json.loads(text), None)
+
+
+def comparable(value: Any) -> object:
+    """Return a solution, or a part of one, as nested tuples that compare by value.
+
+    Fields that do not count in comparisons (wall-clock seconds) are left out; it is hashable.
+    """
+    if isinstance(value, np.ndarray):
+        return value.shape, (value + 0.0).tobytes()  # -0.0 equals 0.0, as it does among floats
+    if isinstance(value, tuple):
+        return tuple(map(comparable, value))
+    if isinstance(value, dict):
+        return frozenset((key, comparable(item)) for key, item in value.items())
+    if is_dataclass(value):
+        own = (getattr(value, one.name) for one in fields(value) if one.compare)
+        return type(value), *map(comparable, own)
+    return value
+
+
+def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Return the path as text, and its suffix, which is one of ours."""
+    source = path_text(path)
+    suffix = Path(source).suffix.lower()
+    if suffix not in _SUFFIXES:
+        reason = f"the suffix is {suffix!r}, and must be {' or '.join(_SUFFIXES)}"
+        raise SolutionFileError(source, reason)
+    return source, suffix
+
+
+def _json(solution: Solution) -> str:
+    document, arrays = _pack(solution)
+    document["arrays"] = {name: _json_array(array) for name, array in arrays.items()}
+    return json.dumps(document, allow_nan=False)
+
+
+def _json_array(array: NDArray[np.float64]) -> dict[str, Any]:
+    # The repr of a double, which JSON writes too, is a text that reads back as that double.
+    data = [x if math.isfinite(x) else repr(x) for x in array.ravel().tolist()]
+    return {"shape": array.shape, "data": data}
+
+
+def _from_json_array(body: Any) -> NDArray[np.float64]:
+    _check_names("an array", body, ("shape", "data"))
+    if any(type(x) is not float and x not in _INFINITIES for x in body["data"]):
+        raise Refused("an array holds something else than doubles")
+    return np.array([float(x) for x in body["data"]]).reshape(body["shape"])
+
+
+def _npz(solution: Solution) -> bytes:
+    document, arrays = _pack(solution)
+    members: dict[str, Any] = {"header": np.array(json.dumps(document, allow_nan=False)), **arrays}
+    buffer = BytesIO()
+    np.savez(buffer, **members)
+    return buffer.getvalue()
+
+
+def _pack(solution: Solution) -> tuple[dict[str, Any], Arrays]:
+    """Return the document and the arrays that its tree names."""
+    if not isinstance(solution, Solution):
+        raise Refused(f"a {type(solution).__name__} is not a Solution")
+    arrays: Arrays = {}
+    tree = SOLUTION.encode(solution, "", arrays)
+    # Not by an import: the package imports the layers above.
+    library = sys.modules["spectral_contact"].__version__
+    values = (_SCHEMA, _VERSION, library, _checksum(tree, arrays), tree)
+    return dict(zip(_MEMBERS, values, strict=True)), arrays
+
+
+def _unpack(document: Any, arrays: Arrays | None) -> Solution:
+    """Return the solution; without `arrays` they are in the document."""
+    check_schema(document, "solution", _SCHEMA, _VERSION)
+    if arrays is None:
+        arrays = {name: _from_json_array(body) for name, body in document.pop("arrays", {}).items()}
+    _check_names("the header", document, _MEMBERS)
+    tree, used = document["solution"], Arrays()
+    solution: Solution = SOLUTION.decode(tree, "", arrays, used)
+    if _checksum(tree, used) != document["sha256"] or used.keys() != arrays.keys():
+        raise Refused("its checksum is not that of its contents: it was changed or damaged")
+    return solution
+
+
+def _checksum(tree: Any, arrays: Arrays) -> str:
+    """Return the digest of a tree and of its arrays, in the order of the schema."""
+    digest = hashlib.sha256(json.dumps(tree, sort_keys=True).encode())
+    for array in arrays.values():
+        digest.update(f"{array.shape}".encode() + array.astype("<f8").tobytes())
+    return digest.hexdigest()
+
+
+def _check_names(what: str, body: Any, expected: tuple[str, ...]) -> None:
+    complaint = key_complaint(body, expected)
+    if complaint:
+        raise Refused(f"{what}: {complaint}")

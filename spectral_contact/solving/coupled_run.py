@@ -1,0 +1,239 @@
+"""One solve with elastic coupling: pressure and traction are one system."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from spectral_contact.contact.coupled_stick import CoupledStick, solve_coupled_stick
+from spectral_contact.contact.normal import NormalContact
+from spectral_contact.errors import NotComputedError
+from spectral_contact.fields.series import Radius
+from spectral_contact.solution import (
+    COUPLING,
+    FULL_STICK,
+    PARTIAL_SLIP,
+    SLIP_FIELD,
+    ZONE_SEARCH,
+    Ending,
+    PlannedStep,
+    StepState,
+    Zone,
+)
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.run import Run
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
+    from spectral_contact.contact.layout import Layout
+
+__all__ = ["CoupledRun"]
+
+
+#: Relative distance from the critical friction up to which full stick may stand for slip that is
+#: not found, and its error at that distance, in units of it.
+_ONSET, _ROOM = 1e-4, 3.0
+#: A distance at which slip is not looked for if full stick is good enough, or if slip is inside: an
+#: annulus that narrow is never found.
+_HIDDEN = 1e-8
+
+
+class CoupledRun(Run):
+    """The steps of a plan with elastic coupling; at friction 0 the traction is idle.
+
+    Parameters are those of `Run`.
+    """
+
+    def tangential(self, states: dict[str, StepState], contact: NormalContact | None) -> None:
+        """Solve for pressure and traction together."""
+        if self.scene.friction == 0.0:
+            super().tangential(states, contact)
+            return
+        self._together(states)
+
+    def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
+        """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
+        self._take_ratios(self._coupled_stick())
+
+    def _together(self, states: dict[str, StepState]) -> None:
+        """Solve full stick, and what it decides."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction == math.inf:
+            self.all_stick()
+            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
+        if states[COUPLING] is not StepState.RUN:
+            return
+        stick = self._coupled_stick()
+        self._take_ratios(stick)
+        self.pressure, self.traction = stick.pressure, stick.traction
+        self.values.update(approach=stick.approach, total_shear=stick.total_shear)
+        self.errors.update(
+            approach=stick.approach_error,
+            pressure=stick.pressure_error,
+            traction=stick.traction_error,
+            total_shear=stick.shear_error,
+        )
+        if "pressure" in self.plan.quantities:
+            self.values["opening"] = stick.opening
+        if stick.opening is not None:
+            self.outcome[COUPLING] = PlannedStep(
+                COUPLING,
+                StepState.RUN,
+                f"one system; the contact would open within {stick.opening:.3g} of the edge",
+            )
+        if states[PARTIAL_SLIP] is not StepState.SKIPPED:
+            self._coupled_slip(stick)
+
+    def _coupled_stick(self) -> CoupledStick:
+        scene, begin = self.scene, perf_counter()
+        asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
+        integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
+        stick: CoupledStick = self.record(
+            FULL_STICK,
+            solve_coupled_stick(
+                scene.normal_compliance,
+                scene.tangential_compliance,
+                scene.kappa,
+                self.rtol,
+                self.max_unknowns,
+                pointwise=not integrals,
+            ),
+            begin,
+        )
+        return stick
+
+    def _take_ratios(self, stick: CoupledStick) -> None:
+        """Copy q/p of full stick, which has no meaning where the pressure is not positive."""
+        self.values.update(edge_ratio=stick.edge_ratio, critical_friction=stick.critical)
+        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+        if stick.edge_ratio is None and "edge_ratio" in self.plan.quantities:
+            self.lacking["edge_ratio"] = (
+                "the traction and the pressure oscillate at the edge of a smooth surface"
+                if stick.opening is None
+                else f"the contact would open within {stick.opening:.3g} of the edge"
+            )
+
+    def _coupled_slip(self, stick: CoupledStick) -> None:
+        """Stop at full stick above the critical friction; else find the stick disk."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction < stick.critical:
+            self._slipping(friction, stick)
+            return
+        self.all_stick()
+        # only the errors may say that there is slip
+        safe = friction * (1.0 - stick.critical_error) >= stick.critical
+        error = 0.0 if safe else 1.0
+        self.errors.update(stick_radius=error, zones=error, slip=error, violation=0.0)
+        reason = f"friction is not below the critical {stick.critical:.6g}"
+        self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+
+    def _slipping(self, friction: float, stick: CoupledStick) -> None:
+        """Take over partial slip."""
+        from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
+        from spectral_contact.contact.coupled_search import CoupledSearch
+        from spectral_contact.spectral.parameters import Parameters
+
+        scene = self.scene
+        parameters = Parameters(
+            scene.normal_compliance, scene.tangential_compliance, scene.kappa, friction
+        )
+        search = CoupledSearch(
+            parameters,
+            stick,
+            self._plain_zones,
+            self.rtol,
+            self.max_unknowns,
+            self.record,
+        )
+        lack = 1.0 - friction / stick.critical
+        if lack <= _HIDDEN and (_ROOM * lack < 0.5 * self.rtol or stick.slips_inside):
+            self._about_to_slip(stick, lack, search.about_to_slip(lack))
+            return
+        try:
+            found = search.outcome()
+        except NoCoupledSlipError as missing:
+            if lack <= _ONSET:
+                self._about_to_slip(stick, lack, search.about_to_slip(lack))
+                return
+            raise NotComputedError(
+                "coupled partial slip",
+                f"no zones were found that obey the friction law ({missing}); "
+                "pass friction=math.inf, or coupling=False",
+            ) from missing
+        solved = found.solved
+        self.pressure, self.traction, self.slip = found.pressure, found.traction, found.slip
+        if "opening" in self.values:
+            self.values["opening"] = None
+        self.values.update(
+            approach=solved.approach,
+            total_shear=solved.total_shear,
+            stick_radius=found.zones[0].outer if found.zones[0].kind == "stick" else 0.0,
+            zones=found.zones,
+        )
+        self.errors.update(
+            approach=solved.approach_error,
+            pressure=solved.pressure_error,
+            traction=max(solved.traction_error, solved.pressure_error),
+            total_shear=solved.shear_error,
+            stick_radius=solved.radius_error,
+            zones=solved.zones_error,
+            slip=found.slip_error,
+            violation=found.violation,
+        )
+        below = f"friction is below the critical {stick.critical:.6g}"
+        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
+        one = "pressure and traction are one system"
+        others = search.others(solved.radii[0]) if found.zones[0].kind == "stick" else []
+        if others:
+            radii = ", ".join(f"{radius:.3g}" for radius in others)
+            one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
+        self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
+        if len(found.zones) > 2:
+            several = f"one stick disk breaks the friction law; {len(found.zones)} zones found"
+            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, several)
+        else:
+            self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
+        checked = PlannedStep(SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked")
+        self.outcome[SLIP_FIELD] = checked
+        if not found.consistent:
+            self.endings.append(Ending.ZONES)
+
+    def _about_to_slip(self, stick: CoupledStick, lack: float, radius_error: float) -> None:
+        """Take full stick, with room for the slip that was not found.
+
+        It exceeds friction by no more than friction lacks, and what that changes is of its size.
+        """
+        self.all_stick()
+        room = _ROOM * lack
+        for name in ("approach", "pressure", "traction", "total_shear"):
+            self.errors[name] += room
+        self.errors.update(
+            stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0, violation=lack
+        )
+        reason = f"slip is too narrow to be found: friction is {lack:.1e} below the critical"
+        self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+
+    def _plain_zones(self) -> Layout:
+        """Return the zones without coupling."""
+        from spectral_contact.contact.layout import Layout
+
+        plain = replace(self.scene, coupling=False)
+        todo = plan(plain, ("zones", "traction"))
+        solved = Run(plain, todo, 1e-3, self.max_unknowns, self.shared).solution()
+        if solved.zones[0].kind == "slip":
+            raise NotComputedError("coupled partial slip", "its stick disk is smaller than 1e-65")
+        states = [
+            0 if zone.kind == "stick" else int(math.copysign(1, solved.traction(_middle(zone))))
+            for zone in solved.zones
+        ]
+        ends = (Radius(zone.outer, zone.outer_from_edge) for zone in solved.zones[:-1])
+        return Layout(tuple(one.logit for one in ends), tuple(states))
+
+
+def _middle(zone: Zone) -> float:
+    """Return the radius in the middle of a zone."""
+    return (zone.inner + zone.outer) / 2.0

@@ -1,0 +1,196 @@
+"""What a scene calls for: a pure function from scene and quantities to the list of steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from spectral_contact.inputs.choices import instance, names
+from spectral_contact.scene import Scene
+from spectral_contact.solution import (
+    COUPLING,
+    FULL_STICK,
+    NORMAL,
+    PARTIAL_SLIP,
+    QUANTITIES,
+    SLIP_FIELD,
+    ZONE_SEARCH,
+    Plan,
+    PlannedStep,
+    StepState,
+)
+from spectral_contact.spectral.cache import BoundedCache
+
+__all__ = ["asked_quantities", "plan"]
+
+_ALL = frozenset(QUANTITIES)
+_TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
+_STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
+_NO_FRICTION = "the scene has no friction coefficient"
+_PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache(
+    "plans", 64, arrays=False
+)
+
+
+def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
+    """Return the shortest list of steps that yields the quantities, each with its reason.
+
+    Parameters
+    ----------
+    scene : Scene
+    quantities : iterable of str, optional
+        Names out of `QUANTITIES`; the default is everything that the scene has.
+
+    Returns
+    -------
+    Plan
+        Nothing is computed. Steps marked "if needed" depend on the outcome of earlier ones.
+
+    Raises
+    ------
+    SceneError
+        For a name that is no quantity.
+    """
+    instance("scene", scene, Scene)
+    asked, friction = asked_quantities(quantities), scene.friction
+    kind = (
+        friction if friction in (None, 0.0, math.inf) else "finite",
+        scene.poisson_ratio == 0.5,
+        scene.normal_compliance == 0.0,
+        scene.tangential_compliance == 0.0,
+        scene.coupling,
+    )
+    return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
+
+
+def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
+    """Return the plan for quantities; all that it depends on is of what kind a scene is."""
+    missing: dict[str, str] = {
+        name: "it was not asked for" for name in QUANTITIES if name not in asked
+    }
+    if scene.friction is None:
+        for name in ("slip", *sorted(_STICK_ONLY)):
+            missing[name] = _NO_FRICTION
+    present = tuple(name for name in QUANTITIES if name not in missing)
+    steps = (
+        *_coupling(scene, present),
+        _normal(scene, present),
+        _full_stick(scene, present),
+        *_partial_slip(scene, present),
+    )
+    return Plan(present, steps, tuple(sorted(missing.items())))
+
+
+def asked_quantities(quantities: Iterable[str] | None) -> frozenset[str]:
+    """Return what is asked for; everything is the default.
+
+    Raises
+    ------
+    SceneError
+        For a name that is no quantity.
+    """
+    if quantities is None:
+        return _ALL
+    return frozenset(names("quantities", quantities, QUANTITIES))
+
+
+def _affected(scene: Scene) -> frozenset[str]:
+    """Return the quantities that depend on the traction."""
+    return frozenset(QUANTITIES) if scene.couples else _TANGENTIAL
+
+
+def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
+    """Say whether the traction acts back on the pressure; without a word in the paper's model."""
+    if not scene.coupling:
+        return ()
+    state = StepState.SKIPPED
+    if scene.friction is None:
+        reason = f"{_NO_FRICTION}: no traction acts back on the pressure"
+    elif scene.poisson_ratio == 0.5:
+        reason = "at nu = 0.5 pressure and traction do not move each other"
+    elif scene.friction == 0.0 and not _STICK_ONLY.intersection(present):
+        reason = "at friction 0 no traction acts back on the pressure"
+    elif not _needs_tangential(scene, present):
+        reason = "nothing asked for depends on the traction"
+    else:
+        state, reason = StepState.RUN, "the scene asks for it: pressure and traction are one system"
+    return (PlannedStep(COUPLING, state, reason),)
+
+
+def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
+    """Whether anything asked depends on a traction that is not zero by definition."""
+    if scene.friction is None or scene.poisson_ratio == 0.5:
+        return False
+    asked = _affected(scene).intersection(present)
+    if scene.friction == 0.0:
+        return bool(asked & (_STICK_ONLY | {"slip"}))
+    if scene.friction == math.inf:
+        return bool(asked - {"zones", "stick_radius", "slip"})
+    return bool(asked)
+
+
+def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
+    smooth = "; closed form, the surface is smooth" if scene.normal_compliance == 0.0 else ""
+    if scene.couples and _needs_tangential(scene, present):
+        return PlannedStep(NORMAL, StepState.SKIPPED, "the pressure is found with the traction")
+    if "pressure" in present:
+        return PlannedStep(NORMAL, StepState.RUN, "the pressure is asked for" + smooth)
+    if _needs_tangential(scene, present):
+        return PlannedStep(NORMAL, StepState.RUN, "the pressure drives the traction" + smooth)
+    if "approach" in present:
+        return PlannedStep(NORMAL, StepState.RUN, "the approach alone, at low degree" + smooth)
+    return PlannedStep(NORMAL, StepState.SKIPPED, "nothing asked for depends on the pressure")
+
+
+def _full_stick(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
+    def step(state: StepState, reason: str) -> PlannedStep:
+        return PlannedStep(FULL_STICK, state, reason)
+
+    asked = _affected(scene).intersection(present)
+    if scene.friction is None:
+        return step(StepState.SKIPPED, _NO_FRICTION)
+    if scene.poisson_ratio == 0.5:
+        return step(StepState.SKIPPED, "at nu = 0.5 the surface does not move: all stick, q = 0")
+    if scene.friction == 0.0:
+        if asked & _STICK_ONLY:
+            return step(StepState.RUN, "edge ratio or critical friction is asked for")
+        return step(StepState.SKIPPED, "at friction 0 everything slips")
+    if not _needs_tangential(scene, present):
+        return step(StepState.SKIPPED, "nothing asked for depends on the traction")
+    if scene.friction == math.inf:
+        return step(StepState.RUN, "friction is infinite: no slip")
+    return step(StepState.RUN, "decides whether there is slip")
+
+
+def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
+    friction, asked = scene.friction, _affected(scene).intersection(present)
+
+    def skipped(reason: str) -> tuple[PlannedStep, ...]:
+        names = (PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+        return tuple(PlannedStep(name, StepState.SKIPPED, reason) for name in names)
+
+    if friction is None:
+        return skipped(_NO_FRICTION)
+    if friction == math.inf:
+        return skipped("friction is infinite: no slip")
+    if scene.poisson_ratio == 0.5:
+        return skipped("at nu = 0.5 there is nothing to slip")
+    if not asked - _STICK_ONLY:
+        return skipped("nothing asked for depends on slip")
+    if friction == 0.0:
+        first, second, third = skipped("at friction 0 everything slips")
+        if "slip" in present:
+            third = PlannedStep(SLIP_FIELD, StepState.RUN, "the slip is asked for")
+        return first, second, third
+    reason = "only if the friction is below the critical one"
+    if scene.tangential_compliance == 0.0:
+        partial = PlannedStep(
+            PARTIAL_SLIP, StepState.RUN, "without tangential compliance the edge always slips"
+        )
+    else:
+        partial = PlannedStep(PARTIAL_SLIP, StepState.CONDITIONAL, reason)
+    search = PlannedStep(
+        ZONE_SEARCH, StepState.CONDITIONAL, "only if one stick disk breaks the friction law"
+    )
+    slip = PlannedStep(SLIP_FIELD, StepState.CONDITIONAL, "only if there is slip; checks its sense")
+    return partial, search, slip

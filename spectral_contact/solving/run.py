@@ -1,0 +1,349 @@
+"""One solve: the steps of its plan in order, in the paper's model."""
+
+from __future__ import annotations
+
+import logging
+import math
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from spectral_contact.contact.normal import NormalContact, solve_normal
+from spectral_contact.contact.refine import Refinement
+from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
+from spectral_contact.scene import Scene
+from spectral_contact.solution import (
+    FULL_STICK,
+    NORMAL,
+    PARTIAL_SLIP,
+    SLIP_FIELD,
+    ZONE_SEARCH,
+    Ending,
+    ErrorEstimates,
+    Plan,
+    PlannedStep,
+    Solution,
+    StepState,
+    StepWork,
+    TractionField,
+    Work,
+    Zone,
+)
+from spectral_contact.solving.sharing import Shared, ZonePath
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
+    from spectral_contact.contact.full_stick import FullStick
+    from spectral_contact.contact.slip_outcome import PartialSlip
+
+__all__ = ["Run"]
+
+_LOG = logging.getLogger("spectral_contact.solving.solver")
+
+#: What follows from the pressure for everything tangential; no step of its own.
+_DRIVE = "drive"
+#: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
+_BOUNDED = ("approach", "pressure", "traction", "total_shear")
+#: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
+_TIGHTER, _TIGHTEST = 0.1, 1.2e-13
+
+
+class Run:
+    """The steps of a plan, with what they leave behind.
+
+    Parameters
+    ----------
+    scene : Scene
+    todo : Plan
+    rtol : float
+        Bound on relative errors.
+    max_unknowns : int
+        Most unknowns of one linear system.
+    shared : Shared
+        What scenes before this one have left.
+    """
+
+    def __init__(
+        self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared
+    ) -> None:
+        self.shared = shared
+        self.scene = scene
+        self.plan = todo
+        self.rtol = rtol
+        self.max_unknowns = max_unknowns
+        self.normal_key: tuple[object, ...] = ()
+        self.exceeded = False
+        self.work: list[StepWork] = []
+        self.endings: list[Ending] = []
+        self.outcome: dict[str, PlannedStep] = {}
+        self.lacking: dict[str, str] = {}
+        self.values: dict[str, Any] = {}
+        self.errors: dict[str, float] = {}
+        self.pressure: PressureField | ZonalField | None = None
+        self.traction: TractionField = None
+        self.slip: TractionField = None
+
+    def solution(self) -> Solution:
+        """Run the plan."""
+        states = {step.name: step.state for step in self.plan.steps}
+        contact = self._normal(states) if states[NORMAL] is StepState.RUN else None
+        self.tangential(states, contact)
+        done = self._done()
+        wanted = {*done.quantities}
+        errors = {k: v for k, v in self.errors.items() if k in wanted or k == "violation"}
+        converged = all(error <= self.rtol for error in self.bounded_errors())
+        ending = Ending.CONVERGED
+        if self.exceeded:
+            self.endings.append(Ending.UNKNOWNS)
+        if not converged or self.exceeded or Ending.ZONES in self.endings:
+            converged = False
+            ending = max(
+                (e for e in self.endings if e is not Ending.CONVERGED),
+                key=list(Ending).index,
+                default=Ending.ROUNDING,
+            )
+        return Solution(
+            self.scene,
+            self.rtol,
+            done,
+            ErrorEstimates(**errors),
+            converged,
+            ending,
+            Work(tuple(self.work)),
+            {k: v for k, v in self.values.items() if k in wanted or k == "opening"},
+            self.pressure if "pressure" in wanted else None,
+            self.traction if "traction" in wanted else None,
+            self.slip if "slip" in wanted else None,
+        )
+
+    def _done(self) -> Plan:
+        """Return the plan with what became of it."""
+        if not self.outcome and not self.lacking:
+            return self.plan
+        return Plan(
+            tuple(name for name in self.plan.quantities if name not in self.lacking),
+            tuple(self.outcome.get(step.name, step) for step in self.plan.steps),
+            tuple(sorted({**dict(self.plan.missing), **self.lacking}.items())),
+        )
+
+    def bounded_errors(self) -> list[float]:
+        """Return the estimates that `rtol` bounds, of what was asked."""
+        return [
+            self.errors[name]
+            for name in _BOUNDED
+            if name in self.plan.quantities and name in self.errors
+        ]
+
+    def record(self, name: str, result: Any, begin: float) -> Any:
+        """Note the work of a step and return its value."""
+        seconds = perf_counter() - begin
+        if isinstance(result, Refinement):
+            best = result.best
+            if best.unknowns > self.max_unknowns:
+                self.exceeded = True
+            entry = StepWork(
+                name,
+                best.unknowns,
+                result.resolution.degrees,
+                result.history,
+                result.ending,
+                seconds,
+            )
+            result = best.value
+        else:
+            entry = StepWork(name, 0, (), (), Ending.CONVERGED, seconds)
+        self.work.append(entry)
+        self.endings.append(entry.ending)
+        _LOG.info("%s: %d unknowns, %.1f ms", name, entry.unknowns, 1e3 * seconds)
+        return result
+
+    def _normal(self, states: dict[str, StepState]) -> NormalContact:
+        """Run the normal problem as tightly as the rest of the plan needs it."""
+        begin = perf_counter()
+        drives = any(
+            states[name] is not StepState.SKIPPED for name in (FULL_STICK, PARTIAL_SLIP, SLIP_FIELD)
+        )
+        tolerance = max(self.rtol * _TIGHTER, min(self.rtol, _TIGHTEST)) if drives else self.rtol
+        goal = "pressure" if "pressure" in self.plan.quantities else "approach"
+        goal = "drive" if drives else goal
+        compliance = self.scene.normal_compliance
+        self.normal_key = compliance, tolerance, goal
+        solved = self.shared.get(
+            NORMAL,
+            self.normal_key,
+            lambda: solve_normal(compliance, tolerance, self.max_unknowns, goal=goal),
+        )
+        contact: NormalContact = self.record(NORMAL, solved, begin)
+        self.pressure = contact.pressure
+        self.values["approach"] = contact.approach
+        self.errors["approach"] = contact.approach_error
+        self.errors["pressure"] = contact.pressure_error
+        return contact
+
+    def tangential(self, states: dict[str, StepState], contact: NormalContact | None) -> None:
+        """Fill in what follows by definition, then run what does not."""
+        scene, friction = self.scene, self.scene.friction
+        exact = {"traction": 0.0, "total_shear": 0.0, "stick_radius": 0.0, "zones": 0.0}
+        if friction is None:
+            self.values.update(total_shear=0.0, zones=(), stick_radius=None)
+            self.errors.update(exact)
+            return
+        if scene.poisson_ratio == 0.5:
+            self.all_stick()
+            self.values.update(total_shear=0.0, edge_ratio=0.0, critical_friction=0.0)
+            self.errors.update(exact, slip=0.0, edge_ratio=0.0, critical_friction=0.0)
+            return
+        if friction == math.inf:
+            self.all_stick()
+            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
+        if friction == 0.0:
+            self.values.update(
+                total_shear=0.0,
+                stick_radius=0.0,
+                zones=(Zone.between("slip", CENTRE, EDGE),),
+            )
+            self.errors.update(exact)
+        if contact is None or not any(
+            states[name] is not StepState.SKIPPED for name in (FULL_STICK, SLIP_FIELD)
+        ):
+            return
+        from spectral_contact.contact.drive import Drive
+
+        drive = self.shared.get(_DRIVE, self.normal_key, lambda: Drive(contact))
+        if friction == 0.0 and states[SLIP_FIELD] is StepState.RUN:
+            self._frictionless_slip(drive)
+        if states[FULL_STICK] is StepState.RUN:
+            self.stick(drive, states)
+
+    def all_stick(self) -> None:
+        """Note that the whole contact sticks."""
+        self.values.update(stick_radius=1.0, zones=(Zone.between("stick", CENTRE, EDGE),))
+
+    def _frictionless_slip(self, drive: Drive) -> None:
+        """At friction 0 the surface slides by all that the pressure moves it: u = -kappa g."""
+        from spectral_contact.contact.slip_displacement import free_displacement
+
+        begin = perf_counter()
+        self.slip, error = self.record(
+            SLIP_FIELD, free_displacement(drive, self.scene.kappa, self.rtol), begin
+        )
+        self.errors["slip"] = error
+
+    def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
+        """Solve full stick, and what it decides."""
+        stick = self._full_stick(drive)
+        if states[PARTIAL_SLIP] is not StepState.SKIPPED:
+            self._partial_slip(drive, stick)
+
+    def _full_stick(self, drive: Drive) -> FullStick:
+        from spectral_contact.contact.full_stick import solve_full_stick
+
+        begin = perf_counter()
+        asked = set(self.plan.quantities)
+        pointwise = asked & {"traction", "slip", "edge_ratio", "critical_friction", "zones"}
+        goal = "traction" if pointwise or "stick_radius" in asked else "shear"
+        if self.scene.friction == math.inf and not asked & {
+            "traction",
+            "edge_ratio",
+            "critical_friction",
+        }:
+            goal = "shear"
+        # finite friction has to be compared with the critical one
+        ratios = self.scene.friction != math.inf or bool(
+            asked & {"edge_ratio", "critical_friction"}
+        )
+        compliance = self.scene.tangential_compliance
+        solved = self.shared.get(
+            FULL_STICK,
+            (*self.normal_key, compliance, goal, ratios),
+            lambda: solve_full_stick(
+                drive, compliance, self.rtol, self.max_unknowns, goal=goal, ratios=ratios
+            ),
+        )
+        stick: FullStick = self.record(FULL_STICK, solved, begin)
+        kappa = self.scene.kappa
+        if ratios:
+            self.values.update(
+                edge_ratio=kappa * stick.edge_ratio, critical_friction=kappa * stick.critical
+            )
+            self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+        if self.scene.friction != 0.0:
+            self.values["total_shear"] = kappa * stick.total_shear
+            self.errors["total_shear"] = stick.shear_error
+            self.errors["traction"] = stick.traction_error
+            self.traction = stick.traction.times(kappa)
+        return stick
+
+    def _partial_slip(self, drive: Drive, stick: FullStick) -> None:
+        """Stop at full stick above the critical friction; else find the zones."""
+        scene = self.scene
+        assert scene.friction is not None
+        critical = self.values["critical_friction"]
+        if scene.friction >= critical:
+            self.all_stick()
+            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
+            if critical > scene.friction * (1.0 - stick.critical_error):  # the errors decide
+                from spectral_contact.contact.onset import unresolved_slip
+
+                missed = unresolved_slip(
+                    drive, stick, scene.tangential_compliance, scene.friction / scene.kappa
+                )
+                self.errors.update(stick_radius=missed, zones=max(missed, 1.0), slip=1.0)
+            reason = f"friction is not below the critical {critical:.6g}"
+            self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+            return
+        from spectral_contact.contact.partial_slip import solve_partial_slip
+
+        ratio = scene.friction / scene.kappa
+        path = self.shared.get(PARTIAL_SLIP, (), ZonePath)
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        alpha, beta, along = (math.log(x) if x > 0.0 else -math.inf for x in (*compliances, ratio))
+        solved: PartialSlip = solve_partial_slip(
+            drive,
+            stick,
+            scene.tangential_compliance,
+            ratio,
+            self.rtol,
+            self.max_unknowns,
+            record=self.record,
+            near=path.near((alpha, beta, along)),
+            pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
+        )
+        path.add((alpha, beta, along), solved.layout)
+        self._take(solved)
+
+    def _take(self, solved: PartialSlip) -> None:
+        """Copy the outcome of partial slip, scaled by kappa."""
+        kappa = self.scene.kappa
+        critical = self.values["critical_friction"]
+        reason = f"friction is below the critical {critical:.6g}"
+        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
+        if solved.searched:
+            found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
+            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, found)
+        else:
+            self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
+        self.outcome[SLIP_FIELD] = PlannedStep(
+            SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked"
+        )
+        self.values.update(
+            zones=solved.zones,
+            stick_radius=solved.zones[0].outer if solved.zones[0].kind == "stick" else 0.0,
+            total_shear=kappa * solved.total_shear,
+        )
+        self.errors.update(
+            traction=solved.traction_error,
+            total_shear=solved.shear_error,
+            zones=solved.zones_error,
+            stick_radius=solved.radius_error,
+            slip=solved.slip_error,
+            violation=solved.violation,
+        )
+        self.traction = solved.traction.times(kappa)
+        self.slip = solved.slip.times(kappa)
+        if not solved.consistent:
+            self.endings.append(Ending.ZONES)
+
+    def skip(self, reason: str, *names: str) -> None:
+        """Note why steps were not needed after all."""
+        for name in names:
+            self.outcome[name] = PlannedStep(name, StepState.SKIPPED, reason)

@@ -1,0 +1,151 @@
+"""The one entry: plan, run the steps that the scene calls for, return the solution."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.inputs import checks
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Plan, Solution
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.run import Run
+from spectral_contact.solving.sharing import Shared
+from spectral_contact.threads import one_thread
+
+__all__ = ["Continuation", "checked_tolerance", "solve"]
+
+#: Integral quantities, which may be asked for at 1e-13.
+_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius"})
+
+#: A scene whose zones are not known is solved anew at so much of the tolerance, if the fields reach
+#: that.
+_CLOSER, _LOOSE = 1e-3, 1e-8
+
+
+def solve(
+    scene: Scene,
+    rtol: float = 1e-10,
+    quantities: Iterable[str] | None = None,
+    *,
+    max_unknowns: int = 20_000,
+    strict: bool = True,
+) -> Solution:
+    """Solve a scene to a relative tolerance.
+
+    Parameters
+    ----------
+    scene : Scene
+    rtol : float
+        Bound on the relative error of the approach, the total shear, and of p and q/s pointwise,
+        the edge included; from 1e-12 to 1e-2, and down to 1e-13 where only approach, total shear
+        and stick radius are asked for.
+    quantities : iterable of str, optional
+        What to compute, out of `QUANTITIES`; the default is everything the scene has. The
+        refinement adapts to what is asked and nothing else.
+    max_unknowns : int
+        Most unknowns of one linear system.
+    strict : bool
+        Raise if the tolerance cannot be met; else return what was reached.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range.
+    ConvergenceError
+        If the tolerance cannot be met; it carries the best solution and says what to do.
+    NotComputedError
+        If no zones are found that obey the friction law, in a scene with elastic coupling.
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError("scene", scene, "a Scene")
+    todo = plan(scene, quantities)
+    rtol = checked_tolerance(rtol, todo.quantities)
+    strict = checks.flag("strict", strict)
+    max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
+    run = _run(scene, todo, rtol, max_unknowns, Shared())
+    with one_thread():
+        solution = run.solution()
+        if _unsure(solution):
+            closer = _run(scene, todo, _CLOSER * rtol, max_unknowns, Shared()).solution()
+            if closer.converged and not _zone_missing(closer):
+                solution = replace(closer, rtol=rtol)
+    if strict and not solution.converged:
+        worst = max(run.bounded_errors(), default=math.nan)
+        raise ConvergenceError(
+            f"the error estimate {worst:.1e} does not meet rtol = {rtol:.1e}",
+            solution.ending.value,
+            solution,
+        )
+    return solution
+
+
+def _unsure(solution: Solution) -> bool:
+    """Return whether there is slip in places, and at a tighter tolerance zones may be known."""
+    return _zone_missing(solution) and len(solution.zones) > 1 and solution.rtol >= _LOOSE
+
+
+def _zone_missing(solution: Solution) -> bool:
+    zones = solution.error.zones
+    return zones is not None and zones >= 1.0
+
+
+def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
+    """Return the tolerance if these quantities can be solved to it.
+
+    Raises
+    ------
+    SceneError
+        If they cannot.
+    """
+    value = checks.tolerance(rtol)
+    if value < 1e-12 and not _INTEGRAL.issuperset(quantities):
+        raise SceneError(
+            "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
+        )
+    return value
+
+
+class Continuation:
+    """Solve scenes one after another, each with what the one before it can hand on.
+
+    Scenes of the same normal compliance share their pressure, those of the same compliances their
+    full-stick traction. So a list is best sorted by compliances.
+
+    Parameters
+    ----------
+    rtol, quantities, max_unknowns
+        As of `solve`.
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range.
+    """
+
+    def __init__(self, rtol: float, quantities: Iterable[str], max_unknowns: int) -> None:
+        self._quantities = tuple(quantities)
+        self._rtol = checked_tolerance(rtol, self._quantities)
+        self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
+        self._shared = Shared()
+
+    def solve(self, scene: Scene) -> Solution:
+        """Return the solution of the next scene, converged or not."""
+        todo = plan(scene, self._quantities)
+        with one_thread():
+            return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
+
+
+def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared) -> Run:
+    """Return the run that the scene calls for."""
+    if scene.coupling and scene.friction is not None and scene.poisson_ratio != 0.5:
+        from spectral_contact.solving.coupled_run import CoupledRun
+
+        return CoupledRun(scene, todo, rtol, max_unknowns, shared)
+    return Run(scene, todo, rtol, max_unknowns, shared)

@@ -1,0 +1,143 @@
+"""The work of a sweep, cut in chunks: scenes in, columns of results out; any process can do it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.processes import end_with_parent
+from spectral_contact.solution import Ending, Solution
+from spectral_contact.solving.solver import Continuation
+from spectral_contact.sweeps.parameters import Columns
+from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request
+from spectral_contact.sweeps.shortcuts import Served, served
+from spectral_contact.threads import one_thread
+
+__all__ = ["Outcome", "solve_chunk"]
+
+_CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")
+#: Codes of the kinds of zones; 0 is none.
+_KINDS: Final = {"stick": 1, "slip": 2}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """What came of some scenes.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray, shape (scenes, ...)
+        By the name of a variable; NaN where there is no value.
+    endings : ndarray of int8, shape (scenes,)
+        Places in `ENDINGS`.
+    messages : dict of int to str
+        What is to be said of a scene of this chunk, if it did not converge.
+    """
+
+    values: dict[str, NDArray[np.generic]]
+    endings: NDArray[np.int8]
+    messages: dict[int, str] = field(default_factory=dict)
+
+
+@one_thread()
+def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
+    """Solve some scenes one after another.
+
+    Parameters
+    ----------
+    columns : Columns
+        Sorted, so that neighbours share what they can.
+    request : Request
+    asker : int
+        The process that asks; if it is the parent of this one, this one ends with it.
+    """
+    end_with_parent(asker)
+    rows = _Rows(len(columns), request)
+    continuation = Continuation(request.rtol, request.quantities, request.max_unknowns)
+    todo = np.arange(len(columns))
+    if request.shared:
+        known = served(columns, request)
+        rows.put(known)
+        todo = np.flatnonzero(~known.mask)
+    for i in todo.tolist():
+        try:
+            rows.take(i, continuation.solve(columns.scene(i)))
+        except Exception as error:  # whatever it is, the other scenes go on
+            rows.fail(i, error)
+    return rows.outcome()
+
+
+class _Rows:
+    """Results as they come, row by row."""
+
+    def __init__(self, count: int, request: Request) -> None:
+        self._request = request
+        self._endings = np.full(count, _FAILED, dtype=np.int8)
+        self._messages: dict[int, str] = {}
+        self._values: dict[str, NDArray[np.generic]] = {}
+        self._zones: dict[int, Solution] = {}
+        for name in request.quantities:
+            if name in FIELDS:
+                self._values[name] = np.full((count, len(request.s)), np.nan)
+            elif name != "zones":
+                self._values[name] = np.full(count, np.nan)
+            self._values[f"{name}_error"] = np.full(count, np.nan)
+
+    def take(self, i: int, solution: Solution) -> None:
+        """Keep what was asked of a solution."""
+        request = self._request
+        self._endings[i] = ENDINGS.index(solution.ending.name.lower())
+        if solution.ending is not Ending.CONVERGED:
+            self._messages[i] = solution.ending.value
+        for name in request.quantities:
+            try:
+                value = getattr(solution, name)
+            except NotComputedError:  # a scene without friction has no slip and no ratios
+                continue
+            error = getattr(solution.error, name)
+            if error is not None:
+                self._values[f"{name}_error"][i] = error
+            if name in FIELDS:
+                self._values[name][i] = value(**{request.places: getattr(request, request.places)})
+            elif name == "zones":
+                self._zones[i] = solution
+            elif value is not None:
+                self._values[name][i] = value
+
+    def put(self, known: Served) -> None:
+        """Keep what the spectra know."""
+        self._endings[known.mask] = _CONVERGED
+        for name in known.values:
+            self._values[name][known.mask] = known.values[name]
+            self._values[f"{name}_error"][known.mask] = known.errors[name]
+
+    def fail(self, i: int, error: Exception) -> None:
+        """Note that a scene could not be solved."""
+        self._endings[i] = _FAILED
+        text = " ".join(str(error).split())
+        self._messages[i] = f"{type(error).__name__}: {text}" if text else type(error).__name__
+        self._zones.pop(i, None)
+        for values in self._values.values():
+            values[i] = np.nan
+
+    def outcome(self) -> Outcome:
+        """Return everything."""
+        if "zones" in self._request.quantities:
+            self._values.update(_zone_columns(len(self._endings), self._zones))
+        return Outcome(self._values, self._endings, self._messages)
+
+
+def _zone_columns(count: int, solved: dict[int, Solution]) -> dict[str, NDArray[np.generic]]:
+    """Return kind and outer radius of every zone, from the centre; 0 and NaN where is none."""
+    most = max((len(one.zones) for one in solved.values()), default=0)
+    kinds = np.zeros((count, most), dtype=np.int8)
+    outer = np.full((2, count, most), np.nan)
+    for i, solution in solved.items():
+        for k, zone in enumerate(solution.zones):
+            kinds[i, k] = _KINDS[zone.kind]
+            outer[:, i, k] = zone.outer, zone.outer_from_edge
+    return {"zone_kind": kinds, "zone_outer": outer[0], "zone_outer_from_edge": outer[1]}

@@ -1,0 +1,146 @@
+"""Results as an `xarray.Dataset` with names, units and meanings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+import spectral_contact
+from spectral_contact.errors import MissingDependencyError
+from spectral_contact.sweeps.chunk import Outcome
+from spectral_contact.sweeps.parameters import PARAMETERS, Indices, Parameters
+from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Table", "assembled", "needed"]
+
+#: Meaning and unit of everything in a dataset.
+_MEANINGS: Final = {
+    "poisson_ratio": ("Poisson's ratio ν", "1"),
+    "normal_compliance": ("normal compliance α* = αE/(4(1−ν²)a)", "1"),
+    "tangential_compliance": ("tangential compliance β* = βE/(4(1−ν²)a)", "1"),
+    "friction": ("coefficient of friction f", "1"),
+    "s": ("radius s = r/a", "1"),
+    "from_edge": ("distance from the edge 1 − r/a", "1"),
+    "approach": ("approach δ*", "4(1−ν²)P/(aE)"),
+    "pressure": ("pressure p*", "P/a²"),
+    "traction": ("traction q*", "P/a²"),
+    "slip": ("slip u_r*", "4(1−ν²)P/(aE)"),
+    "stick_radius": ("stick radius c*", "a"),
+    "total_shear": ("total shear Q*", "P"),
+    "edge_ratio": ("q/p of full stick at the edge", "1"),
+    "critical_friction": ("critical friction, the largest q/p of full stick", "1"),
+    "zone_kind": ("kind of a zone, from the centre: 1 stick, 2 slip, 0 none", "1"),
+    "zone_outer": ("outer radius of a zone", "a"),
+    "zone_outer_from_edge": ("distance of it from the edge", "a"),
+    "ending": ("how the solve ended", ""),
+    "message": ("what is to be said of it", ""),
+}
+
+
+class Table:
+    """The results of all scenes, filled chunk by chunk.
+
+    Parameters
+    ----------
+    size : int
+        Number of scenes.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self.values: dict[str, NDArray[Any]] = {}
+        self.endings = np.zeros(size, dtype=np.int8)
+        self.messages: dict[int, str] = {}
+
+    def put(self, scenes: Indices, outcome: Outcome) -> None:
+        """Take the outcome of some scenes."""
+        for name, values in outcome.values.items():
+            part: tuple[Any, ...] = (scenes, *map(slice, values.shape[1:]))
+            self._column(name, values)[part] = values
+        self.endings[scenes] = outcome.endings
+        for i, text in outcome.messages.items():
+            self.messages[int(scenes[i])] = text
+
+    def _column(self, name: str, like: NDArray[Any]) -> NDArray[Any]:
+        """Return a column that is wide enough: scenes differ in how many zones they have."""
+        known = self.values.get(name)
+        width = like.shape[1:] if known is None else np.maximum(known.shape[1:], like.shape[1:])
+        if known is None or known.shape[1:] != tuple(width):
+            empty = np.nan if like.dtype.kind == "f" else 0
+            wider = np.full((self._size, *width), empty, dtype=like.dtype)
+            if known is not None:
+                wider[(slice(None), *map(slice, known.shape[1:]))] = known
+            self.values[name] = wider
+        return self.values[name]
+
+
+def needed() -> Any:
+    """Return xarray.
+
+    Raises
+    ------
+    MissingDependencyError
+        If it is not installed.
+    """
+    try:
+        import xarray
+    except ImportError as error:
+        raise MissingDependencyError("xarray", "sweep") from error
+    return xarray
+
+
+def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.Dataset:
+    """Return the dataset of a finished sweep."""
+    dims, shape = parameters.dims, parameters.shape
+    variables = {}
+    for name, values in table.values.items():
+        own = (request.places,) if name in FIELDS else ("zone",) * (values.ndim - 1)
+        whole = values.reshape((*shape, *values.shape[1:]))
+        variables[name] = (*dims, *own), whole, _about(name)
+    ending = np.array(ENDINGS, dtype=object)[table.endings]
+    message = np.full(parameters.size, "", dtype=object)
+    for i, text in table.messages.items():
+        message[i] = text
+    for name, texts in (("ending", ending), ("message", message)):
+        variables[name] = dims, texts.reshape(shape), _about(name)
+    attributes = {
+        "title": "scenes of a flat punch on a rough elastic half-space",
+        "source": f"spectral_contact {spectral_contact.__version__}",
+        "rtol": request.rtol,
+        "convention": "dimensionless as in docs/theory; friction NaN: no friction at all",
+    }
+    dataset: xarray.Dataset = needed().Dataset(
+        variables, _coordinates(parameters, request), attributes
+    )
+    return dataset
+
+
+def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
+    """Return what varies as dimensions, the rest as scalars, and both forms of the places."""
+    found: dict[str, Any] = {}
+    for k, name in enumerate(PARAMETERS):
+        if parameters.table is not None:
+            found[name] = ("scene", parameters.table[k], _about(name))
+        elif name in parameters.axes:
+            found[name] = (name, parameters.axes[name], _about(name))
+        else:
+            found[name] = ((), parameters.fixed[k], _about(name))
+    if request.places:
+        for name in ("s", "from_edge"):
+            found[name] = (request.places, getattr(request, name), _about(name))
+    return found
+
+
+def _about(name: str) -> dict[str, str]:
+    """Return the attributes of a variable."""
+    quantity = name.removesuffix("_error")
+    if quantity != name:
+        known = _MEANINGS.get(quantity, ("boundaries of the zones", ""))[0]
+        return {"long_name": f"estimate of the relative error: {known}", "units": "1"}
+    meaning, unit = _MEANINGS[name]
+    return {"long_name": meaning, **({"units": unit} if unit else {})}

@@ -1,0 +1,130 @@
+"""What the spectra leave out, measured once over all compliances and looked up for each scene.
+
+A spectrum is compared with the one of two degrees less, on a lattice of compliances from 1e-14 to
+1e14. The difference is the error of the lesser one, that of the other is smaller; where rounding
+prevails it is a sample of the rounding. As a function of the logarithms of the compliances it
+varies over lengths of one, as everything here does, with the panels' width of two as a period. So
+the estimate of a scene is the largest difference within a decade around it: no sign can make that
+small by accident.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
+
+from spectral_contact.contact.resolution import ROUNDING, TRACTION_ROUNDING
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.sweeps.spectra import NormalSpectrum, StickSpectrum
+
+__all__ = ["CertifiedNormal", "CertifiedStick", "certified_normal", "certified_stick"]
+
+Array = NDArray[np.float64]
+
+#: Least and largest logarithm of a compliance, and lattice points in a decade.
+_LEAST, _LARGEST, _DENSITY = -14, 14, 2
+#: Of normal contact every quantity superconverges: this degree is good to rounding.
+_NORMAL_DEGREE: Final = 10
+#: Degrees for full stick, and the least tolerance of each.
+_STICK_DEGREES: Final = ((1e-8, 14), (0.0, 18))
+#: Pointwise values have rounding of their own, of which the difference is a sample: over 3000
+#: random scenes the largest one within a decade was up to twice too small.
+_RATIO_SAFETY: Final = 8.0
+#: Rounding of the edge ratio, as `contact.full_stick` has it, and of the largest ratio, which is
+#: found among hundreds of places and their rounding.
+_EDGE_ROUNDING, _CRITICAL_ROUNDING = 20.0 * ROUNDING, 2.0 * TRACTION_ROUNDING
+
+_NORMALS: BoundedCache[int, CertifiedNormal] = BoundedCache("normal spectra", 2)
+_STICKS: BoundedCache[int, CertifiedStick] = BoundedCache("full-stick spectra", 2)
+
+
+class CertifiedNormal:
+    """Normal contact for every compliance, with estimates of relative errors.
+
+    Parameters
+    ----------
+    degree : int
+        On every panel, at least 4.
+    """
+
+    def __init__(self, degree: int) -> None:
+        self.spectrum = NormalSpectrum(degree)
+        lattice = _lattice()
+        fine, rough = (one.approach(lattice) for one in (self.spectrum, NormalSpectrum(degree - 2)))
+        self._maps = [_widened(a, b) + 2.0 * ROUNDING for a, b in zip(fine, rough, strict=True)]
+
+    def approach(self, alpha: Array) -> tuple[Array, Array, Array, Array]:
+        """Return approach and edge pressure, and the estimates of their errors, (scenes,) each."""
+        place = _places(alpha)
+        approach, pressure = self.spectrum.approach(alpha)
+        return approach, pressure, self._maps[0][place], self._maps[1][place]
+
+
+class CertifiedStick:
+    """Full stick for every pair of compliances, with estimates of relative errors; kappa is 1.
+
+    Parameters
+    ----------
+    degree : int
+        On every panel, at least 4.
+    """
+
+    def __init__(self, degree: int) -> None:
+        self.spectrum = StickSpectrum(degree)
+        lesser = StickSpectrum(degree - 2)
+        alpha, beta = (grid.ravel() for grid in np.meshgrid(_lattice(), _lattice(), indexing="ij"))
+        self._shape = len(_lattice()), len(_lattice())
+        (shear, edge), (rough_shear, rough_edge) = (
+            one.shear_and_edge(alpha, beta) for one in (self.spectrum, lesser)
+        )
+        self._shear_map = self._widened(shear, rough_shear) + 4.0 * ROUNDING
+        self._edge_map = _RATIO_SAFETY * self._widened(edge, rough_edge) + _EDGE_ROUNDING
+        fine, rough = (
+            one.critical(alpha, beta, ratio)
+            for one, ratio in ((self.spectrum, edge), (lesser, rough_edge))
+        )
+        self._critical_map = _RATIO_SAFETY * self._widened(fine, rough) + _CRITICAL_ROUNDING
+
+    def _widened(self, fine: Array, rough: Array) -> Array:
+        return _widened(fine.reshape(self._shape), rough.reshape(self._shape))
+
+    def shear_and_edge(self, alpha: Array, beta: Array) -> tuple[Array, Array, Array, Array]:
+        """Return ``Q*/kappa``, ``q/(kappa p)`` at the edge, and the estimates of their errors."""
+        place = _places(alpha), _places(beta)
+        shear, edge = self.spectrum.shear_and_edge(alpha, beta)
+        return shear, edge, self._shear_map[place], self._edge_map[place]
+
+    def critical(self, alpha: Array, beta: Array, edge_ratio: Array) -> tuple[Array, Array]:
+        """Return the largest ``|q|/(kappa p)``, and the estimate of its error."""
+        place = _places(alpha), _places(beta)
+        return self.spectrum.critical(alpha, beta, edge_ratio), self._critical_map[place]
+
+
+def certified_normal() -> CertifiedNormal:
+    """Return normal contact for every compliance (cached)."""
+    return _NORMALS.get(_NORMAL_DEGREE, lambda: CertifiedNormal(_NORMAL_DEGREE))
+
+
+def certified_stick(rtol: float) -> CertifiedStick:
+    """Return full stick for every pair of compliances, at a degree that suits `rtol` (cached)."""
+    degree = next(degree for least, degree in _STICK_DEGREES if rtol >= least)
+    return _STICKS.get(degree, lambda: CertifiedStick(degree))
+
+
+def _lattice() -> Array:
+    return np.logspace(_LEAST, _LARGEST, (_LARGEST - _LEAST) * _DENSITY + 1)
+
+
+def _places(compliance: Array) -> NDArray[np.intp]:
+    """Return the nearest points of the lattice."""
+    return np.asarray(np.rint((np.log10(compliance) - _LEAST) * _DENSITY), dtype=np.intp)
+
+
+def _widened(fine: Array, rough: Array) -> Array:
+    """Return the largest relative difference within a decade to every side."""
+    with np.errstate(invalid="ignore"):
+        difference = np.nan_to_num(np.abs(rough / fine - 1.0), nan=np.inf)
+    return np.asarray(maximum_filter(difference, size=2 * _DENSITY + 1, mode="nearest"))

@@ -1,0 +1,186 @@
+"""The scenes of a sweep as columns of numbers: a grid, or a list; a million of them cost little."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import reals
+from spectral_contact.scene import Scene
+
+__all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "grid", "listed"]
+
+Array = NDArray[np.float64]
+#: Numbers of scenes.
+Indices = NDArray[np.intp]
+
+#: The parameters of a scene, in the order of the columns and of the dimensions of a grid.
+PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
+#: What varies slowest when scenes are solved: alpha, beta, nu, friction.
+_SLOWEST: Final = (1, 2, 0, 3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Columns:
+    """The parameters of some scenes.
+
+    Attributes
+    ----------
+    values : ndarray, shape (4, scenes)
+        In the order of `PARAMETERS`. A friction of NaN stands for None, no friction at all.
+    """
+
+    values: Array
+
+    def __len__(self) -> int:
+        return int(self.values.shape[1])
+
+    @property
+    def kappa(self) -> Array:
+        """``kappa`` of every scene, (5.8)."""
+        nu = self.values[0]
+        return np.asarray((1.0 - 2.0 * nu) / (4.0 * (1.0 - nu)))
+
+    def scene(self, index: int) -> Scene:
+        """Return one of the scenes."""
+        nu, alpha, beta, friction = self.values[:, index].tolist()
+        return Scene(nu, alpha, beta, None if math.isnan(friction) else friction)
+
+    def __getitem__(self, chosen: slice | Indices | NDArray[np.bool_]) -> Columns:
+        return Columns(self.values[:, chosen])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parameters:
+    """All scenes of a sweep.
+
+    Attributes
+    ----------
+    fixed : tuple of float
+        What each parameter is where it does not vary.
+    axes : dict of str to ndarray
+        What varies, in the order of the dimensions; empty for a list.
+    table : ndarray or None, shape (4, scenes)
+        The scenes of a list.
+    """
+
+    fixed: tuple[float, ...]
+    axes: dict[str, Array]
+    table: Array | None = None
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return tuple(self.axes) if self.table is None else ("scene",)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of every dimension."""
+        if self.table is not None:
+            return (self.table.shape[1],)
+        return tuple(len(axis) for axis in self.axes.values())
+
+    @property
+    def size(self) -> int:
+        """Number of scenes."""
+        return math.prod(self.shape)
+
+    @property
+    def pairs(self) -> int:
+        """Number of different pairs of compliances."""
+        if self.table is not None:
+            return int(np.unique(self.table[1:3], axis=1).shape[1])
+        return math.prod(np.size(self.axes.get(PARAMETERS[k], 0.0)) for k in (1, 2))
+
+    def order(self) -> Indices:
+        """Return the scenes in the order in which neighbours share most."""
+        if self.table is not None:
+            return np.lexsort(self.table[list(reversed(_SLOWEST))])
+        places = {name: i for i, name in enumerate(self.axes)}
+        turned = [places[PARAMETERS[k]] for k in _SLOWEST if PARAMETERS[k] in places]
+        return np.arange(self.size).reshape(self.shape).transpose(turned).ravel()
+
+    def columns(self, indices: Indices) -> Columns:
+        """Return some of the scenes; the last dimension varies fastest in their numbers."""
+        if self.table is not None:
+            return Columns(self.table[:, indices])
+        values = np.empty((len(PARAMETERS), len(indices)))
+        values.T[:] = self.fixed
+        where = np.unravel_index(indices, self.shape) if self.shape else ()
+        for (name, axis), place in zip(self.axes.items(), where, strict=True):
+            values[PARAMETERS.index(name)] = axis[place]
+        return Columns(values)
+
+    def fingerprint(self) -> str:
+        """Return a digest that differs for other scenes, or the same ones in another order."""
+        digest = hashlib.sha256(repr((self.fixed, list(self.axes))).encode())
+        for values in self.axes.values() if self.table is None else [self.table]:
+            digest.update(repr(values.shape).encode() + values.astype("<f8").tobytes())
+        return digest.hexdigest()
+
+
+def grid(base: Scene, axes: Mapping[str, Any]) -> Parameters:
+    """Return the scenes in which every given parameter takes every one of its values.
+
+    Parameters
+    ----------
+    base : Scene
+        Has the parameters that are not given.
+    axes : mapping of str to array_like
+        Values of parameters, out of `PARAMETERS`; None for one that does not vary.
+
+    Raises
+    ------
+    SceneError
+        For values that are no list of numbers in the range of the parameter, or elastic coupling.
+    """
+    given = {
+        name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None
+    }
+    return Parameters(_row(base), given)
+
+
+def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> Parameters:
+    """Return the scenes of a list, with changes to all of them.
+
+    Raises
+    ------
+    SceneError
+        If it is empty, or something in it is no scene or has elastic coupling.
+    """
+    rows = []
+    for number, scene in enumerate(scenes):
+        if not isinstance(scene, Scene):
+            raise SceneError(f"scenes[{number}]", scene, "a Scene")
+        rows.append(_row(replace(scene, **changes) if changes else scene))
+    if not rows:
+        raise SceneError("scenes", [], "at least one Scene")
+    return Parameters((math.nan,) * len(PARAMETERS), {}, np.array(rows).T.copy())
+
+
+def _row(scene: Scene) -> tuple[float, ...]:
+    if scene.coupling:
+        raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
+    friction = math.nan if scene.friction is None else scene.friction
+    return scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, friction
+
+
+def _axis(base: Scene, name: str, values: Any) -> Array:
+    """Return the values of one parameter; `Scene` says what is wrong with them."""
+    array = np.asarray(reals(name, values, "a list of real numbers") + 0.0, dtype=np.float64)
+    if array.ndim != 1 or array.size == 0:
+        raise SceneError(name, values, "a list of at least one number")
+    # what a scene takes is 0 and an interval: the ends of what is given decide
+    size = np.abs(array)
+    suspects = [array.min(), array.max(), array[np.argmin(np.where(size > 0.0, size, np.inf))]]
+    for suspect in suspects:  # NaN is all of them
+        changed: dict[str, Any] = {name: float(suspect)}
+        replace(base, **changed)
+    return array

@@ -1,0 +1,181 @@
+"""A slice of a sweep as a figure: a curve over one parameter, or a map over two."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.sweeps.dataset import needed
+from spectral_contact.view.plotting import style
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["plot_slice", "varying"]
+
+#: The parameters in the symbols of all other figures.
+_SYMBOLS: Final = {
+    "poisson_ratio": r"$\nu$",
+    "normal_compliance": r"$\alpha^*$",
+    "tangential_compliance": r"$\beta^*$",
+    "friction": "$f$",
+    "s": "$s$",
+    "from_edge": "$1 - s$",
+}
+#: An axis whose values span more than this is logarithmic.
+_SPAN: Final = 30.0
+
+
+def plot_slice(
+    dataset: xarray.Dataset, quantity: str, at: Mapping[str, float] | None = None
+) -> Figure:
+    """Draw one quantity of a sweep over the one or two dimensions that are left.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `sweep` returns it.
+    quantity : str
+        A variable of numbers.
+    at : mapping of str to float, optional
+        Where the other dimensions are cut; the nearest value that was solved is taken, and named in
+        the title.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    SceneError
+        If it is no dataset; for a variable or a dimension that there is not, a place that is no
+        real number, or if not one or two dimensions are left.
+    MissingDependencyError
+        If matplotlib is not installed (extra: plot).
+    """
+    instance("dataset", dataset, needed().Dataset)
+    names = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
+    part = _sliced(dataset[one_of("quantity", quantity, names)], at)
+    left = [str(name) for name in part.dims if part.sizes[name] > 1]
+    # full stick, friction infinite, has no place on an axis
+    part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
+    if len(left) not in (1, 2):
+        said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
+        raise SceneError("at", dict(at or {}), said)
+    with style():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(5.6, 4.2), layout="constrained")
+        axes = figure.add_subplot()
+        (_curve if len(left) == 1 else _map)(axes, part, left)
+        axes.set_title(_held(part), fontsize="medium")
+    return figure
+
+
+def varying(dataset: xarray.Dataset, at: Mapping[str, float] | None = None) -> str:
+    """Return the quantity to draw: the first that varies in every direction of a slice.
+
+    To vary is to change by more than the error estimates. If none does, it is the first there is.
+    """
+    names = [str(name) for name in dataset.data_vars if f"{name}_error" in dataset]
+    for name in names:
+        part = _sliced(dataset[name], at)
+        error = float((np.abs(part) * _sliced(dataset[f"{name}_error"], at)).max())
+        left = [str(dim) for dim in part.dims if part.sizes[dim] > 1]
+        if all(float((part.max(dim) - part.min(dim)).max()) > 10.0 * error for dim in left):
+            return name
+    return names[0]
+
+
+def _sliced(part: xarray.DataArray, at: Any) -> xarray.DataArray:
+    """Return the slice of a quantity at the places that were solved nearest to those asked for."""
+    for name, value in _places(at, [str(name) for name in part.dims]).items():
+        part = part.sel({name: _nearest(part[name].values, value)})
+    return part
+
+
+def _held(part: xarray.DataArray) -> str:
+    """Return what is the same in a whole picture, with its values."""
+    numbers = {name: float(part[name]) for name in part.coords if part[name].ndim == 0}
+    held = [
+        "no friction" if np.isnan(value) else f"{_SYMBOLS.get(str(name), name)} = {value:.4g}"
+        for name, value in numbers.items()
+    ]
+    return ", ".join(held).replace("= inf", r"= $\infty$")
+
+
+def _places(at: Any, dims: list[str]) -> dict[str, float]:
+    """Return where dimensions are cut."""
+    if not isinstance(at, Mapping | None):
+        raise SceneError("at", at, "a mapping of names to numbers")
+    return {
+        one_of("at", name, dims, f"a dimension: {', '.join(dims) or 'none'}"): real(
+            f"at, {name}", value, allowed="a number", infinite_ok=True
+        )
+        for name, value in (at or {}).items()
+    }
+
+
+def _nearest(values: NDArray[Any], wanted: float) -> Any:
+    """Return the value that is nearest; infinity is near to itself alone."""
+    same = values[values == wanted]
+    return same[0] if same.size else values[np.argmin(np.abs(values - wanted))]
+
+
+def _curve(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
+    axes.plot(part[left[0]].values, part.values, color="#0072B2", marker=".")
+    _scale(axes.set_xscale, part[left[0]].values)
+    axes.set_xlabel(_label(part[left[0]]))
+    axes.set_ylabel(_label(part))
+
+
+def _map(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
+    down, across = left
+    for scale, name in ((axes.set_xscale, across), (axes.set_yscale, down)):
+        _scale(scale, part[name].values)
+    edges = _edges(part[across].values), _edges(part[down].values)
+    mesh = axes.pcolormesh(*edges, part.transpose(down, across).values)
+    axes.set_xlabel(_label(part[across]))
+    axes.set_ylabel(_label(part[down]))
+    assert axes.figure is not None
+    axes.figure.colorbar(mesh, ax=axes, label=_label(part))
+
+
+def _scale(setter: Any, values: NDArray[Any]) -> None:
+    """Make an axis logarithmic where its values are so."""
+    if _logarithmic(values):
+        setter("log")
+
+
+def _logarithmic(values: NDArray[Any]) -> bool:
+    """Whether values are positive and span more than `_SPAN`."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0.0 and finite.max() > _SPAN * finite.min())
+
+
+def _edges(values: NDArray[Any]) -> NDArray[Any]:
+    """Return the ends of cells around values, half-way between them on their axis."""
+    logarithmic = _logarithmic(values)
+    places = np.log(values) if logarithmic else values
+    middle = (places[1:] + places[:-1]) / 2.0
+    first, last = 2.0 * places[0] - middle[0], 2.0 * places[-1] - middle[-1]
+    edges = np.concatenate([[first], middle, [last]])
+    return np.asarray(np.exp(edges) if logarithmic else edges)
+
+
+def _label(array: xarray.DataArray) -> str:
+    unit = array.attrs.get("units", "1")
+    name = str(array.attrs.get("long_name", array.name)).split(" = ")[0]
+    # symbols in the font of all formulas
+    name = re.sub(r"\b(u_r|[αβδpqcQ])\*", r"$\1^*$", name)
+    name = re.sub(r" ([νf])$", r" $\1$", name)
+    return name if unit == "1" else f"{name} [{unit}]"

@@ -1,0 +1,213 @@
+"""The one entry of a sweep: check, cut in chunks, solve or take from the store, assemble."""
+
+from __future__ import annotations
+
+import numbers
+import os
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from contextlib import closing
+from dataclasses import replace
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import spectral_contact
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs import checks
+from spectral_contact.scene import Scene
+from spectral_contact.sweeps.dataset import Table, assembled, needed
+from spectral_contact.sweeps.execution import outcomes
+from spectral_contact.sweeps.parameters import PARAMETERS, Indices, Parameters, grid, listed
+from spectral_contact.sweeps.request import Request, requested
+from spectral_contact.sweeps.shortcuts import eligible
+from spectral_contact.sweeps.store import Store
+from spectral_contact.threads import one_thread
+from spectral_contact.view.progress import ProgressLine
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["sweep"]
+
+#: Scenes of a chunk: some tenths of a second of work.
+_CHUNK: Final = 64
+#: The same where the spectra serve nearly all of them.
+_QUICK_CHUNK: Final = 16384
+#: From so many pairs of compliances on the spectra pay, which take a second or two.
+_MANY: Final = 500
+
+
+def sweep(
+    scenes: Scene | Iterable[Scene],
+    *,
+    poisson_ratio: ArrayLike | None = None,
+    normal_compliance: ArrayLike | None = None,
+    tangential_compliance: ArrayLike | None = None,
+    friction: ArrayLike | None = None,
+    quantities: Iterable[str] | None = None,
+    rtol: float = 1e-8,
+    s: ArrayLike | None = None,
+    from_edge: ArrayLike | None = None,
+    max_unknowns: int = 20_000,
+    executor: Executor | None = None,
+    store: str | os.PathLike[str] | None = None,
+    chunk: int | None = None,
+    progress: bool = False,
+) -> xarray.Dataset:
+    """Solve a grid of scenes, or a list of them.
+
+    Parameters
+    ----------
+    scenes : Scene or iterable of Scene
+        The scene whose parameters vary, or a list.
+    poisson_ratio, normal_compliance, tangential_compliance, friction : array_like, optional
+        The values that a parameter takes, dimensionless as in `Scene`; the grid has every
+        combination, and a list of scenes takes none. A single number is that of all scenes, in
+        the place of their own, and no dimension. With SI data friction alone can be given.
+    quantities : iterable of str, optional
+        What to compute, out of `QUANTITIES`; approach, stick radius, total shear, edge ratio and
+        critical friction are the default. What is not asked for is not computed.
+    rtol : float
+        As of `solve`.
+    s, from_edge : array_like, optional
+        Radii in [0, 1], or distances from the edge, at which pressure, traction and slip are
+        taken, if they are asked for; one of the two. They become a dimension.
+    max_unknowns : int
+        As of `solve`.
+    executor : concurrent.futures.Executor, optional
+        What solves the chunks: threads, processes, or the executor of a cluster; by default this
+        process does. It is not shut down.
+    store : path, optional
+        A folder that keeps every chunk as it is done, so that the same call goes on after it was
+        stopped.
+    chunk : int, optional
+        Scenes that are solved and stored together.
+    progress : bool
+        Show a line of progress with rate and time left on stderr.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension for each parameter that varies (in the order of above), or ``scene`` for a
+        list. Of every quantity its values and, as ``<name>_error``, the estimates of its relative
+        errors; NaN where there is none. ``ending`` is ``"converged"``, the name of another
+        `Ending` in small letters, or ``"failed"``, and ``message`` says more of what did not
+        converge. Zones are ``zone_kind`` (1 stick, 2 slip, 0 none) and ``zone_outer``.
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range. A scene that cannot be solved raises nothing.
+    SolutionFileError
+        If the store cannot be written, is damaged, or belongs to another sweep or version.
+    MissingDependencyError
+        If xarray is not installed (extra: sweep).
+
+    Examples
+    --------
+    >>> from spectral_contact import Scene
+    >>> from spectral_contact.sweeps import sweep
+    >>> found = sweep(Scene(0.3, 0.5, 0.5), friction=[0.05, 0.1], quantities=["stick_radius"])
+    >>> [f"{c:.8f}" for c in found.stick_radius.values]
+    ['0.49141798', '0.99195671']
+    """
+    needed()
+    axes = dict(
+        zip(
+            PARAMETERS,
+            (poisson_ratio, normal_compliance, tangential_compliance, friction),
+            strict=True,
+        )
+    )
+    parameters = _parameters(scenes, axes)
+    request = requested(quantities, rtol, max_unknowns, s, from_edge)
+    checks.flag("progress", progress)
+    if executor is not None and not isinstance(executor, Executor):
+        raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
+    request = replace(request, shared=parameters.pairs >= _MANY)
+    size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
+    run = _Run(parameters, request, size, store)
+    with one_thread(), ProgressLine(progress) as tell:
+        run.finish(executor, tell)
+    return assembled(parameters, request, run.table)
+
+
+def _chunk(parameters: Parameters, request: Request) -> int:
+    """Return how many scenes make some tenths of a second of work."""
+    if not request.shared:
+        return _CHUNK
+    sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
+    quick = eligible(parameters.columns(sample), request)
+    slow = frozenset(request.quantities) & {"stick_radius", "total_shear"}
+    if slow and not (parameters.columns(sample).values[3] == np.inf).all():
+        return _CHUNK
+    return _QUICK_CHUNK if quick.mean() > 0.99 else _CHUNK
+
+
+def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:
+    """Return the scenes that are meant."""
+    alone: dict[str, Any] = {
+        name: one for name, one in axes.items() if isinstance(one, numbers.Real)
+    }
+    axes = {name: one for name, one in axes.items() if name not in alone}
+    if isinstance(scenes, Scene):
+        return grid(replace(scenes, **alone), axes)
+    given = [name for name, values in axes.items() if values is not None]
+    if given:
+        raise SceneError(given[0], axes[given[0]], "None with a list of scenes")
+    try:
+        several = iter(scenes)
+    except Exception:  # not a list, or a broken one
+        raise SceneError("scenes", scenes, "a Scene or a list of them") from None
+    return listed(several, alone)
+
+
+class _Run:
+    """A sweep as it is done."""
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        request: Request,
+        size: int,
+        store: str | os.PathLike[str] | None,
+    ) -> None:
+        self.parameters = parameters
+        self.request = request
+        self.table = Table(parameters.size)
+        order = parameters.order()
+        self.chunks = [order[i : i + size] for i in range(0, len(order), size)]
+        self.store = None
+        if store is not None:
+            self.store = Store(
+                store,
+                {
+                    "library": spectral_contact.__version__,
+                    "scenes": parameters.fingerprint(),
+                    **request.describe(),
+                    "chunk": size,
+                },
+            )
+
+    def finish(self, executor: Executor | None, tell: ProgressLine) -> None:
+        """Do what is not done yet."""
+        left: list[tuple[int, Indices]] = []
+        for number, scenes in enumerate(self.chunks):
+            if self.store is not None and self.store.has(number):
+                self.table.put(scenes, self.store.get(number))
+            else:
+                left.append((number, scenes))
+        total, todo = self.parameters.size, sum(len(scenes) for _, scenes in left)
+        begin, done = perf_counter(), 0
+        with closing(outcomes(self.parameters, left, self.request, executor)) as results:
+            for number, outcome in results:
+                if self.store is not None:
+                    self.store.put(number, outcome)
+                self.table.put(self.chunks[number], outcome)
+                done += len(self.chunks[number])
+                rate = done / max(perf_counter() - begin, 1e-9)
+                step = f"{rate:.3g} scenes/s, {(todo - done) / rate:.0f} s left"
+                tell(step, (total - todo + done) / total)

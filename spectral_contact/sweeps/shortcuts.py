@@ -1,0 +1,110 @@
+"""Scenes that need no solve of their own: normal contact and full stick, from the spectra."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.sweeps.error_maps import certified_normal, certified_stick
+from spectral_contact.sweeps.parameters import Columns
+from spectral_contact.sweeps.request import Request
+
+__all__ = ["Served", "eligible", "served"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_NORMAL: Final = frozenset({"approach", "pressure"})
+_RATIOS: Final = frozenset({"edge_ratio", "critical_friction"})
+#: These need to know that there is no slip.
+_STICKING: Final = frozenset({"total_shear", "stick_radius"})
+#: Below this compliance the layers are so thin that pointwise values need what `solve` does for
+#: them: an endpoint weight, a correction. Modes lose eps/sqrt(alpha), and now and then much more.
+_LEAST_POINTWISE: Final = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Served:
+    """What the spectra know.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (scenes,)
+        Of which scenes.
+    values, errors : dict of str to ndarray
+        By quantity, of these scenes alone.
+    """
+
+    mask: Mask
+    values: dict[str, Array]
+    errors: dict[str, Array]
+
+
+def eligible(columns: Columns, request: Request) -> Mask:
+    """Return which scenes the spectra may serve, as far as that is known before any work."""
+    asked = frozenset(request.quantities)
+    nu, alpha, beta, friction = columns.values
+    mask: Mask = alpha > 0.0
+    thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
+    if asked & _RATIOS:
+        mask &= ~thin
+    elif asked & _STICKING:  # whether there is slip hangs on the ratios, too
+        mask &= ~thin | (friction == np.inf)
+    if not asked <= _NORMAL | _RATIOS | _STICKING:
+        mask[:] = False
+    if "pressure" in asked and not request.at_edge_alone:
+        mask[:] = False
+    if asked & (_RATIOS | _STICKING):  # NaN, no friction, compares False
+        mask &= (beta > 0.0) & (nu < 0.5) & (friction >= 0.0)
+    return mask
+
+
+def served(columns: Columns, request: Request) -> Served:
+    """Return what the spectra know to the tolerance; other scenes are left to `solve`."""
+    mask = eligible(columns, request)
+    values: dict[str, Array] = {}
+    errors: dict[str, Array] = {}
+    some = columns[mask]
+    if len(some):
+        asked = frozenset(request.quantities)
+        if asked & _NORMAL:
+            _normal(some, values, errors)
+        sure = np.ones(len(some), dtype=bool)
+        if asked & (_RATIOS | _STICKING):
+            sure = _full_stick(some, request, values, errors)
+        for name in asked:
+            sure &= errors[name] <= request.rtol
+        mask[mask] = sure
+        values = {name: values[name][sure] for name in asked}
+        errors = {name: errors[name][sure] for name in asked}
+    return Served(mask, values, errors)
+
+
+def _normal(columns: Columns, values: dict[str, Array], errors: dict[str, Array]) -> None:
+    approach, pressure, lost, lost_pressure = certified_normal().approach(columns.values[1])
+    values["approach"], errors["approach"] = approach, lost
+    values["pressure"], errors["pressure"] = pressure[:, None], lost_pressure
+
+
+def _full_stick(
+    columns: Columns, request: Request, values: dict[str, Array], errors: dict[str, Array]
+) -> Mask:
+    """Fill in full stick, and return where what is asked is that."""
+    _, alpha, beta, friction = columns.values
+    kappa, stick = columns.kappa, certified_stick(request.rtol)
+    shear, edge, lost_shear, lost_edge = stick.shear_and_edge(alpha, beta)
+    values.update(
+        total_shear=kappa * shear, edge_ratio=kappa * edge, stick_radius=np.ones(len(columns))
+    )
+    errors.update(total_shear=lost_shear, edge_ratio=lost_edge, stick_radius=np.zeros(len(columns)))
+    asked = frozenset(request.quantities)
+    sticks = friction == np.inf
+    doubtful = bool(asked & _STICKING) and not sticks.all()
+    if "critical_friction" in asked or doubtful:
+        critical, lost = stick.critical(alpha, beta, edge)
+        values["critical_friction"], errors["critical_friction"] = kappa * critical, lost
+        sticks |= friction > kappa * critical * (1.0 + 2.0 * lost)
+    return sticks if asked & _STICKING else np.ones(len(columns), dtype=bool)

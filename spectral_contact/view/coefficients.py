@@ -1,0 +1,122 @@
+"""Plots of the decay of a solution's Legendre coefficients."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.fields.series import AnnulusSeries, DiskSeries, LogSeries, ZonalField
+from spectral_contact.inputs.choices import instance
+from spectral_contact.solution import Solution
+from spectral_contact.view.figures import VERMILION, require, scene_title, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["plot_coefficients"]
+
+
+def plot_coefficients(solution: Solution) -> Figure:
+    """Plot the decay of the Legendre coefficients on every panel, a plot for each series.
+
+    Parameters
+    ----------
+    solution : Solution
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Moduli of the coefficients over their degree, dimensionless; the panels from the boundary's
+        far side (dark) to the boundary (light), and the tail panel dashed.
+
+    Raises
+    ------
+    SceneError
+        If it is no Solution.
+    NotComputedError
+        If no field of the solution is a series: fields that were not asked for, that vanish, or
+        that have a closed form.
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
+    instance("solution", solution, Solution)
+    require()
+    series = [*_pressure_series(solution), *_traction_series(solution)]
+    if not series:
+        raise NotComputedError("a series with coefficients", _why_no_series(solution))
+    with style():
+        from matplotlib.figure import Figure
+
+        columns = min(len(series), 2)
+        rows = -(-len(series) // columns)
+        figure = Figure(figsize=(4.6 * columns, 0.4 + 3.2 * rows), layout="constrained")
+        for i, (title, one) in enumerate(series):
+            _draw_coefficients(figure.add_subplot(rows, columns, i + 1), title, one)
+        figure.suptitle(scene_title(solution.scene))
+    return figure
+
+
+def _pressure_series(solution: Solution) -> list[tuple[str, LogSeries]]:
+    field = solution.pressure_field
+    if isinstance(field, ZonalField):
+        return [
+            found for one in field.pieces for found in _piece_series("$p^*$", one.field, "slip")
+        ]
+    if field is None or field.series is None:
+        return []
+    return [("$p^*$, $d = 1 - s^2$", field.series)]
+
+
+def _traction_series(solution: Solution) -> list[tuple[str, LogSeries]]:
+    field = solution.traction_field
+    pieces = [p.field for p in field.pieces] if isinstance(field, ZonalField) else [field]
+    # a series without the factor s is a pressure: that is friction times it, in slip
+    stuck = [one for one in pieces if not isinstance(one, AnnulusSeries) or one.power == 1]
+    return [found for one in stuck for found in _piece_series("$q^*$", one, "a stick annulus")]
+
+
+def _piece_series(name: str, piece: object, annulus: str) -> list[tuple[str, LogSeries]]:
+    if isinstance(piece, DiskSeries) and piece.series is not None:
+        c = piece.outer.value
+        place = "$d = 1 - s^2$" if c == 1.0 else rf"$d = 1 - s^2/c^2$, $c = {c:.4g}$"
+        return [(f"{name} in stick, {place}", piece.series)]
+    if isinstance(piece, AnnulusSeries):
+        ends = (piece.inner.value, piece.toward_inner), (piece.outer.value, piece.toward_outer)
+        return [(f"{name} in {annulus}, toward $s = {end:.4g}$", one) for end, one in ends]
+    return []
+
+
+def _why_no_series(solution: Solution) -> str:
+    missing = dict(solution.plan.missing)
+    if "pressure" not in missing:
+        return "the surface is smooth, its pressure a closed form"
+    if "traction" not in missing:
+        return "the traction is zero or a closed form, and the pressure was not asked for"
+    return missing["pressure"]
+
+
+def _draw_coefficients(axes: Axes, title: str, series: LogSeries) -> None:
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.ticker import MaxNLocator
+
+    count = len(series.coefficients)
+    scale = ScalarMappable(Normalize(0.0, count * series.width), colormaps["viridis"])
+    colours = scale.to_rgba(series.width * (np.arange(count) + 0.5))
+    for panel, coefficients in enumerate(np.abs(series.coefficients)):
+        degree = np.flatnonzero(coefficients)
+        axes.plot(degree, coefficients[degree], ".-", color=colours[panel], lw=0.9, ms=3.5)
+    tail = np.abs(series.tail)
+    degree = np.flatnonzero(tail)
+    axes.plot(degree, tail[degree], "s--", color=VERMILION, lw=0.9, ms=3.5, label="tail")
+    axes.set_yscale("log")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlabel("degree $k$")
+    axes.set_ylabel("Legendre coefficient $|c_k|$")
+    axes.set_title(title)
+    axes.legend(loc="upper right")
+    axes.figure.colorbar(scale, ax=axes, label=r"panel at $-\ln d$")

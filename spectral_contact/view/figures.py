@@ -1,0 +1,143 @@
+"""How figures of the library look, and how they are written; matplotlib is imported when drawing.
+
+Figures are made through the object interface, never through pyplot: no window, no global state.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spectral_contact.errors import MissingDependencyError, SolutionFileError
+from spectral_contact.inputs.choices import instance
+from spectral_contact.io.documents import path_text, replace_file, reported
+from spectral_contact.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "BLACK",
+    "BLUE",
+    "FORMATS",
+    "GREEN",
+    "SLIP_GREY",
+    "VERMILION",
+    "math_number",
+    "require",
+    "save",
+    "scene_title",
+    "style",
+]
+
+#: Suffixes that `save` knows.
+FORMATS = (".png", ".pdf", ".svg")
+
+# Colours of Okabe and Ito: told apart by the colour-blind, and in grey by their line styles.
+BLUE, VERMILION, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
+SLIP_GREY = "#DDDDDD"
+_STYLE = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#CCCCCC",
+    "grid.linewidth": 0.4,
+    "legend.frameon": False,
+    "legend.borderaxespad": 0.2,
+    "legend.columnspacing": 1.2,
+    "lines.linewidth": 1.4,
+    "svg.hashsalt": "spectral_contact",
+}
+
+
+def require() -> Any:
+    """Return matplotlib; called before the work, which its absence would cost.
+
+    Raises
+    ------
+    MissingDependencyError
+        If it is not installed.
+    """
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise MissingDependencyError("matplotlib", "plot") from error
+    return matplotlib
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure; the suffix, one of ``FORMATS``, decides the format.
+
+    Raises
+    ------
+    SceneError
+        If it is no figure of matplotlib.
+    SolutionFileError
+        For another suffix, or a path that cannot be written.
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
+    require()
+    from matplotlib.figure import Figure
+
+    instance("figure", figure, Figure)
+    path = path_text(path)
+    suffix = Path(path).suffix.lower()
+    if suffix not in FORMATS:
+        raise SolutionFileError(path, f"the suffix must be one of {', '.join(FORMATS)}")
+    # without the date, the same figure gives the same file
+    date = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+    drawn = BytesIO()
+    with style():
+        figure.savefig(drawn, format=suffix[1:], dpi=150, metadata=date.get(suffix))
+    with reported(path, "cannot be written"):
+        replace_file(path, drawn.getvalue())
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw in the style of all figures of the library while the context lasts.
+
+    Raises
+    ------
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
+    with require().rc_context(_STYLE):
+        yield
+
+
+def scene_title(scene: Scene) -> str:
+    """Return the parameters of a scene in the symbols of the theory, as a title of a figure.
+
+    Raises
+    ------
+    SceneError
+        If it is no Scene.
+    """
+    instance("scene", scene, Scene)
+    friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
+    if scene.friction == np.inf:
+        friction = "full stick"
+    numbers = (
+        rf"$\nu = {scene.poisson_ratio:g}$",
+        rf"$\alpha^* = {math_number(scene.normal_compliance)}$",
+        rf"$\beta^* = {math_number(scene.tangential_compliance)}$",
+    )
+    return ",   ".join((*numbers, friction, *["coupled"] * scene.coupling))
+
+
+def math_number(number: float) -> str:
+    """Return a number in the way of mathematics: 2.5e-07 as 2.5 · 10^-7."""
+    digits, _, exponent = f"{number:g}".partition("e")
+    if not exponent:
+        return digits
+    factor = "" if digits == "1" else rf"{digits} \cdot "
+    return f"{factor}10^{{{int(exponent)}}}"

@@ -1,0 +1,337 @@
+"""Plots of a solution; matplotlib is imported only when drawing.
+
+Figures are made through the object interface, never through pyplot: no window, no global state.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.inputs.choices import instance
+from spectral_contact.solution import ErrorEstimates, Plan, Solution
+from spectral_contact.view.coefficients import plot_coefficients
+from spectral_contact.view.figures import (
+    BLACK,
+    BLUE,
+    FORMATS,
+    GREEN,
+    SLIP_GREY,
+    VERMILION,
+    math_number,
+    require,
+    save,
+    scene_title,
+    style,
+)
+from spectral_contact.view.radii import Radii, graded_radii, known_zones, layer_depth
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "FORMATS",
+    "Radii",
+    "check",
+    "graded_radii",
+    "plot_coefficients",
+    "plot_solution",
+    "require",
+    "save",
+    "scene_title",
+    "style",
+]
+
+Array = NDArray[np.float64]
+
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+
+
+def check(plan: Plan) -> None:
+    """Check, before the work, that a solution of this plan can be plotted.
+
+    Raises
+    ------
+    SceneError
+        If it is no Plan.
+    NotComputedError
+        If neither pressure nor traction will be there.
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
+    instance("plan", plan, Plan)
+    if not {"pressure", "traction"}.intersection(plan.quantities):
+        reason = dict(plan.missing)["pressure"]
+        raise NotComputedError("a field to plot (pressure or traction)", reason)
+    require()
+
+
+def plot_solution(solution: Solution) -> Figure:
+    """Plot p*, q*, f p*, the slip, the zones and the error estimates of a solution.
+
+    A scene that was made from SI data has its axes in SI units: p, q and f p over r. They are
+    dimensionless if the load is not known, as an approach was given and none asked for.
+
+    The left panels show the fields over the radius; where they are singular, or nearly so, at the
+    edge, they are cut off, and a note says so. The right panels show them over the distance from
+    the edge, on logarithmic axes.
+
+    Parameters
+    ----------
+    solution : Solution
+        With the pressure, the traction, or both.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    SceneError
+        If it is no Solution.
+    NotComputedError
+        If neither pressure nor traction were asked for.
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
+    instance("solution", solution, Solution)
+    check(solution.plan)
+    radii = graded_radii(solution, 600)
+    units = _Units.of(solution)
+    rows = _field_rows(solution, radii, units)
+    with style():
+        from matplotlib.figure import Figure
+
+        heights = [2.5] * len(rows) + [0.5 + 0.22 * len(_estimates(solution))]
+        figure = Figure(figsize=(8.0, 0.9 + sum(heights)), layout="constrained")
+        grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
+        for i, (label, curves) in enumerate(rows):
+            left, right = figure.add_subplot(grid[i, 0]), figure.add_subplot(grid[i, 1])
+            _draw_over_radius(left, radii, curves, solution, units)
+            _draw_over_distance(right, radii, curves, solution, units)
+            left.set(xlabel=units.over_radius, ylabel=label)
+            right.set(xlabel=units.over_distance, ylabel=label)
+        _draw_errors(figure.add_subplot(grid[-1, :]), solution)
+        figure.suptitle("\n".join([scene_title(solution.scene), *units.title]))
+    return figure
+
+
+# --- fields ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Curve:
+    label: str
+    values: Array
+    colour: str
+    line: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Units:
+    """What one of a length and of a stress is on the axes, and how they are called."""
+
+    length: float
+    stress: float
+    slip: float = 1.0
+    length_unit: str = ""
+    stress_unit: str = ""
+    slip_unit: str = ""
+    title: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, solution: Solution) -> _Units:
+        """Return the units of the scene; dimensionless if the load is not known."""
+        data = solution.scene.physical
+        known = data is not None and (data.load or "approach" in solution.plan.quantities)
+        if data is None or not known:
+            return cls(1.0, 1.0)
+        physical = solution.physical
+        stress = data.pressure_scale(physical.load)
+        slip = data.displacement_scale(physical.load, solution.scene.poisson_ratio)
+        length_power, stress_power, slip_power = map(_prefix_power, (data.radius, stress, slip))
+        modulus = rf"$E = {math_number(data.youngs_modulus)}$ Pa"
+        radius = rf"$a = {math_number(data.radius)}$ m"
+        load = rf"$P = {math_number(physical.load)}$ N"
+        return cls(
+            data.radius / 10.0**length_power,
+            stress / 10.0**stress_power,
+            slip / 10.0**slip_power,
+            f"{_PREFIXES[length_power]}m",
+            f"{_PREFIXES[stress_power]}Pa",
+            f"{_PREFIXES[slip_power]}m",
+            (",   ".join([modulus, radius, load]),),
+        )
+
+    @property
+    def over_radius(self) -> str:
+        """The label of an axis of radii."""
+        return f"radius $r$ [{self.length_unit}]" if self.length_unit else "radius $s = r / a$"
+
+    @property
+    def over_distance(self) -> str:
+        """The label of an axis of distances from the edge."""
+        if self.length_unit:
+            return f"distance from the edge $a - r$ [{self.length_unit}]"
+        return "distance from the edge $1 - s$"
+
+    @property
+    def slip_symbol(self) -> str:
+        """How slip is called."""
+        return "$u_r$" if self.slip_unit else "$u_r^*$"
+
+    @property
+    def slip_axis(self) -> str:
+        """The label of an axis of slip."""
+        if self.slip_unit:
+            return f"$u_r$ [{self.slip_unit}]"
+        return r"$u_r^* = a E u_r / (4 (1 - \nu^2) P)$"
+
+    def symbol(self, name: str) -> str:
+        """Return how a curve is called."""
+        return f"${name}$" if self.stress_unit else f"${name}^*$"
+
+    def axis(self, name: str) -> str:
+        """Return the label of an axis of stress."""
+        return (
+            f"${name}$ [{self.stress_unit}]" if self.stress_unit else f"${name}^* = a^2 {name} / P$"
+        )
+
+
+def _prefix_power(scale: float) -> int:
+    """Return the power of ten of the prefix in which a scale is from 1 to 1000, if there is one."""
+    power = 3 * math.floor(math.log10(scale) / 3.0)
+    return min(max(power, min(_PREFIXES)), max(_PREFIXES))
+
+
+def _field_rows(solution: Solution, radii: Radii, units: _Units) -> list[tuple[str, list[_Curve]]]:
+    """Return the rows of panels: the axis label and the curves of each."""
+    present, friction = solution.plan.quantities, solution.scene.friction
+    rows = []
+    pressure = None
+    if "pressure" in present:
+        pressure = units.stress * radii.evaluate(solution.pressure)
+        curves = [_Curve(units.symbol("p"), pressure, BLUE, "-")]
+        rows.append((units.axis("p"), curves))
+    if "traction" in present and (friction is not None or not rows):
+        traction = units.stress * radii.evaluate(solution.traction)
+        curves = [_Curve(units.symbol("q"), traction, VERMILION, "-")]
+        if pressure is not None and friction is not None and 0.0 < friction < np.inf:
+            curves.append(_Curve(units.symbol("f p"), friction * pressure, BLACK, "--"))
+        rows.append((units.axis("q"), curves))
+    if "slip" in present and any(zone.kind == "slip" for zone in known_zones(solution)):
+        slip = units.slip * radii.evaluate(solution.slip)
+        rows.append((units.slip_axis, [_Curve(f"slip {units.slip_symbol}", slip, GREEN, "-")]))
+    return rows
+
+
+def _draw_over_radius(
+    axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _Units
+) -> None:
+    a = units.length
+    for curve in curves:
+        axes.plot(a * radii.s, curve.values, curve.line, color=curve.colour, label=curve.label)
+    for zone in known_zones(solution):
+        if zone.kind == "slip":
+            axes.axvspan(a * zone.inner, a * zone.outer, color=SLIP_GREY, lw=0.0, zorder=0.5)
+    values = np.concatenate([curve.values for curve in curves])
+    bulk = np.concatenate([curve.values[radii.from_edge >= 0.02] for curve in curves])
+    # an edge much higher than the rest, or infinite, is left to the other panel
+    highest = np.nanmax(values)  # with coupling there may be no limit at the edge
+    cut = highest > 2.5 * bulk.max()
+    top = bulk.max() if cut else highest
+    if cut:
+        edge = f"up to {highest:.3g}" if np.isfinite(highest) else "infinite"
+        corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+        axes.text(0.97, 0.95, f"cut off: {edge} at the edge", **corner)
+    axes.set_xlim(0.0, a)
+    axes.set_ylim(*_from_zero(bulk.min(), top))
+    axes.legend(
+        handles=[*axes.get_lines(), *_zone_patches(solution)],
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=4,
+    )
+
+
+def _draw_over_distance(
+    axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _Units
+) -> None:
+    depth, d, a = layer_depth(solution), radii.from_edge, units.length
+    shown = (d > 0.0) & (d < 1.0)
+    for curve in curves:
+        axes.plot(
+            a * d[shown], curve.values[shown], curve.line, color=curve.colour, label=curve.label
+        )
+    for zone in known_zones(solution):
+        if zone.kind == "slip":
+            near, far = max(zone.outer_from_edge, depth), min(zone.inner_from_edge, 1.0)
+            axes.axvspan(a * near, a * far, color=SLIP_GREY, lw=0.0, zorder=0.5)
+    axes.set_xscale("log")
+    axes.set_xlim(a, a * depth)  # the edge is on the right, as in the other panel
+    values = np.concatenate([curve.values[shown & (d <= 0.5)] for curve in curves])
+    if 0.0 < 10.0 * values.min() < values.max():
+        axes.set_yscale("log")
+        axes.set_ylim(values.min() / 2.0, values.max() * 2.0)
+    else:
+        axes.set_ylim(*_from_zero(values.min(), values.max()))
+
+
+def _from_zero(low: float, high: float) -> tuple[float, float]:
+    """Return limits that contain zero and the values, with a margin so that both are seen."""
+    low, high = min(low, 0.0), max(high, 0.0)
+    margin = 0.05 * (high - low) or 1.0
+    return low - margin, high + 2.0 * margin
+
+
+def _zone_patches(solution: Solution) -> list[Any]:
+    from matplotlib.patches import Patch
+
+    kinds = {zone.kind for zone in known_zones(solution)}
+    return [
+        Patch(facecolor=colour, edgecolor="#888888", linewidth=0.6, label=kind)
+        for kind, colour in (("stick", "white"), ("slip", SLIP_GREY))
+        if kind in kinds
+    ]
+
+
+# --- errors ---------------------------------------------------------------------------------------
+
+
+def _estimates(solution: Solution) -> list[tuple[str, float]]:
+    """Return the estimates there are, in the order of a report."""
+    found = [(one.name, getattr(solution.error, one.name)) for one in fields(ErrorEstimates)]
+    # no digit is known from 1 on; NaN is taken for that, too
+    return [
+        (name.replace("_", " "), error if error < 1.0 else 1.0)
+        for name, error in found
+        if error is not None
+    ]
+
+
+def _draw_errors(axes: Axes, solution: Solution) -> None:
+    estimates = _estimates(solution)
+    floor = 3e-17
+    marker: dict[str, Any] = {"color": BLUE, "markersize": 5.0, "clip_on": False, "zorder": 3.0}
+    for row, (name, error) in enumerate(estimates):
+        said = "no digit is known" if error >= 1.0 else ""
+        if error <= floor:
+            said = "none" if name == "violation" else "exact"
+        place, face = max(error, floor), "white" if said else BLUE
+        axes.plot([place], [row], "o", markerfacecolor=face, **marker)
+        axes.annotate(said, (place, row), (8, 0), textcoords="offset points", va="center")
+    axes.axvline(solution.rtol, color=VERMILION, ls="--", lw=1.0)
+    above: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center"}
+    axes.text(solution.rtol, 1.02, "rtol", color=VERMILION, **above)
+    axes.set_xscale("log")
+    largest = max([solution.rtol, *(error for _, error in estimates)])
+    axes.set_xlim(floor, 30.0 * largest)
+    axes.set_ylim(len(estimates) - 0.5, -0.5)
+    axes.set_yticks(range(len(estimates)), [name for name, _ in estimates])
+    axes.set_xlabel("estimate of the relative error")

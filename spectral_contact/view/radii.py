@@ -1,0 +1,111 @@
+"""Radii at which a solution is drawn or tabulated: they resolve its edge layer and its zones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import values_at, whole
+from spectral_contact.inputs.choices import function, instance
+from spectral_contact.solution import Solution, Zone
+
+__all__ = ["Radii", "graded_radii", "known_zones", "layer_depth"]
+
+Array = NDArray[np.float64]
+_MOST: Final = 10_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Radii:
+    """Radii from the centre to the edge, each kept from the side on which it is accurate.
+
+    Attributes
+    ----------
+    inner : ndarray
+        Radii ``s < 1/2``, increasing, dimensionless.
+    outer : ndarray
+        Distances ``1 - s <= 1/2`` of the others, decreasing.
+    """
+
+    inner: Array
+    outer: Array
+
+    @property
+    def s(self) -> Array:
+        """All radii."""
+        return np.concatenate([self.inner, 1.0 - self.outer])
+
+    @property
+    def from_edge(self) -> Array:
+        """All distances from the edge."""
+        return np.concatenate([1.0 - self.inner, self.outer])
+
+    def evaluate(self, field: Callable[..., Any]) -> Array:
+        """Evaluate `Solution.pressure`, `traction` or `slip` at all radii.
+
+        Raises
+        ------
+        SceneError
+            If the field is no function, or its values are not a real number for each radius.
+        """
+        function("field", field, "radii, or distances from_edge")
+        inner = values_at("field", field, self.inner)
+        outer = values_at("field", lambda places: field(from_edge=places), self.outer)
+        return np.concatenate([inner, outer])
+
+
+def graded_radii(solution: Solution, count: int = 200) -> Radii:
+    """Return radii that resolve the edge layer and every zone of a solution.
+
+    Parameters
+    ----------
+    solution : Solution
+    count : int
+        About how many: half of them evenly to s = 0.9, half graded into the edge layer, and up to
+        eleven more in every zone.
+
+    Returns
+    -------
+    Radii
+        From s = 0 to s = 1, both included, with every zone boundary.
+
+    Raises
+    ------
+    SceneError
+        If it is no Solution, or the count is not a whole number in [1, 1e7].
+    """
+    instance("solution", solution, Solution)
+    if whole("count", count, 1) > _MOST:
+        raise SceneError("count", count, f"at most {_MOST:,}")
+    even = max(count // 4, 2)
+    inner = [np.linspace(0.0, 0.5, even, endpoint=False)]
+    layer = np.geomspace(layer_depth(solution), 0.1, max(count // 2, 2))
+    outer = [np.zeros(1), layer, np.linspace(0.5, 0.1, even, endpoint=False)]
+    for zone in known_zones(solution):
+        if zone.outer < 0.5:
+            inner.append(np.linspace(zone.inner, zone.outer, 11))
+        elif zone.inner >= 0.5:
+            outer.append(np.linspace(zone.outer_from_edge, zone.inner_from_edge, 11))
+        else:  # resolved by the even radii, save for its boundaries
+            inner.append(np.array([zone.inner]))
+            outer.append(np.array([zone.outer_from_edge]))
+    s, depth = np.unique(np.concatenate(inner)), np.unique(np.concatenate(outer))[::-1]
+    return Radii(s[s < 0.5], depth[depth <= 0.5])
+
+
+def known_zones(solution: Solution) -> tuple[Zone, ...]:
+    """Return the zones of a solution; none if they were not asked for."""
+    return solution.zones if "zones" in solution.plan.quantities else ()
+
+
+def layer_depth(solution: Solution) -> float:
+    """Return the distance from the edge down to which something happens."""
+    scene = solution.scene
+    scales = [scene.normal_compliance, scene.tangential_compliance, 1e-3]
+    scales += [zone.outer_from_edge for zone in known_zones(solution)]
+    return 1e-3 * min(scale for scale in scales if scale > 0.0)

@@ -1,0 +1,284 @@
+"""Solutions as text: the report that the command line prints, and a table of the fields as csv."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import spectral_contact
+from spectral_contact.io.documents import replace_file, reported
+from spectral_contact.scene import Scene
+from spectral_contact.solution import PhysicalSolution, Solution
+from spectral_contact.view.radii import graded_radii
+
+__all__ = ["FIELDS", "report", "scene_text", "table", "write_csv"]
+
+#: Quantities that are functions of the radius: the columns of a table.
+FIELDS = ("pressure", "traction", "slip")
+# Of a dimensionless compliance: beyond, another unit is likelier than such a surface.
+_LEAST, _MOST = 1e-9, 1e3
+
+
+def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
+    """Return everything that is printed; only the timings differ from run to run.
+
+    Parameters
+    ----------
+    solution : Solution
+    remarks : sequence of str
+        What is to be said about the scene besides what its SI data call for.
+    """
+    parts = [_scene_text(solution), _quantity_table(_rows(solution), "quantity")]
+    if solution.scene.physical is not None:
+        parts.append(_quantity_table(_si_rows(solution), "SI"))
+    remarks = [*remarks, *_odd_compliances(solution.scene)]
+    if remarks:
+        parts.append("\n".join(["remarks", *map(_indented, remarks)]))
+    if "zones" in solution.plan.quantities:
+        parts.append(_zone_table(solution))
+    parts += [f"plan\n{_indented(str(solution.plan))}", _work_table(solution)]
+    if solution.less_certain:
+        parts.append(_less_certain(solution))
+    verdict = "yes" if solution.converged else f"no. {_capitalised(solution.ending.value)}"
+    parts.append(f"converged: {verdict}")
+    return "\n\n".join(parts)
+
+
+def _less_certain(solution: Solution) -> str:
+    """Return which quantities are not known to rtol, and why."""
+    lines = [f"less certain than rtol = {solution.rtol:.1e}"]
+    for name, error in solution.less_certain.items():
+        known = f"{error:.1e}" if error < 1.0 else "no digit is known"
+        lines.append(f"  {name.replace('_', ' ')}: {known}")
+    if solution.converged:
+        lines.append("  zone boundaries and slip are as certain as their conditioning allows")
+    return "\n".join(lines)
+
+
+def write_csv(solution: Solution, path: str) -> None:
+    """Write the fields over graded radii; the scalars and the zones are comments.
+
+    Raises
+    ------
+    SolutionFileError
+        If the path cannot be written.
+    """
+    radii = graded_radii(solution)
+    columns: dict[str, Any] = {"s": radii.s, "one_minus_s": radii.from_edge}
+    present = solution.plan.quantities
+    friction = solution.scene.friction
+    if "pressure" in present:
+        columns["p"] = radii.evaluate(solution.pressure)
+    if "traction" in present:
+        columns["q"] = radii.evaluate(solution.traction)
+    if "pressure" in present and friction is not None and math.isfinite(friction):
+        # not 0 * inf at the edge of a smooth surface
+        columns["f_p"] = friction * columns["p"] if friction else np.zeros(len(radii.s))
+    if "slip" in present:
+        columns["slip"] = radii.evaluate(solution.slip)
+    lines = [f"# {line}" for line in _csv_comments(solution)]
+    lines.append(",".join(columns))
+    for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+        lines.append(",".join(map(repr, row)))
+    with reported(path, "cannot be written"):
+        replace_file(path, ("\n".join(lines) + "\n").encode())
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """One scalar: its label, value, unit and the estimate of its relative error."""
+
+    label: str
+    value: float | None
+    unit: str
+    error: float | None
+
+
+def _rows(solution: Solution) -> list[_Row]:
+    """Return the dimensionless scalars of a solution."""
+    rows = _scalars(solution, solution, {})
+    if solution.values.get("opening") is not None:
+        rows.append(_Row("contact would open within", solution.opening, "", None))
+    if solution.error.violation is not None:
+        rows.append(_Row("friction law, violation", solution.error.violation, "", None))
+    return rows
+
+
+def _si_rows(solution: Solution) -> list[_Row]:
+    """Return the scalars that have a unit, in SI units."""
+    data = solution.scene.physical
+    if data is None:
+        return []
+    approach_error = solution.error.approach or 0.0
+    # from an approach the load is computed, and everything scaled by it inherits its error
+    inherited = 0.0 if data.approach is None else approach_error
+    physical = solution.physical
+    rows = [_Row("load", physical.load, "N", inherited)]
+    units = {"pressure": "Pa", "traction": "Pa", "slip": "m", "approach": "m"}
+    units |= {"stick_radius": "m", "total_shear": "N"}
+    for row in _scalars(physical, solution, units):
+        if row.label == "approach":
+            error: float | None = 0.0 if data.approach is not None else approach_error
+        elif row.label == "stick radius" or row.error is None:
+            error = row.error
+        else:
+            error = row.error + inherited
+        rows.append(_Row(row.label, row.value, row.unit, error))
+    return [row for row in rows if row.unit]
+
+
+def _scalars(
+    source: Solution | PhysicalSolution, solution: Solution, units: dict[str, str]
+) -> list[_Row]:
+    """Return fields at centre and edge, and scalars, of a solution or of its SI view."""
+    rows = []
+    for name in solution.plan.quantities:
+        unit, error = units.get(name, ""), getattr(solution.error, name)
+        if name == "pressure":
+            rows.append(_Row("pressure, centre", float(source.pressure(0.0)), unit, error))
+        if name in FIELDS:
+            edge = float(getattr(source, name)(from_edge=0.0))
+            rows.append(_Row(f"{name}, edge", edge, unit, error))
+        elif name != "zones":
+            rows.append(_Row(name.replace("_", " "), getattr(source, name), unit, error))
+    return rows
+
+
+def scene_text(scene: Scene) -> str:
+    """Return the dimensionless parameters of a scene on one line."""
+    friction = f"f = {scene.friction!r}"
+    if scene.friction is None:
+        friction = "no friction"
+    elif scene.friction == math.inf:
+        friction = "full stick"
+    return (
+        f"nu = {scene.poisson_ratio!r}, alpha* = {scene.normal_compliance!r}, "
+        f"beta* = {scene.tangential_compliance!r}, {friction}{', coupled' * scene.coupling}"
+    )
+
+
+def _scene_text(solution: Solution) -> str:
+    data = solution.scene.physical
+    text = f"{scene_text(solution.scene)}; rtol = {solution.rtol!r}"
+    if data is not None:
+        drive = f"P = {data.load!r} N" if data.approach is None else f"delta = {data.approach!r} m"
+        text += (
+            f"\nE = {data.youngs_modulus!r} Pa, a = {data.radius!r} m, {drive}, "
+            f"alpha = {data.normal_compliance!r} m/Pa, beta = {data.tangential_compliance!r} m/Pa"
+        )
+    return text
+
+
+def _odd_compliances(scene: Scene) -> list[str]:
+    """Return a remark about every compliance in SI units that is far from that of roughness."""
+    remarks = []
+    for name, symbol in (("normal_compliance", "alpha"), ("tangential_compliance", "beta")):
+        star = getattr(scene, name)
+        if scene.physical is None or star == 0.0 or _LEAST <= star <= _MOST:
+            continue
+        limit = f"> {_MOST:g}" if star > _MOST else f"< {_LEAST:g}"
+        value = getattr(scene.physical, name)
+        remarks.append(
+            f"{symbol}* = {star:.3g} is {limit}: {symbol} = {value!r} is in m/Pa "
+            f"({1e15 * value:.3g} nm/MPa), is that what was meant?"
+        )
+    return remarks
+
+
+def _quantity_table(rows: list[_Row], title: str) -> str:
+    cells = [(title, "value", "error estimate")]
+    for row in rows:
+        value = f"{_digits(row.value, row.error)} {row.unit}".rstrip()
+        cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
+    return table(cells)
+
+
+def _zone_table(solution: Solution) -> str:
+    zones, estimate = solution.zones, solution.error.zones
+    if not zones:
+        return "zones\n  none: without friction there is neither stick nor slip"
+    cells: list[tuple[str, ...]] = [("zones", "from", "to", "1 - to", "error estimate")]
+    for zone in zones:
+        radii = (zone.inner, zone.outer, zone.outer_from_edge)
+        cells.append((zone.kind, *(_digits(r, estimate) for r in radii), _estimate(estimate)))
+    if solution.scene.physical is not None:
+        metres = (_digits(zone.outer, estimate) for zone in solution.physical.zones)
+        cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]
+    return table(cells)
+
+
+def _work_table(solution: Solution) -> str:
+    cells = [("work", "unknowns", "degree", "spaces", "time")]
+    for step in solution.work.steps:
+        degree = str(max(step.degrees)) if step.degrees else "-"
+        spaces = str(len(step.history)) if step.history else "-"
+        time = f"{1e3 * step.seconds:.1f} ms"
+        cells.append((step.name, str(step.unknowns), degree, spaces, time))
+    work = solution.work
+    cells.append(("total", "", "", "", f"{1e3 * work.seconds:.1f} ms"))
+    return table(cells)
+
+
+def table(cells: Sequence[tuple[str, ...]]) -> str:
+    """Return cells as text, columns aligned to the left; the first line is a heading."""
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    widths[0] += 2
+    lines = []
+    for i, row in enumerate(cells):
+        row = (row[0] if i == 0 else f"  {row[0]}", *row[1:])
+        padded = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
+        lines.append("   ".join(padded).rstrip())
+    return "\n".join(lines)
+
+
+def _capitalised(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _indented(text: str) -> str:
+    return "\n".join(f"  {line}" for line in text.splitlines())
+
+
+def _digits(value: float | None, error: float | None) -> str:
+    """Return a value with the digits that its error leaves it, and one more."""
+    if value is None:
+        return "none"
+    if error is None:
+        return f"{value:.1e}" if value else "0"
+    if error == 0.0:
+        return repr(value).removesuffix(".0")
+    # an estimate of NaN or infinity vouches for no digit
+    digits = math.ceil(-math.log10(error)) + 1 if error < 0.1 else 2
+    return f"{value:.{min(digits, 17)}g}"
+
+
+def _estimate(error: float | None) -> str:
+    if error is None:
+        return "-"
+    return "exact" if error == 0.0 else f"{error:.1e}"
+
+
+def _csv_comments(solution: Solution) -> list[str]:
+    lines = [
+        f"spectral_contact {spectral_contact.__version__}",
+        *_scene_text(solution).splitlines(),
+        f"converged: {'yes' if solution.converged else 'no'}",
+        "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)",
+    ]
+    for row in (*_rows(solution), *_si_rows(solution)):
+        unit = f" {row.unit}" if row.unit else ""
+        value = "none" if row.value is None else repr(row.value)
+        error = f"relative error {row.error:.1e}" if row.error else "exact"
+        estimate = "" if row.error is None or row.value is None else f" ({error})"
+        lines.append(f"{row.label} = {value}{unit}{estimate}")
+    if "zones" in solution.plan.quantities:
+        for zone in solution.zones:
+            lines.append(
+                f"zone: {zone.kind} from {zone.inner!r} to {zone.outer!r}, "
+                f"1 - s from {zone.inner_from_edge!r} to {zone.outer_from_edge!r}"
+            )
+    return lines

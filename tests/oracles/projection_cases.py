@@ -1,0 +1,221 @@
+"""Matrices as the solver builds them, entry by entry beside the oracle.
+
+The tests take a sample of these, validation/honesty/projections.py all. A `Case` has blocks of the
+lowest and highest degree that two panels have in a space of the solver.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from math import log, pi, sqrt
+
+import numpy as np
+
+from oracles.projection_oracle import Place, basis, entries, moments, mp, rows
+from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
+from spectral_contact.contact.refine import Resolution
+from spectral_contact.contact.resolution import load_vector
+from spectral_contact.contact.zones import _ZonesProblem
+from spectral_contact.fields.series import EdgeWeight
+from spectral_contact.spectral.galerkin import disk_operators
+
+TAIL = -1
+
+
+@dataclass
+class Case:
+    """Blocks by the library and by the oracle.
+
+    Attributes
+    ----------
+    doubles : dict
+        For each kernel the block, the scales ``sqrt(A_ii)`` of its rows and those of its columns.
+    places : tuple of list
+        Rows and columns in the whole basis.
+    exact : callable
+        Blocks of the same kernels by the oracle with rules of the given density.
+    """
+
+    doubles: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
+    places: tuple[list[int], list[int]]
+    exact: Callable[[float], dict]
+
+
+# --- the disk -------------------------------------------------------------------------------------
+
+
+@cache
+def solver_matrix(resolution: Resolution, kernel: str):
+    """Return the Gram matrix of a space of the solver, and the functions it has, increasing."""
+    disk = disk_operators(resolution.panels)
+    operator = disk.normal if kernel == "K1" else disk.tangential
+    columns = np.sort(operator.space(resolution.degrees).index)
+    return operator.gram_of(disk.strips(columns)), columns
+
+
+def extremes(resolution: Resolution, number: int) -> tuple[int, int]:
+    """Return the lowest and the highest degree on a panel."""
+    panels = resolution.panels
+    return (0, panels.tail_terms - 1) if number == TAIL else (0, resolution.degrees[number])
+
+
+def disk_case(resolution: Resolution, first: int, second: int) -> Case:
+    """Return two panels of the unit disk; the first is not the deeper one."""
+    panels = resolution.panels
+    degrees = {n: extremes(resolution, n) for n in (first, second)}
+    pieces = {n: basis(panels, n, degrees[n]) for n in degrees}
+    places = tuple(rows(panels, n, degrees[n]) for n in (first, second))
+    doubles = {}
+    for kernel in ("K1", "K2"):
+        gram, columns = solver_matrix(resolution, kernel)
+        index = [np.searchsorted(columns, place) for place in places]
+        scale = np.sqrt(gram.diagonal())
+        doubles[kernel] = gram[np.ix_(*index)], scale[index[0]], scale[index[1]]
+
+    def exact(density):
+        blocks = entries(pieces[first], pieces[second], density)
+        return dict(zip(("K1", "K2"), blocks, strict=True))
+
+    return Case(doubles, places, exact)
+
+
+# --- the right-hand side of the endpoint lift -----------------------------------------------------
+
+
+def lift_case(resolution: Resolution, compliance: float, number: int) -> Case:
+    """Return a panel against the lift, two columns: ``<phi, 1 - N lift>`` and ``<phi, lift>``.
+
+    The scale of the first column is the energy norm of what the lift leaves, that of the second
+    is the lift's norm in ``s ds``.
+    """
+    panels, disk = resolution.panels, disk_operators(resolution.panels)
+    weight = EdgeWeight(4.0 / pi, WEIGHT_SHIFT * compliance)
+    degrees = extremes(resolution, number)
+    place = rows(panels, number, degrees)
+    space = disk.normal.space(resolution.degrees)
+    deficit = weight.deficit(disk.nodes.d)
+    gram, columns = solver_matrix(resolution, "K1")
+    right = np.zeros(panels.size)
+    right[space.index] = space.moments(deficit)
+    load = load_vector(panels, lambda d: 0.5 * weight(d))
+    scale = np.sqrt(gram.diagonal()[np.searchsorted(columns, place)])
+    left = sqrt(float(disk.normal.weights @ deficit**2))
+    norm = weight.amplitude * sqrt(log((1.0 + weight.shift) / weight.shift) / 2.0)
+    doubles = {
+        "K1": (right[place, None], scale, np.array([left])),
+        "load": (
+            load[place, None],
+            np.sqrt(disk.normal.mass.diagonal()[place]),
+            np.array([norm]),
+        ),
+    }
+    shift = mp.mpf(weight.shift)
+
+    def lift(d):
+        return 4 / mp.pi / mp.sqrt(d + shift)
+
+    own = basis(panels, number, degrees, extra=lift)
+    order = [*range(panels.panels), TAIL]
+
+    def exact(density):
+        column = mp.matrix(moments(own, density)[:2])
+        for other in order:
+            if other == number:
+                column -= entries(own, own, density)[0][:2, 2]
+                continue
+            piece = basis(panels, other, (), extra=lift)
+            if order.index(other) < order.index(number):
+                column -= entries(piece, own, density)[0][0, :2].T
+            else:
+                column -= entries(own, piece, density)[0][:2, 0]
+        return {"K1": column, "load": mp.matrix(moments(own, density, lift)[:2])}
+
+    return Case(doubles, (place, [0]), exact)
+
+
+# --- a stick annulus and the stick disk inside of it ----------------------------------------------
+
+
+class Zones:
+    """Stick, slip and stick to the edge: the matrices of the solver at these boundaries."""
+
+    def __init__(self, alpha: float, beta: float, friction: float, boundaries, tolerance: float):
+        contact = solve_normal(alpha, tolerance, 3000).best.value
+        logits = tuple(log(b * b / (1.0 - b * b)) for b in boundaries)
+        layout = Layout(logits, (0, 1, 0))
+        problem = _ZonesProblem(Drive(contact), beta, friction, layout, tolerance, None)
+        space = problem.start()
+        trial = problem._at(space, problem.quadrature)(problem.logits)
+        self.radii, self.sticks = trial.radii, trial.sticks
+        self.space = trial.factored.space
+        rim, disk = trial.radii[0], self.space.operator.disk
+        self.disk = Resolution(disk.panels, self.space.degrees)
+        falls, shares, at_rim = self.sticks.falls(disk.panels, rim)
+        functions = at_rim - falls @ shares
+        # the solver adds what is inside the rim to the rest when it eliminates the disk
+        system = replace(problem.system, beta=0.0)
+        self.gram, _ = system._annulus_system(self.sticks, trial.grid)
+        weights = rim.value**3 * disk.tangential.weights
+        self.gram += functions.T @ (weights[:, None] * functions)
+        self.cross = np.zeros((disk.panels.size, len(at_rim)))
+        self.cross[self.space.index] = rim.value**3 * self.space.moments(functions.T).T
+
+    def half(self, half: int) -> Resolution:
+        """Return the space on a half of the annulus (0: inner, 1: outer)."""
+        family, part = list(self.sticks.parts())[half]
+        panels, columns = family.panels, self.sticks.columns - part.start
+        terms = panels.degree + 1
+        inside = columns[(columns >= 0) & (columns < panels.panels * terms)]
+        degrees = np.bincount(inside // terms, minlength=panels.panels) - 1
+        return Resolution(panels, tuple(degrees.tolist()))
+
+    def panel(self, half: int, number: int):
+        """Return a panel of a half of the annulus, and its places."""
+        space = self.half(half)
+        degrees = extremes(space, number)
+        _, part = list(self.sticks.parts())[half]
+        places = [part.start + row for row in rows(space.panels, number, degrees)]
+        inner, rest = self._exact(self.radii[-1])
+        # the outer end is the edge; the families meet in the middle, in s^2
+        ends = Place(inner**2, rest, rest / 2), Place(mp.mpf(1), mp.mpf(0), -rest / 2)
+        piece = basis(space.panels, number, degrees, ends[half])
+        return piece, np.searchsorted(self.sticks.columns, places).tolist()
+
+    @staticmethod
+    def _exact(radius):
+        """Return a radius and 1 less its square."""
+        edge = mp.mpf(radius.from_edge)
+        return 1 - edge, edge * (2 - edge)
+
+    def annulus_case(self, first: tuple[int, int], second: tuple[int, int]) -> Case:
+        """Return two panels of the annulus, each given by its half and its number."""
+        one, left = self.panel(*first)
+        two, right = (one, left) if first == second else self.panel(*second)
+        scale = np.sqrt(self.gram.diagonal())
+        doubles = {"K2": (self.gram[np.ix_(left, right)], scale[left], scale[right])}
+        return Case(doubles, (left, right), lambda density: {"K2": entries(one, two, density)[1]})
+
+    def cross_case(self, number: int, other: tuple[int, int]) -> Case:
+        """Return a panel of the disk and one of the annulus."""
+        radius = self.radii[0]
+        c, rest = self._exact(radius)
+        degrees = extremes(self.disk, number)
+        # the disk's functions belong to q = (s/c) phi
+        one = basis(self.disk.panels, number, degrees, Place(c * c, rest, -c * c))
+        two, right = self.panel(*other)
+        left = rows(self.disk.panels, number, degrees)
+        gram, columns = solver_matrix(self.disk, "K2")
+        own = np.sqrt(radius.value**3 * gram.diagonal()[np.searchsorted(columns, left)])
+        scale = np.sqrt(self.gram.diagonal())[right]
+        doubles = {"K2": (self.cross[np.ix_(left, right)], own, scale)}
+        return Case(
+            doubles, (left, right), lambda density: {"K2": entries(one, two, density)[1] / c}
+        )
+
+
+@cache
+def interior_slip() -> Zones:
+    """Return the solver's matrices for an interior slip annulus of the reference numbers."""
+    return Zones(0.05, 1.0, 0.23, (0.6431432853, 0.9805181303), 1e-12)

@@ -1,0 +1,280 @@
+"""A solve does what its scene calls for and nothing else: by spying on imports and assembly."""
+
+import functools
+import math
+import pkgutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, cache_sizes, clear_caches, contact, solve
+from spectral_contact.contact import full_stick
+from spectral_contact.spectral import galerkin
+
+#: Every module of the contact, and those that each kind of scene may load: a module that is new
+#: is needed by nothing until it is listed, and a name that is gone is missed.
+CONTACT = {module.name for module in pkgutil.iter_modules(contact.__path__)}
+NORMAL = {"normal", "refine", "resolution"}
+FULL_STICK = NORMAL | {"drive", "full_stick", "ratio"}
+ONE_DISK = FULL_STICK | {
+    "friction_law",
+    "layout",
+    "one_disk",
+    "partial_slip",
+    "rim",
+    "slip_displacement",
+    "slip_outcome",
+    "stick_radius",
+}
+ONSET = FULL_STICK | {"onset"}
+RINGS = {"active_set", "ring_law", "zone_search"}
+ANY_ZONES = ONE_DISK | ONSET | RINGS | {"boundaries", "stick_annuli", "zone_system", "zones"}
+COUPLED_STICK = NORMAL | {
+    "boundaries",
+    "coupled_errors",
+    "coupled_outcome",
+    "coupled_parts",
+    "coupled_problem",
+    "coupled_spaces",
+    "coupled_state",
+    "coupled_stick",
+    "coupled_zones",
+    "drive",
+    "friction_law",
+    "layout",
+    "ratio",
+    "slip_displacement",
+    "stick_radius",
+}
+ALPHAS = (0.0, 1e-8, 0.5, 1e4)
+
+
+@functools.cache
+def imported_by(scene, rtol=1e-6, quantities=None):
+    """Return which modules of `contact` a fresh interpreter loads to solve a scene."""
+    code = (
+        "import sys\n"
+        "from math import inf\n"
+        "from spectral_contact import Scene, solve\n"
+        f"solve({scene}, {rtol}, {quantities})\n"
+        "prefix = 'spectral_contact.contact.'\n"
+        "print(*(n.removeprefix(prefix) for n in sys.modules if n.startswith(prefix)))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    return set(run.stdout.split())
+
+
+@pytest.fixture
+def assembled(monkeypatch):
+    """Names of the operators assembled, in order, from empty caches on."""
+    names = []
+    original = galerkin.DiskOperators._projected
+
+    def spy(disk, density, measure):
+        names.append("tangential" if measure[1] else "normal")
+        return original(disk, density, measure)
+
+    monkeypatch.setattr(galerkin.DiskOperators, "_projected", spy)
+    clear_caches()
+    yield names
+    clear_caches()
+
+
+@pytest.mark.parametrize(
+    "scene", ["Scene(0.1, 0.5)", "Scene(0.1)", "Scene(0.1, 0.5, 0.5)", "Scene(0.1, 0.0, 0.5)"]
+)
+def test_frictionless_imports_nothing_tangential(scene):
+    assert imported_by(scene) == NORMAL
+
+
+@pytest.mark.parametrize("friction", ["0.1", "0.0", "inf"])
+def test_incompressible_imports_nothing_tangential(friction):
+    assert imported_by(f"Scene(0.5, 0.5, 0.5, {friction})") == NORMAL
+
+
+@pytest.mark.parametrize(
+    ("friction", "quantities", "looked_for"),
+    [
+        (math.inf, ("traction", "total_shear"), False),
+        (math.inf, ("total_shear",), False),
+        (math.inf, ("edge_ratio",), True),
+        (math.inf, None, True),
+        (0.1, ("total_shear",), True),
+    ],
+)
+def test_the_largest_ratio_is_looked_for_where_it_is_asked_or_decides(
+    monkeypatch, friction, quantities, looked_for
+):
+    calls = []
+    original = full_stick.largest_ratio
+    monkeypatch.setattr(
+        full_stick, "largest_ratio", lambda *args: calls.append(1) or original(*args)
+    )
+    solution = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6, quantities)
+    assert bool(calls) == looked_for
+    whole = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
+    for name in {"total_shear", "edge_ratio"} & set(quantities or ()):
+        assert getattr(solution, name) == getattr(whole, name)
+        assert getattr(solution.error, name) == getattr(whole.error, name)
+
+
+@pytest.mark.parametrize("friction", ["10.0", "inf"])
+def test_above_critical_friction_imports_nothing_of_slip(friction):
+    assert imported_by(f"Scene(0.1, 0.5, 0.5, {friction})") == FULL_STICK
+
+
+def test_one_stick_disk_imports_no_general_zones():
+    assert imported_by("Scene(0.1, 0.5, 0.2, 0.1)") == ONE_DISK
+
+
+def test_slip_inside_imports_nothing_coupled():
+    assert imported_by("Scene(0.3, 0.05, 1.0, 0.0328)", 1e-2) == ANY_ZONES
+
+
+def test_at_the_critical_friction_slip_is_looked_for_and_not_solved():
+    critical = "solve(Scene(0.1, 0.5, 0.5, inf), 1e-3).critical_friction"
+    assert imported_by(f"Scene(0.1, 0.5, 0.5, {critical})", 1e-3) == ONSET
+
+
+def test_every_module_is_loaded_by_something():
+    """Else what is not loaded proves nothing."""
+    coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
+    assert coupled | ANY_ZONES == CONTACT
+
+
+@pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])
+def test_normal_quantities_of_a_frictional_scene_import_nothing_tangential(quantities):
+    assert imported_by("Scene(0.1, 0.5, 0.5, 0.1)", quantities=quantities) == NORMAL
+
+
+@pytest.mark.parametrize("alpha", ALPHAS)
+def test_frictionless_assembles_no_tangential_operator(assembled, alpha):
+    solve(Scene(0.1, alpha, 0.5), 1e-10)
+    assert "tangential" not in assembled
+
+
+def test_the_spy_sees_tangential_operators(assembled):
+    solve(Scene(0.1, 0.5, 0.5, math.inf), 1e-6)
+    assert {"normal", "tangential"} <= set(assembled)
+
+
+def test_smooth_frictionless_assembles_nothing(assembled):
+    solve(Scene(0.1), 1e-12)
+    assert assembled == []
+    assert {name for name, size in cache_sizes().items() if size} <= {"plans"}
+
+
+def test_smooth_full_stick_assembles_no_normal_operator(assembled):
+    solve(Scene(0.1, friction=math.inf), 1e-10)
+    assert "normal" not in assembled
+
+
+def test_nothing_is_solved_for_what_follows_by_definition(assembled):
+    solution = solve(Scene(0.1, 0.5, 0.5), 1e-10, ("traction", "total_shear", "zones"))
+    assert assembled == []
+    assert solution.work.steps == ()
+    assert (solution.total_shear, solution.zones, solution.traction(0.5)) == (0.0, (), 0.0)
+
+
+def test_operators_are_reused_for_other_scenes(assembled):
+    solve(Scene(0.1, 0.5, 0.5, math.inf), 1e-10)
+    cold = len(assembled)
+    solve(Scene(0.3, 0.5, 0.5, math.inf), 1e-10)
+    assert len(assembled) == cold
+
+
+@pytest.mark.parametrize("alpha", [1e-6, 0.5])
+def test_approach_alone_needs_far_fewer_unknowns(alpha):
+    scene = Scene(0.1, alpha)
+    alone = solve(scene, 1e-10, ("approach",))
+    fully = solve(scene, 1e-10)
+    assert alone.converged
+    # to factor a matrix costs the cube of the unknowns
+    assert alone.work.unknowns**3 <= fully.work.unknowns**3 / 4
+    assert abs(alone.approach / fully.approach - 1) <= alone.error.approach + fully.error.approach
+
+
+def test_shear_alone_needs_no_more_unknowns_than_traction():
+    scene = Scene(0.1, 0.5, 0.5, math.inf)
+    alone = solve(scene, 1e-10, ("total_shear",))
+    fully = solve(scene, 1e-10)
+    assert alone.converged
+    assert alone.work["full stick"].unknowns <= fully.work["full stick"].unknowns
+    bound = alone.error.total_shear + fully.error.total_shear
+    assert abs(alone.total_shear / fully.total_shear - 1) <= bound
+
+
+@pytest.mark.parametrize("name", ["pressure", "approach", "total_shear"])
+def test_what_is_solved_is_recorded(name):
+    solution = solve(Scene(0.1, 0.5, 0.5, 0.1), 1e-6, (name,))
+    ran = {step.name for step in solution.plan.steps if step.state.value == "run"}
+    assert {step.name for step in solution.work.steps} == ran
+
+
+@pytest.mark.parametrize("alpha", ALPHAS)
+def test_friction_changes_no_digit_of_the_normal_problem(alpha):
+    # the pressure drives the traction and is then solved tighter: at 1e-12, to the same space
+    s = np.linspace(0.0, 0.99, 7)
+    bare = solve(Scene(0.1, alpha), 1e-12)
+    for friction in (math.inf, 0.0, 100.0):
+        loaded = solve(Scene(0.1, alpha, 1.0, friction), 1e-12)
+        bound = bare.error.approach + loaded.error.approach
+        assert abs(loaded.approach / bare.approach - 1) <= bound
+        bound = bare.error.pressure + loaded.error.pressure
+        assert np.max(np.abs(loaded.pressure(s) / bare.pressure(s) - 1)) <= bound
+
+
+@pytest.mark.parametrize("friction", [None, 0.0, 0.1, math.inf])
+def test_explicit_zero_compliance_is_the_default(friction):
+    assert solve(Scene(0.1, 0.0, 0.0, friction), 1e-8) == solve(Scene(0.1, friction=friction), 1e-8)
+
+
+@pytest.mark.parametrize("beta", [0.0, 1e-6, 2.0])
+def test_tangential_compliance_without_friction_changes_no_bit(beta):
+    plain, other = solve(Scene(0.1, 0.5), 1e-10), solve(Scene(0.1, 0.5, beta), 1e-10)
+    s = np.linspace(0.0, 1.0, 9)
+    assert plain.approach == other.approach
+    assert np.array_equal(plain.pressure(s), other.pressure(s))
+
+
+def test_poisson_ratio_without_friction_changes_no_bit():
+    plain, other = solve(Scene(0.1, 0.5), 1e-10), solve(Scene(0.5, 0.5), 1e-10)
+    assert plain.approach == other.approach
+    assert plain.pressure(0.3) == other.pressure(0.3)
+
+
+def test_friction_above_critical_is_full_stick_to_the_bit():
+    stuck, held = (solve(Scene(0.1, 0.5, 0.5, f), 1e-10) for f in (math.inf, 10.0))
+    s = np.linspace(0.0, 1.0, 9)
+    assert held.total_shear == stuck.total_shear
+    assert np.array_equal(held.traction(s), stuck.traction(s))
+    assert np.all(held.slip(s) == 0.0)
+
+
+@pytest.mark.parametrize("scene", [Scene(0.1, 1e-14), Scene(0.1, 1e-14, 1e-14, math.inf)])
+def test_hardly_any_compliance_changes_no_digit_beyond_the_error(scene):
+    smooth = solve(Scene(0.1, friction=scene.friction), 1e-12)
+    rough = solve(scene, 1e-12)
+    # delta - 1/8 = (alpha/4 pi)(ln(1/alpha) + gamma + 1), 2.7e-14 at alpha = 1e-14
+    assert abs(rough.approach - smooth.approach) <= 3e-14
+    assert abs(rough.total_shear - smooth.total_shear) <= 1e-12
+
+
+def test_coupling_alone_imports_what_couples():
+    assert imported_by("Scene(0.1, 0.5, 0.5, inf, coupling=True)") == COUPLED_STICK
+    assert imported_by("Scene(0.5, 0.5, 0.5, inf, coupling=True)") == NORMAL
+
+
+@pytest.mark.parametrize("friction", [None, 0.05, math.inf])
+def test_without_coupling_no_coupled_operator_is_assembled(friction):
+    clear_caches()
+    solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
+    assert cache_sizes().get("disk Gram", 0) == 0
+
+
+def test_with_coupling_they_are():
+    clear_caches()
+    solve(Scene(0.1, 0.5, 0.5, math.inf, coupling=True), 1e-6)
+    assert cache_sizes()["disk Gram"] > 0

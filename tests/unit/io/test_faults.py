@@ -1,0 +1,304 @@
+"""Every file operation fails in its turn: nothing that was complete is lost, and work goes on."""
+
+import ast
+import functools
+import importlib.util
+import io
+import json
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import peers
+import pytest
+from matplotlib.figure import Figure
+from oracles.faults import FAULTS, every_fault
+
+import spectral_contact
+from spectral_contact import Scene, SolutionFileError, solve
+from spectral_contact.cli import sweep as cli_sweep
+from spectral_contact.io import documents
+from spectral_contact.paper import reproduce
+from spectral_contact.paper import run as paper_run
+from spectral_contact.paper.figures import paper_figure
+from spectral_contact.paper.statements import Statement
+from spectral_contact.paper.tables import complete_csv
+from spectral_contact.studies import convergence
+from spectral_contact.sweeps import sweep
+from spectral_contact.sweeps.chunk import Outcome
+from spectral_contact.sweeps.store import Store
+from spectral_contact.view import plotting
+from spectral_contact.view.report import write_csv
+
+REPOSITORY = Path(__file__).parents[3]
+SCENE = Scene(0.3, 0.5, 0.5, 0.1)
+OLD = b"what was there before\n"
+
+
+@functools.cache
+def solution():
+    return solve(SCENE, 1e-4)
+
+
+def study(counts=(8, 16, 32, 64), **options):
+    truth = SimpleNamespace(approach=0.25)
+    return convergence(
+        peers.Decaying, Scene(0.1, 0.5), counts, truth, name="mine", stopwatch=None, **options
+    )
+
+
+@functools.cache
+def dataset():
+    return sweep(Scene(0.3, 0.5), quantities=["approach"], rtol=1e-4)
+
+
+@functools.cache
+def drawn(suffix):
+    from matplotlib.figure import Figure
+
+    content = io.BytesIO()
+    Figure(figsize=(1, 1)).savefig(content, format=suffix)
+    return content.getvalue()
+
+
+class Drawn(Figure):
+    """A figure that need not be drawn every time."""
+
+    def savefig(self, where, *, format, **_):
+        if hasattr(where, "write"):
+            where.write(drawn(format))
+        else:
+            Path(where).write_bytes(drawn(format))
+
+
+def statements(_):
+    return (Statement("(1)", "it holds", "a number", 1.0, 1e-9, True),)
+
+
+@functools.cache
+def make_gold():
+    path = REPOSITORY / "validation" / "gold" / "make_gold.py"
+    spec = importlib.util.spec_from_file_location("make_gold", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def write_gold(path):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(make_gold(), "TABLES", Path("nowhere"))
+        table = make_gold().Table("no_shear")
+    table.path = path
+    with documents.reported(str(path), "cannot be written"):
+        table.write({"name": make_gold().named(table.scenes[0])})
+
+
+def write_statements(path):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(paper_run, "statements", statements)
+        reproduce(path.parent, [], pictures=False)
+
+
+#: By the name of the file.
+SAVERS = {
+    "solution.npz": lambda path: solution().save(path),
+    "solution.json": lambda path: solution().save(path),
+    "fields.csv": lambda path: write_csv(solution(), str(path)),
+    "figure.png": lambda path: plotting.save(Drawn(), str(path)),
+    "figure.svg": lambda path: plotting.save(Drawn(), str(path)),
+    "figure.pdf": lambda path: plotting.save(Drawn(), str(path)),
+    "study.json": lambda path: study().save(path),
+    "study.csv": lambda path: study().save(path),
+    "map.csv": lambda path: cli_sweep.write(dataset(), Namespace(output=str(path), plot=None)),
+    "map.nc": lambda path: cli_sweep.write(dataset(), Namespace(output=str(path), plot=None)),
+    "statements.md": write_statements,
+    "no_shear.json": write_gold,
+}
+#: Of which a run takes long: there is no space, or Ctrl-C, and once only.
+SLOW = ("map.nc", "map.csv")
+
+
+def same(name, content, whole):
+    """Return whether two files say the same; older HDF5 libraries write the time into them."""
+    if content == whole or not name.endswith(".nc"):
+        return content == whole
+    import xarray
+
+    one, other = (xarray.load_dataset(io.BytesIO(x), engine="h5netcdf") for x in (content, whole))
+    return one.identical(other)
+
+
+@pytest.mark.parametrize("name", SAVERS)
+def test_a_saved_file_is_complete_or_as_it_was_before(tmp_path, name):
+    pytest.importorskip("xarray") if name.startswith("map") else None
+    save = SAVERS[name]
+    save(tmp_path / name)
+    whole = (tmp_path / name).read_bytes()
+    runs = tmp_path / "runs"
+    runs.mkdir()
+
+    def check(folder, done):
+        content = (folder / name).read_bytes()
+        assert (not done and content == OLD) or same(name, content, whole)
+
+    done = every_fault(
+        runs,
+        lambda folder: (folder / name).write_bytes(OLD),
+        lambda folder: save(folder / name),
+        check,
+        **({"faults": FAULTS[::3], "lasting": (False,)} if name in SLOW else {}),
+    )
+    assert done.count("write") == done.count("fsync") - 1 == 1  # the last one is of the folder
+    assert {"replace", "unlink"} <= set(done)
+
+
+def outcome(number):
+    values = {"approach": np.array([number, np.nan]), "approach_error": np.array([1e-9, np.nan])}
+    return Outcome(values, np.array([0, 4], dtype=np.int8), {1: f"no {number}"})
+
+
+def test_a_store_of_a_sweep_loses_nothing(tmp_path):
+    description = {"rtol": "1e-8", "chunk": 2}
+
+    def run(folder, count=2):
+        store, found = Store(folder / "store", description), []
+        for number in range(count):
+            if not store.has(number):
+                store.put(number, outcome(number))
+            found.append(store.get(number))
+        return found
+
+    def check(folder, done):
+        there = sorted(one.name for one in (folder / "store").glob("[0-9]*"))
+        assert there == ["000000.npz", "000001.npz"][: len(there)]
+        assert len(there) == 2 if done else len(there) >= started
+        for number, one in enumerate(run(folder, len(there))):
+            assert (one.messages, one.endings.tolist()) == ({1: f"no {number}"}, [0, 4])
+            assert one.values["approach"].tobytes() == outcome(number).values["approach"].tobytes()
+
+    for started, lasting in ((0, (False, True)), (1, (False,))):
+        runs = tmp_path / str(started)
+        runs.mkdir()
+        before = functools.partial(run, count=started) if started else lambda _: None
+        done = every_fault(runs, before, run, check, lasting=lasting)
+        assert done.count("replace") == 2 - started
+        assert done.count("link") == 1 - started
+
+
+def test_a_store_of_a_study_loses_nothing(tmp_path):
+    whole = study()
+    (tmp_path / "runs").mkdir()
+
+    def before(folder):
+        study([8, 16], store=folder / "points")
+        with (folder / "points").open("ab") as file:
+            file.write(b'{"schema": "spect')  # of a run that was killed
+
+    def check(folder, done):
+        lines = (folder / "points").read_bytes().split(b"\n")
+        points = [json.loads(line)["point"]["resolution"] for line in lines[:-1]]
+        assert points == [8, 16, 32, 64][: len(points)]
+        assert len(points) == 4 if done else len(points) >= 2
+        assert not done or lines[-1] == b""
+
+    def work(folder):
+        assert study(store=folder / "points") == whole
+
+    done = every_fault(tmp_path / "runs", before, work, check)
+    assert done.count("write") == 2
+    assert done.count("truncate") == 1
+
+
+def test_a_line_that_could_not_be_written_leaves_no_part(tmp_path):
+    """The disk is full in the middle of a line; whoever goes on in the same process may."""
+
+    def check(folder, done):
+        lines = (folder / "lines").read_bytes().splitlines(keepends=True)
+        assert lines in ([b"one\n"], [b"one\n", b"two\n"], [b"one\n", b"two\n", b"two\n"])
+        assert len(lines) > 1 or not done
+
+    def work(folder):
+        with documents.reported("lines", "cannot be written"):
+            documents.append_file(str(folder / "lines"), b"two\n")
+
+    def before(folder):
+        (folder / "lines").write_bytes(b"one\n")
+
+    done = every_fault(tmp_path, before, work, check, lasting=(False,))
+    assert done == ["open a file", "write", "fsync", "close"]
+
+
+def test_a_table_of_the_paper_loses_nothing(tmp_path):
+    whole = paper_figure("onset")
+    values = {scene: whole.measure(scene, 1e-4) for scene in whole.scenes[:3]}
+    small = replace(whole, scenes=whole.scenes[:3], measure=lambda scene, _: values[scene])
+
+    def work(folder, figure=small):
+        return complete_csv(folder / "onset.csv", figure, 1e-4, lambda: None)
+
+    class Stop(Exception):
+        pass
+
+    def stopped(scene, _):
+        if scene is small.scenes[1]:
+            raise Stop
+        return values[scene]
+
+    def before(folder):
+        with pytest.raises(Stop):
+            work(folder, replace(small, measure=stopped))
+
+    def check(folder, done):
+        names = sorted(one.name for one in folder.iterdir())
+        assert names == ["onset.csv"] if done else names in (["onset.csv"], ["onset.csv.partial"])
+        assert (folder / names[0]).read_bytes().startswith(begun)
+        if done:
+            assert (folder / names[0]).read_bytes() == complete
+
+    (tmp_path / "a").mkdir()
+    before(tmp_path / "a")
+    begun = (tmp_path / "a" / "onset.csv.partial").read_bytes()
+    assert work(tmp_path / "a")[1] == 1
+    complete = (tmp_path / "a" / "onset.csv").read_bytes()
+    (tmp_path / "runs").mkdir()
+    done = every_fault(tmp_path / "runs", before, work, check)
+    assert done.count("write") == 2
+
+
+def test_nothing_in_the_library_writes_in_another_way():
+    """A writer that is added goes through the ones that are tested here."""
+    package = Path(spectral_contact.__file__).parent
+    forbidden = {"write_text", "write_bytes", "touch", "rename", "symlink_to", "tofile", "savetxt"}
+    found = []
+    for path in sorted(package.rglob("*.py")):
+        if path.name == "documents.py":
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Call):
+                continue
+            name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            if name in forbidden | {"open", "fdopen"}:
+                found.append(f"{path.name}: {ast.unparse(node)}")
+    assert found == [
+        "processes.py: open(os.devnull, 'w', encoding='utf-8')",
+        "worker.py: os.fdopen(answer, 'w', encoding='utf-8')",  # a pipe
+    ]
+
+
+def test_netcdf_needs_no_temporary_file(tmp_path, monkeypatch):
+    """HDF5 may crash where a disk is full."""
+    xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "nowhere"))
+    SAVERS["map.nc"](tmp_path / "map.nc")
+    assert xarray.load_dataset(tmp_path / "map.nc").identical(dataset())
+
+
+def test_a_file_that_is_protected_is_not_replaced(tmp_path, monkeypatch):
+    path = tmp_path / "solution.json"
+    path.write_bytes(OLD)
+    monkeypatch.setattr(documents.os, "access", lambda *_: False)  # root may write everything
+    with pytest.raises(SolutionFileError, match="Permission denied"):
+        solution().save(path)
+    assert path.read_bytes() == OLD

@@ -1,0 +1,326 @@
+"""Half-integrals and quadrature on annuli, against mpmath with the distances taken exactly."""
+
+import numpy as np
+import pytest
+from mpmath.ctx_mp import MPContext
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.special import eval_legendre
+
+from spectral_contact.contact.slip_displacement import smooth_between
+from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.annulus import Annulus, Family, Points, gap, sampled_series
+from spectral_contact.spectral.panels import LogPanels
+
+mp = MPContext()
+mp.dps = 40
+
+PANELS = LogPanels(12, 1.0, 14), LogPanels(9, 2.0, 20)
+
+#: wide; a thousandth; a billionth; close to the edge; close to the centre; all but the whole disk
+ANNULI = {
+    "wide": (Radius(0.25, 0.75), Radius(0.75, 0.25)),
+    "thin": (Radius(0.75, 0.25), Radius(0.75 + 2.0**-10, 0.25 - 2.0**-10)),
+    "very thin": (Radius(0.75, 0.25), Radius(0.75 + 2.0**-30, 0.25 - 2.0**-30)),
+    "edge": (Radius(1 - 1e-9, 1e-9), Radius(1.0, 1e-17)),
+    "centre": (Radius(1e-7, 1 - 1e-7), Radius(3e-7, 1 - 3e-7)),
+    "whole": (Radius(1e-12, 1 - 1e-12), Radius(1 - 1e-14, 1e-14)),
+}
+
+
+def square(radius):
+    """Return ``b^2`` as the library means it: by the smaller of b and 1 - b."""
+    b = 1 - mp.mpf(radius.from_edge) if radius.value >= 0.5 else mp.mpf(radius.value)
+    return b**2
+
+
+@pytest.fixture(params=ANNULI.values(), ids=ANNULI.keys())
+def annulus(request):
+    return Annulus(*request.param, *PANELS)
+
+
+# --- distances ------------------------------------------------------------------------------------
+
+
+def test_gap_has_no_cancellation():
+    radii = [r for pair in ANNULI.values() for r in pair]
+    for a in radii:
+        for b in radii:
+            assert_allclose(gap(a, b), float(square(b) - square(a)), rtol=5e-16)
+    assert gap(Radius(0.3, 0.7), Radius(0.3, 0.7)) == 0.0
+
+
+def test_points_keep_the_digits_of_their_offsets():
+    anchor, boundary = Radius(0.75, 0.25), Radius(0.75 + 2.0**-40, 0.25 - 2.0**-40)
+    offsets = np.array([-1e-3, 0.0, 1e-30, 2.0**-41])
+    points = Points(anchor, offsets)
+    assert_array_equal(points.before(anchor), -offsets)
+    exact = [float(square(boundary) - square(anchor) - mp.mpf(o)) for o in offsets]
+    assert_allclose(points.before(boundary), exact, rtol=4e-16)
+    assert_allclose(points.z, 0.75**2 + offsets, rtol=1e-15)
+    assert_allclose(points.z + points.y, 1.0, rtol=3e-16)
+    edge = Points(Radius(1 - 1e-14, 1e-14), np.array([0.0, -1e-15]))
+    assert_allclose(edge.y, [2e-14, 2.1e-14], rtol=1e-14)
+
+
+def test_families_meet_in_the_middle(annulus):
+    inner, outer = annulus.families
+    assert (inner.sign, outer.sign) == (1, -1)
+    assert inner.reach == outer.reach
+    assert_allclose(2 * inner.reach, gap(annulus.inner, annulus.outer), rtol=1e-15)
+    ends = inner.points(np.array([0.0, 1.0])), outer.points(np.array([0.0, 1.0]))
+    assert_array_equal(ends[0].before(annulus.inner), [0.0, -inner.reach])
+    assert_array_equal(ends[1].before(annulus.outer), [0.0, outer.reach])
+    assert annulus.size == sum(p.size for p in PANELS)
+
+
+# --- half-integrals -------------------------------------------------------------------------------
+
+
+def function(u):
+    """A function on the annulus; u goes from 0 to 1 with s^2."""
+    return 1 + 3 * u - 2 * u * u
+
+
+def expansion(annulus):
+    inner, outer = annulus.families
+    values = (
+        function(inner.sampling().offset / (2 * inner.reach)),
+        function(1 + outer.sampling().offset / (2 * outer.reach)),
+    )
+    return annulus.expand(values)
+
+
+OFFSETS = np.array([1e-200, 1e-30, 1e-12, 1e-5, 0.01, 0.2, 0.4999, 0.5, 0.5001, 0.6, 0.9])
+
+
+def sample(annulus):
+    """Return points inside, next to the ends from both sides, and outside."""
+    width = gap(annulus.inner, annulus.outer)
+    room = float(square(annulus.inner)) / width  # towards the centre
+    beyond = np.array([1e-200, 1e-30, 1e-12, 1e-3, 0.5, 3.0, 1e4, 1e9])
+    below = beyond[beyond < room]
+    above = beyond[beyond < float(1 - square(annulus.outer)) / width]
+    return [
+        Points(annulus.inner, width * np.concatenate([-below, [0.0], OFFSETS])),
+        Points(annulus.outer, width * np.concatenate([above, [0.0], -OFFSETS])),
+    ]
+
+
+def exact_integral(annulus, points, below):
+    """Return ``1/2 int f dz / sqrt|z - t^2|`` over z > t^2, or with `below` over z < t^2."""
+    low, high, anchor = (square(r) for r in (annulus.inner, annulus.outer, points.anchor))
+    width = high - low
+    values = []
+    for offset in points.offset:
+        past_low = (anchor - low + mp.mpf(offset)) / width
+        to_high = (high - anchor - mp.mpf(offset)) / width
+        if below:
+            ends, sign = (max(-to_high, 0), past_low), -1
+        else:
+            ends, sign = (max(-past_low, 0), to_high), 1
+        if ends[1] <= 0:
+            values.append(0.0)
+            continue
+        # in w = sqrt|z - t^2|, and on the unit interval, for the ends may be close or tiny
+        start = mp.sqrt(ends[0])
+        span = (ends[1] - ends[0]) / (start + mp.sqrt(ends[1]))
+
+        def integrand(v, start=start, span=span, past=past_low, sign=sign):
+            return function(past + sign * (start + span * v) ** 2)
+
+        values.append(float(mp.sqrt(width) * span * mp.quad(integrand, [0, 1])))
+    return np.array(values)
+
+
+@pytest.mark.parametrize("side", [0, 1], ids=["anchored inside", "anchored outside"])
+def test_half_integral(annulus, side):
+    points = sample(annulus)[side]
+    matrix = annulus.half_integral(points)
+    assert matrix.shape == (len(points.offset), annulus.size)
+    exact = exact_integral(annulus, points, below=False)
+    assert np.count_nonzero(exact) > 5
+    assert_allclose(matrix @ expansion(annulus), exact, rtol=1e-14)
+
+
+@pytest.mark.parametrize("side", [0, 1], ids=["anchored inside", "anchored outside"])
+def test_inner_integral(annulus, side):
+    points = sample(annulus)[side]
+    exact = exact_integral(annulus, points, below=True)
+    assert np.count_nonzero(exact) > 5
+    assert_allclose(annulus.inner_integral(points) @ expansion(annulus), exact, rtol=1e-14)
+
+
+def test_nothing_comes_from_the_far_side(annulus):
+    width = gap(annulus.inner, annulus.outer)
+    past = np.array([0.0, 1e-30, 0.1])
+    assert not np.any(annulus.half_integral(Points(annulus.outer, width * past)))
+    assert not np.any(annulus.inner_integral(Points(annulus.inner, -width * past)))
+
+
+def test_own_integrals_are_those_at_the_sampling_points(annulus):
+    coefficients = expansion(annulus)
+    split = annulus.sampling_split
+    samplings = [f.sampling() for f in annulus.families]
+    assert split == len(samplings[0].offset)
+    half, inner = (
+        annulus.own_half_integral(coefficients),
+        annulus.own_inner_integral(coefficients),
+    )
+    for points, part in zip(samplings, (slice(split), slice(split, None)), strict=True):
+        few = slice(None, None, 17)
+        chosen = Points(points.anchor, points.offset[few])
+        exact = exact_integral(annulus, chosen, below=False)
+        assert_allclose(half[part][few], exact, rtol=1e-14)
+        exact = exact_integral(annulus, chosen, below=True)
+        assert_allclose(inner[part][few], exact, rtol=1e-14)
+
+
+# --- quadrature -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("m", [0, 1, 2])
+def test_nodes_integrate_over_the_square_of_the_radius(annulus, m):
+    low, high = square(annulus.inner), square(annulus.outer)
+    middle = (low + high) / 2
+    for family, ends in zip(annulus.families, ((low, middle), (middle, high)), strict=True):
+        points, weights = family.nodes()
+        exact = (ends[1] ** (m + 1) - ends[0] ** (m + 1)) / (m + 1)
+        assert_allclose(weights @ points.z**m, float(exact), rtol=3e-15)
+
+
+FAMILIES = pytest.mark.parametrize(
+    "family",
+    [
+        Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(5, 1.0, 10)),
+        Family(Radius(0.75, 0.25), -1, 0.25, LogPanels(3, 2.0, 14)),
+        Family(Radius(0.75, 0.25), -1, 0.25, LogPanels(4, 1.0, 6)),
+        Family(Radius(1 - 1e-9, 1e-9), -1, 1e-7, LogPanels(3, 1.0, 20)),
+    ],
+    ids=["above", "below", "degree 6", "edge"],
+)
+
+
+def basis(family):
+    """Return (column, function of the scaled distance, its interval) for some of the basis."""
+    p = family.panels
+    h, end = mp.mpf(p.width), mp.exp(-p.panels * mp.mpf(p.width))
+    chosen = []
+    for j in {0, p.panels - 1}:
+        for k in {0, 1, p.degree}:
+            chosen.append(
+                (
+                    j * (p.degree + 1) + k,
+                    lambda d, j=j, k=k: mp.legendre(k, -2 * mp.log(d) / h - 2 * j - 1),
+                    (mp.exp(-h * (j + 1)), mp.exp(-h * j)),
+                )
+            )
+    for k in range(p.tail_terms):
+        column = p.panels * (p.degree + 1) + k
+        chosen.append((column, lambda d, k=k: mp.legendre(k, 2 * d / end - 1), (mp.mpf(0), end)))
+    return chosen
+
+
+@FAMILIES
+def test_sources_integrate_smooth_functions(family):
+    points, matrix = family.sources()
+    assert matrix.shape == (len(points.offset), family.panels.size)
+    base, reach = square(family.boundary), mp.mpf(family.reach)
+    for column, polynomial, ends in basis(family):
+        for m in (0, 2):
+
+            def integrand(d, polynomial=polynomial, m=m):
+                return reach / 2 * polynomial(d) * (base + family.sign * reach * d) ** m
+
+            exact = float(mp.quad(integrand, mp.linspace(*ends, 4)))
+            scale = family.reach / 2 * float(ends[1] - ends[0])
+            assert abs(points.z**m @ matrix[:, column] - exact) < 4e-15 * scale
+
+
+@FAMILIES
+def test_mass(family):
+    # q = s psi, so int q q s ds = 1/2 int psi psi z dz
+    mass = family.mass(np.arange(family.panels.size))
+    assert_allclose(mass, mass.T, rtol=1e-12, atol=1e-17)
+    base, reach = square(family.boundary), mp.mpf(family.reach)
+    chosen = basis(family)
+    for i, f, ends in chosen:
+        for k, g, others in chosen:
+            if ends != others:
+                assert mass[i, k] == 0.0
+                continue
+
+            def integrand(d, f=f, g=g):
+                return reach / 2 * f(d) * g(d) * (base + family.sign * reach * d)
+
+            exact = float(mp.quad(integrand, mp.linspace(*ends, 4)))
+            assert abs(mass[i, k] - exact) < 1e-14 * np.sqrt(mass[i, i] * mass[k, k])
+
+
+@pytest.mark.parametrize("ends", [(0.3, 0.8), (0.03, 0.9), (0.9, 1 - 1e-6)])
+def test_half_integral_of_a_smooth_function_inside(ends):
+    a, b = (Radius(x, 1.0 - x) for x in ends)
+    annulus = smooth_between(a, b, 1e-14)
+    points = Points(b, -gap(a, b) * np.array([1.0, 0.999, 0.6, 0.5, 0.3, 1e-3, 1e-9]))
+    y, z = annulus.sampling
+    expansion = annulus.expand(annulus.halves(1.0 / np.sqrt((y + 1e-3) * z)))
+    with mp.workdps(30):
+        exact = []
+        for offset in points.offset:
+            depth, z = mp.sqrt(-mp.mpf(offset)), mp.mpf(b.square) + mp.mpf(offset)
+
+            def integrand(u, z=z):
+                return 1 / mp.sqrt((1 - z - u**2 + mp.mpf("1e-3")) * (z + u**2))
+
+            ends = sorted({mp.mpf(0), depth, *(depth * t for t in (1e-3, 0.1, 0.9, 0.999))})
+            exact.append(float(mp.quad(integrand, ends)))
+    assert_allclose(annulus.half_integral_inside(expansion, points), exact, rtol=1e-13)
+
+
+# --- series ---------------------------------------------------------------------------------------
+
+
+def test_expansion_and_series_are_inverse():
+    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
+    d = family.sampling().offset / family.reach
+    coefficients = family.expand(function(d))
+    assert coefficients.shape == (family.panels.size,)
+    assert family.table(coefficients).shape == (6, 17)
+    series = family.series(coefficients)
+    for d in (np.geomspace(1e-9, 1, 50), np.array([0.0]), np.exp(-np.arange(7.0))):
+        assert_allclose(series(d), function(d), rtol=1e-14)
+
+
+def test_unresolved_looks_at_the_last_coefficients():
+    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    coefficients = np.zeros(family.panels.size)
+    coefficients[[0, 7, 14, 15]] = 5.0  # low degrees of every panel
+    coefficients[7 + 4] = -0.25
+    assert family.unresolved(family.series(coefficients)) == 0.25
+    coefficients[-1] = -7.0  # the tail
+    assert family.unresolved(family.series(coefficients)) == 7.0
+
+
+def test_truncated_is_what_expand_drops():
+    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    d = family.sampling().offset / family.reach
+    inside = -np.log(d) < 3.0
+    # Legendre polynomials of the panel coordinate, one within the basis and one beyond it
+    kept, dropped = (eval_legendre(n, 2.0 * (-np.log(d) % 1.0) - 1.0) * inside for n in (6, 7))
+    second = (d < np.exp(-1.0)) & (d > np.exp(-2.0))
+    assert family.truncated(kept, 0.0) < 1e-14
+    assert_allclose(family.truncated(kept - 3.0 * dropped, 0.0), 3.0)
+    assert_allclose(family.truncated(dropped * second, 0.5), np.exp(-0.5))
+
+
+def test_sampled_series_takes_more_points_than_the_basis():
+    panels = LogPanels(8, 1.0, 14)
+    d = np.concatenate([np.exp(-panels.sampling()).ravel(), panels.tail_sampling()])
+    series = sampled_series(panels, d**0.5 * np.cos(d))
+    assert series.coefficients.shape == (8, panels.sampling().shape[1])
+    inside = np.geomspace(1.1 * panels.end, 1, 40)
+    assert_allclose(series(inside), inside**0.5 * np.cos(inside), rtol=1e-13)
+    assert_allclose(
+        sampled_series(panels, np.exp(-d))(np.array([0.0, panels.end / 3])),
+        np.exp([0.0, -panels.end / 3]),
+        rtol=1e-14,
+    )

@@ -1,0 +1,85 @@
+"""Abel integrals as their value at a boundary and a difference to it."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from spectral_contact.fields.series import EDGE, Radius
+from spectral_contact.spectral.annulus import Family, Points, gap
+from spectral_contact.spectral.blocks import block
+from spectral_contact.spectral.graded import graded_nodes
+from spectral_contact.spectral.panels import LogPanels
+
+FIRST, SECOND = Radius.from_logit(-1.0), Radius.from_logit(8.0)
+COUNT, DEGREE = 14, 16
+USED, WHOLE = (12,) * COUNT, (DEGREE,) * COUNT
+
+
+def families(power=0.0):
+    """Return the halves of a disk and two annuli to the edge, the last with an endpoint weight."""
+    panels = LogPanels(COUNT, 2.0, DEGREE)
+    wide, narrow = gap(FIRST, SECOND) / 2.0, gap(SECOND, EDGE) / 2.0
+    return [
+        Family(FIRST, -1, FIRST.square, panels),
+        Family(FIRST, 1, wide, panels),
+        Family(SECOND, -1, wide, panels),
+        Family(SECOND, 1, narrow, panels),
+        Family(EDGE, -1, narrow, LogPanels(COUNT, 2.0, DEGREE, power)),
+    ]
+
+
+def at_nodes(seen, nodes):
+    """Return both kinds of integrals at the nodes, whole, and as a value and a difference."""
+    identity = seen.onto(np.eye(len(seen.at)))
+    whole, more = seen.whole @ identity, seen.more @ identity
+    if seen.sampled:
+        whole, more = nodes.spread(whole), nodes.spread(more)
+    return whole, seen.scale * seen.at, more
+
+
+def scale(matrix):
+    """Return the largest entry of every panel, for each of its functions."""
+    largest = np.abs(matrix).max(axis=0)
+    panels = largest[: COUNT * (DEGREE + 1)].reshape(COUNT, -1).max(axis=1)
+    rest = largest[COUNT * (DEGREE + 1) :]
+    return np.concatenate([np.repeat(panels, DEGREE + 1), np.full(len(rest), rest.max())])
+
+
+@pytest.mark.parametrize("power", [0.0, -0.5])
+@pytest.mark.parametrize(("i", "k"), list(product(range(5), range(5))))
+def test_they_are_the_integrals_of_the_families(i, k, power):
+    nodes, family = families(power)[i], families(power)[k]
+    rule = graded_nodes(nodes.panels, USED)
+    points = nodes.points(rule.d)
+    # next to the far end all is as near to it as the last digit of d says
+    allowed = (1e-13 + 2e-16 / np.sqrt(rule.rest))[:, None]
+    for side, reference in ((1, family.half_integral), (-1, family.inner_integral)):
+        seen = block(family, WHOLE, nodes, USED, side)
+        known = reference(points)
+        if seen is None:
+            assert not known.any()
+            continue
+        whole, at, more = at_nodes(seen, rule)
+        assert (np.abs(whole - known) <= allowed * scale(known)).all()
+        assert (np.abs(at + more - known) <= allowed * scale(known)).all()
+
+
+@pytest.mark.parametrize(("i", "k"), [(0, 2), (1, 4), (2, 0), (3, 1), (1, 2), (2, 1), (2, 4)])
+def test_differences_keep_their_digits_next_to_the_boundary(i, k):
+    nodes, family = families()[i], families()[k]
+    rule = graded_nodes(nodes.panels, USED)
+    outside = k > i
+    seen = block(family, WHOLE, nodes, USED, 1 if outside else -1)
+    _, _, more = at_nodes(seen, rule)
+    # of a point source, from the sum and not from the difference
+    d = rule.d[rule.d < 1e-6]
+    z = nodes.sign * nodes.reach * d
+    sources, matrix = family.sources()
+    apart = np.abs(sources.before(nodes.boundary))[None]
+    moved = apart - z[:, None] if outside else apart + z[:, None]
+    closer = z[:, None] if outside else -z[:, None]
+    kernel = closer / (np.sqrt(apart * moved) * (np.sqrt(apart) + np.sqrt(moved)))
+    known = kernel @ matrix
+    assert (np.abs(more[rule.d < 1e-6] - known) <= 1e-12 * scale(known)).all()
+    assert isinstance(sources, Points)

@@ -1,0 +1,520 @@
+import gc
+import threading
+import time
+
+import numpy as np
+import pytest
+from mpmath.ctx_mp import MPContext
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy import linalg, special
+
+from spectral_contact.fields.series import LogSeries
+from spectral_contact.spectral.cache import BoundedCache, cache_sizes, clear_caches
+from spectral_contact.spectral.galerkin import DiskOperators, GalerkinOperator, disk_operators
+from spectral_contact.spectral.panels import LogPanels
+
+mp = MPContext()
+mp.dps = 30
+
+KINDS = pytest.mark.parametrize("kind", ["normal", "tangential"])
+PANELS = [
+    LogPanels(6, 2.0, 12),
+    LogPanels(1, 1.0, 3),
+    LogPanels(20, 2.0, 6),
+    LogPanels(4, 2.0, 8, power=-0.5),
+    LogPanels(4, 2.0, 8, root_tail=True),
+    LogPanels(4, 2.0, 8, power=-0.5, root_tail=True),
+]
+MESHES = pytest.mark.parametrize("panels", PANELS, ids=str)
+
+
+def constant(panels):
+    """Return the coefficients of ``d**power``."""
+    ones = np.zeros(panels.size)
+    ones[: panels.panels * (panels.degree + 1) : panels.degree + 1] = 1.0
+    ones[-panels.tail_terms] = 1.0
+    return ones
+
+
+def series(panels, coefficients):
+    table = coefficients[: -panels.tail_terms].reshape(panels.panels, -1)
+    tail = coefficients[-panels.tail_terms :]
+    return LogSeries(table, tail, panels.width, panels.power, panels.root_tail)
+
+
+def basis_values(panels, d):
+    return np.stack([series(panels, row)(d) for row in np.eye(panels.size)], axis=1)
+
+
+# --- the matrices ---------------------------------------------------------------------------------
+
+
+@MESHES
+@KINDS
+def test_gram_is_symmetric_and_positive_definite(panels, kind):
+    operator = getattr(disk_operators(panels), kind)
+    assert_array_equal(operator.gram, operator.gram.T)
+    scale = 1 / np.sqrt(operator.gram.diagonal())
+    assert np.linalg.eigvalsh(operator.gram * scale * scale[:, None])[0] > 1e-8
+
+
+@MESHES
+@KINDS
+def test_gram_is_the_product_of_half_integrals(panels, kind):
+    operator = getattr(disk_operators(panels), kind)
+    h, w = operator.disk.half_integral, operator.weights
+    scale = np.sqrt(operator.gram.diagonal())
+    product = h.T @ (w[:, None] * h)
+    assert (np.abs(product - operator.gram) / np.outer(scale, scale)).max() < 3e-15
+
+
+@pytest.mark.parametrize("degree", [1, 2, 4, 8, 12, 16, 20])
+@pytest.mark.parametrize(("power", "root"), [(0.0, False), (-0.5, False), (0.0, True)])
+@KINDS
+def test_quadrature_is_converged_for_every_entry(kind, power, root, degree):
+    # the functions are nested: a higher degree brings more nodes for the same entries
+    few = LogPanels(4, 2.0, degree, power, root)
+    many = LogPanels(4, 2.0, degree + 18, power, root)
+    shared = np.concatenate(
+        [
+            (np.arange(4)[:, None] * (many.degree + 1) + np.arange(degree + 1)).ravel(),
+            np.arange(4 * (many.degree + 1), many.size),
+        ]
+    )
+    gram = getattr(DiskOperators(few), kind).gram
+    finer = getattr(DiskOperators(many), kind).gram[np.ix_(shared, shared)]
+    scale = np.sqrt(finer.diagonal())
+    assert (np.abs(gram - finer) / np.outer(scale, scale)).max() < 3e-14
+
+
+@MESHES
+def test_half_integrals_of_the_constant(panels):
+    # 1/2 int dz / sqrt(z - t^2) = sqrt(d); with the weight 1/sqrt(d) it is pi/2
+    disk = disk_operators(panels)
+    exact = np.pi / 2 if panels.power else np.sqrt(disk.nodes.d)
+    found = disk.half_integral @ constant(panels)
+    # in the mean: next to the tail the rounding of d stands under a root
+    assert disk.nodes.weights @ np.abs(found / exact - 1) < 2e-15
+    assert np.abs(found / exact - 1).max() < 1e-11
+
+
+@MESHES
+@KINDS
+def test_energy_of_the_constant(panels, kind):
+    disk = disk_operators(panels)
+    # (1/pi) int F^2 t^(0 or 2) dt with F = sqrt(1 - t^2) or pi/2
+    fields = {("normal", 0): 2 / 3, ("tangential", 0): 2 / 15}
+    weighted = {("normal", 1): np.pi**2 / 4, ("tangential", 1): np.pi**2 / 12}
+    exact = (fields | weighted)[kind, int(panels.power != 0)] / np.pi
+    ones = constant(panels)
+    assert_allclose(ones @ getattr(disk, kind).gram @ ones, exact, rtol=3e-15)
+
+
+def eigenvalue(degree, order):
+    a, b = (degree + order) / 2, (degree - order) / 2
+    return special.poch(a + 1, -0.5) * special.poch(b + 1, -0.5) / 4
+
+
+@pytest.mark.parametrize("root", [False, True])
+@KINDS
+def test_eigenvalues_are_the_exact_ones(kind, root):
+    # N[u] = lambda sqrt(y) u for u = P_l(sqrt y)/sqrt(y), and T[s u] likewise with P_l^1
+    panels = LogPanels(16, 2.0, 20, -0.5, root)
+    disk = disk_operators(panels)
+    values = basis_values(panels, disk.nodes.d)
+    order = int(kind == "tangential")
+    # int phi psi sqrt(y) s^(1 or 3) ds, with ds = dt on the nodes
+    density = disk.nodes.weights * np.sqrt(disk.nodes.d) * disk.nodes.rest ** (order + 0.5)
+    mass = values.T @ (density[:, None] * values)
+    scale = 1 / np.sqrt(mass.diagonal())
+    gram = getattr(disk, kind).gram
+    found = linalg.eigvalsh(gram * scale * scale[:, None], mass * scale * scale[:, None])[::-1]
+    exact = [eigenvalue(2 * k + order, order) for k in range(7)]
+    assert_allclose(found[:7], exact, rtol=2e-14)
+
+
+@MESHES
+def test_weights_integrate_over_the_radius(panels):
+    disk = disk_operators(panels)
+    assert_allclose(disk.normal.weights.sum() * np.pi, 1.0, rtol=3e-15)
+    assert_allclose(disk.tangential.weights.sum() * np.pi, 1 / 3, rtol=3e-15)
+
+
+@MESHES
+def test_shear_moments(panels):
+    # 2 pi int s u s ds = pi int u sqrt(1 - d) dd
+    moments = (
+        disk_operators(panels).tangential.space((panels.degree,) * panels.panels).shear_moments
+    )
+    exact = np.pi * special.beta(1 + panels.power, 1.5)
+    assert_allclose(moments @ constant(panels), exact, rtol=3e-15)
+    end = mp.exp(-mp.mpf(panels.width))
+    power = mp.mpf(panels.power)
+    for k in (1, panels.degree):
+
+        def integrand(d, k=k):
+            x = -2 * mp.log(d) / mp.mpf(panels.width) - 1
+            return mp.pi * mp.legendre(k, x) * d**power * mp.sqrt(1 - d)
+
+        exact = float(mp.quad(integrand, mp.linspace(end, 1, 4)))
+        assert abs(moments[k] - exact) < 4e-15 * moments[0]
+
+
+def test_weighted_functions_have_no_mass():
+    # 1/sqrt(y) is not square integrable: such panels serve zero compliance alone
+    assert not np.any(disk_operators(LogPanels(4, 2.0, 8, power=-0.5)).normal.mass)
+
+
+# --- spaces ---------------------------------------------------------------------------------------
+
+
+def test_a_space_chooses_degrees():
+    panels = LogPanels(4, 2.0, 6)
+    space = disk_operators(panels).normal.space((6, 3, 1, 0))
+    expected = [*range(7), *range(7, 11), 14, 15, 21, *range(28, 31)]
+    assert space.unknowns == len(expected)
+    assert sorted(space.index.tolist()) == expected
+    # the coarser space, two degrees less but one function at least, comes first
+    coarser = [*range(5), 7, 8, 14, 21, 28, 29]
+    assert space.index[: space.kept].tolist() == coarser
+
+
+def dense(space, compliance):
+    operator = space.operator
+    grid = np.ix_(space.index, space.index)
+    return operator.gram[grid] + compliance * operator.mass[grid]
+
+
+def moments(space, target):
+    operator = space.operator
+    return (operator.disk.half_integral[:, space.index].T * operator.weights) @ target
+
+
+DEGREES = (8, 7, 6, 6, 4, 2)
+
+
+def some_space(kind="normal"):
+    return getattr(disk_operators(LogPanels(6, 2.0, 8)), kind).space(DEGREES)
+
+
+def some_targets():
+    d = disk_operators(LogPanels(6, 2.0, 8)).nodes.d
+    return np.stack([np.full(len(d), 2.0), d, np.cos(3 * d)], axis=1)
+
+
+# --- solving --------------------------------------------------------------------------------------
+
+
+@KINDS
+@pytest.mark.parametrize("compliance", [0.0, 1e-6, 1e-3, 0.5, 1e6])
+def test_solve_is_the_regularised_least_squares_problem(kind, compliance):
+    space, targets = some_space(kind), some_targets()
+    matrix = dense(space, compliance)
+    solution = space.factor(compliance).solve(targets[:, 0])
+    assert solution.shape == (space.operator.panels.size,)
+    expected = np.linalg.solve(matrix, moments(space, targets[:, 0]))
+    scale = np.sqrt(matrix.diagonal())
+    difference = scale * (solution[space.index] - expected)
+    assert np.abs(difference).max() < 1e-11 * np.linalg.norm(scale * expected)
+    outside = np.setdiff1d(np.arange(len(solution)), space.index)
+    assert len(outside)
+    assert_array_equal(solution[outside], 0.0)
+
+
+@KINDS
+@pytest.mark.parametrize("compliance", [0.0, 1e-6, 0.5])
+@pytest.mark.parametrize("lifted", [False, True])
+def test_many_columns_are_many_solves(kind, compliance, lifted):
+    space, targets = some_space(kind), some_targets()
+    load = np.cos(np.arange(space.operator.panels.size)) if lifted else None
+    factored = space.factor(compliance)
+    together = factored.solve(targets, load)
+    assert together.shape == (space.operator.panels.size, 3)
+    for column, target in zip(together.T, targets.T, strict=True):
+        alone = factored.solve(target, load)
+        assert_allclose(column, alone, rtol=0, atol=1e-11 * np.abs(alone).max())
+
+
+@pytest.mark.parametrize("compliance", [1e-6, 1e-2, 2.0])
+def test_the_load_of_a_lift(compliance):
+    # (c M + K) a = H^T W target - c load
+    space, target = some_space(), some_targets()[:, 1]
+    load = 1e-3 / (1 + np.arange(space.operator.panels.size))
+    solution = space.factor(compliance).solve(target, load)[space.index]
+    matrix = dense(space, compliance)
+    right = moments(space, target) - compliance * load[space.index]
+    scale = np.sqrt(matrix.diagonal())
+    assert np.abs((matrix @ solution - right) / scale).max() < 1e-14
+    without = space.factor(compliance).solve(target)[space.index]
+    assert np.abs(scale * (solution - without)).max() > 1e-10
+
+
+def test_very_compliant_layers_are_winkler_foundations():
+    # alpha p = delta, with relative corrections of 1/alpha
+    panels = LogPanels(6, 2.0, 8)
+    space = disk_operators(panels).normal.space((8,) * 6)
+    solution = space.factor(1e14).solve(np.full(len(disk_operators(panels).nodes.d), 2.0))
+    d = np.geomspace(1e-9, 1, 50)
+    assert_allclose(1e14 * series(panels, solution)(d), 1.0, rtol=3e-14)
+
+
+REFERENCE = {  # theory, table 7: delta and p(1)
+    0.5: (0.29295979691047814, 0.37980995507974310),
+    1.0: (0.452701390869753, 0.35044541816021),
+}
+
+
+@pytest.mark.parametrize("alpha", REFERENCE)
+def test_normal_contact_by_hand(alpha):
+    panels = LogPanels(18, 2.0, 16)
+    disk = disk_operators(panels)
+    space = disk.normal.space((16,) * 18)
+    unit = space.factor(alpha).solve(np.full(len(disk.nodes.d), 2.0))
+    load = 4 * disk.nodes.weights @ (disk.half_integral @ unit)  # 2 pi int p s ds
+    approach, pressure = 1 / load, unit / load
+    edge = series(panels, pressure).limit
+    exact_approach, exact_edge = REFERENCE[alpha]
+    assert_allclose(approach, exact_approach, rtol=3e-15)
+    assert_allclose(edge, exact_edge, rtol=3e-14)
+    # 2 pi alpha p(1)^2 = delta + alpha d delta/d alpha, d delta/d alpha = 2 pi int p^2 s ds
+    slope = 2 * np.pi * pressure @ disk.normal.mass @ pressure
+    assert_allclose(2 * np.pi * alpha * edge**2, approach + alpha * slope, rtol=3e-14)
+
+
+@pytest.mark.parametrize("alpha", [1e-12, 1e-9])
+def test_the_correction_saves_the_edge_where_the_layer_is_stiff(alpha):
+    panels = LogPanels(30, 2.0, 16)
+    disk = disk_operators(panels)
+    factored = disk.normal.space((16,) * 30).factor(alpha)
+    errors = []
+    for correct in (True, False):
+        unit = factored.solve(np.full(len(disk.nodes.d), 2.0), correct=correct)
+        pressure = unit / (4 * disk.nodes.weights @ (disk.half_integral @ unit))
+        slope = 2 * np.pi * pressure @ disk.normal.mass @ pressure
+        approach = 1 / (4 * disk.nodes.weights @ (disk.half_integral @ unit))
+        edge = series(panels, pressure).limit
+        errors.append(abs(2 * np.pi * alpha * edge**2 / (approach + alpha * slope) - 1))
+        if alpha == 1e-12 and correct:
+            assert_allclose(edge, 141047.39588952, rtol=1e-13)
+            assert_allclose(approach, 0.125000000002324, rtol=5e-15)
+    assert errors[0] < 2e-14
+    assert errors[1] > 1e-12
+
+
+@pytest.mark.parametrize("alpha", [1e-2, 0.5])
+def test_the_approach_falls_as_the_space_grows(alpha):
+    disk = disk_operators(LogPanels(10, 2.0, 12))
+    target = np.full(len(disk.nodes.d), 2.0)
+    found = []
+    for degree in (0, 1, 2, 3, 4):
+        unit = disk.normal.space((degree,) * 10).factor(alpha).solve(target)
+        found.append(1 / (4 * disk.nodes.weights @ (disk.half_integral @ unit)))
+    assert np.all(np.diff(found) < 0)
+
+
+def test_an_indefinite_matrix_is_refused():
+    disk = disk_operators(LogPanels(2, 1.0, 3))
+    operator = GalerkinOperator(disk, disk.normal.weights, (0.5, 0.0))
+    operator.mass_of = lambda columns: 1e3 * (1 - np.eye(len(columns)))
+    with pytest.raises(ArithmeticError, match="not positive definite at pivot 2"):
+        operator.space((3, 3)).factor(1.0)
+
+
+# --- the change to the coarser space --------------------------------------------------------------
+
+
+@KINDS
+@pytest.mark.parametrize("compliance", [0.0, 1e-3, 0.5])
+@pytest.mark.parametrize("degrees", [DEGREES, (8,) * 6, (3, 2, 1, 0, 0, 1)])
+@pytest.mark.parametrize("shed", [2, 1])
+def test_change_is_the_difference_to_the_coarser_solution(kind, compliance, degrees, shed):
+    operator = getattr(disk_operators(LogPanels(6, 2.0, 8)), kind)
+    space, target = operator.space(degrees), some_targets()[:, 2]
+    factored = space.factor(compliance)
+    solution = factored.solve(target)
+    change = factored.change(solution, degrees=shed)
+    matrix, right = dense(space, compliance), moments(space, target)
+    k = space.kept if shed == 2 else space.kept_but_one
+    coarser = np.zeros_like(solution)
+    coarser[space.index[:k]] = np.linalg.solve(matrix[:k, :k], right[:k])
+    scale = np.sqrt(matrix.diagonal())
+    difference = scale * (change.coefficients - (coarser - solution))[space.index]
+    assert np.abs(difference).max() < 1e-12 * np.linalg.norm(scale * solution[space.index])
+    assert np.linalg.norm(scale * change.coefficients[space.index]) > 0
+
+
+def test_a_panel_sheds_its_highest_degrees_and_the_tail_one_function():
+    space = disk_operators(LogPanels(4, 2.0, 5)).normal.space((5, 2, 1, 0))
+    terms, size = 6, space.operator.panels.size
+    both = {4, 5, terms + 1, terms + 2, 2 * terms + 1, size - 1}
+    assert set(space.index[space.kept :]) == both
+    assert set(space.index[space.kept_but_one :]) == both - {4, terms + 1}
+
+
+def test_the_compliance_energy_is_that_of_the_mass_matrix():
+    space = some_space()
+    rng = np.random.default_rng(3)
+    left, right = np.zeros((2, space.operator.panels.size, 3))
+    left[space.index], right[space.index] = rng.normal(size=(2, len(space.index), 3))
+    expected = 0.5 * left.T @ space.operator.mass @ right
+    assert_allclose(space.factor(0.5).compliance_energy(left, right), expected, rtol=1e-12)
+
+
+def test_energies_of_the_change_are_by_panel():
+    space = some_space()
+    factored = space.factor(0.5)
+    change = factored.change(factored.solve(some_targets()[:, 2]))
+    energy = dense(space, 0.5).diagonal() * change.coefficients[space.index] ** 2
+    panel = space.index // 9  # 6 is the tail
+    expected = [energy[panel == j].sum() for j in range(7)]
+    assert_allclose(change.energies, expected, rtol=1e-13)
+
+
+def test_change_keeps_its_digits_where_the_difference_has_none():
+    # converged to rounding: the two solutions agree to 1e-15, and the change is still known
+    panels = LogPanels(14, 2.0, 16)
+    disk = disk_operators(panels)
+    factored = disk.normal.space((16,) * 14).factor(0.5)
+    solution = factored.solve(np.full(len(disk.nodes.d), 2.0))
+    change = factored.change(solution)
+    shed = np.abs(change.coefficients).max()
+    assert 0 < shed < 1e-11 * np.abs(solution).max()
+
+
+# --- caches ---------------------------------------------------------------------------------------
+
+
+def test_operators_and_spaces_are_assembled_once():
+    panels = LogPanels(3, 2.0, 5)
+    disk = disk_operators(panels)
+    assert disk_operators(LogPanels(3, 2.0, 5)) is disk
+    assert disk.normal is disk.normal
+    assert disk.normal.space((5, 4, 3)) is disk.normal.space((5, 4, 3))
+    assert disk.normal.space((5, 4, 3)) is not disk.normal.space((5, 4, 2))
+    assert disk_operators(LogPanels(3, 2.0, 5, root_tail=True)) is not disk
+
+
+def test_clearing_forgets_the_operators_but_breaks_none():
+    panels = LogPanels(3, 2.0, 5)
+    disk = disk_operators(panels)
+    gram = disk.normal.gram.copy()
+    disk.normal.space((5, 4, 3))
+    sizes = cache_sizes()
+    assert sizes["disk operators"] >= 1
+    assert sizes["Galerkin spaces"] >= 1
+    clear_caches()
+    assert set(cache_sizes()) >= {"disk operators", "Galerkin spaces"}
+    assert not any(cache_sizes().values())
+    again = disk_operators(panels)
+    assert again is not disk
+    assert_array_equal(again.normal.gram, gram)
+    assert_array_equal(disk.normal.gram, gram)
+
+
+def test_the_cache_of_operators_is_bounded():
+    clear_caches()
+    for n in range(1, 41):
+        disk_operators(LogPanels(1, 0.1 * n, 1))
+    assert 1 <= cache_sizes()["disk operators"] < 40
+
+
+def test_the_least_recently_used_entry_goes():
+    cache = BoundedCache("test", 2)
+    made = []
+
+    def make(key):
+        return cache.get(key, lambda: made.append(key) or key.upper())
+
+    assert [make(k) for k in "abab"] == ["A", "B", "A", "B"]
+    make("a")
+    make("c")  # b goes
+    assert len(cache) == 2
+    make("a")
+    assert made == ["a", "b", "c"]
+    make("b")
+    assert made == ["a", "b", "c", "b"]
+
+
+def test_caches_of_one_name_are_counted_together_while_they_live():
+    first, second = BoundedCache("twins", 3), BoundedCache("twins", 3)
+    first.get(1, lambda: 1)
+    second.get(1, lambda: 1)
+    second.get(2, lambda: 1)
+    assert cache_sizes()["twins"] == 3
+    del second
+    gc.collect()
+    assert cache_sizes()["twins"] == 1
+    first.clear()
+    assert cache_sizes()["twins"] == 0
+
+
+def test_what_fails_is_not_remembered():
+    cache = BoundedCache("failing", 2)
+    with pytest.raises(ZeroDivisionError):
+        cache.get("key", lambda: 1 / 0)
+    assert len(cache) == 0
+    assert cache.get("key", lambda: 5) == 5
+
+
+def test_making_may_use_the_cache_itself():
+    cache = BoundedCache("nested", 4)
+    got = []
+
+    def work():
+        got.append(cache.get("outer", lambda: cache.get("inner", lambda: 2) + 1))
+
+    thread = threading.Thread(target=work, daemon=True)  # a lock that is not reentrant would hang
+    thread.start()
+    thread.join(timeout=5)
+    assert got == [3]
+    assert len(cache) == 2
+
+
+def test_threads_share_one_making():
+    cache = BoundedCache("threads", 4)
+    made, got = [], []
+    start = threading.Barrier(8)
+
+    def make():
+        made.append(threading.get_ident())
+        time.sleep(0.02)  # long enough for the others to arrive
+        return object()
+
+    def work(k):
+        start.wait()
+        got.append((k % 2, cache.get(k % 2, make)))
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(got) == 8
+    assert len(made) == 2
+    assert len(set(got)) == 2
+
+
+def test_threads_solve_alike():
+    clear_caches()
+    results = []
+    start = threading.Barrier(4)
+
+    def work():
+        start.wait()
+        disk = disk_operators(LogPanels(5, 2.0, 10))
+        space = disk.normal.space((10,) * 5)
+        results.append(space.factor(0.5).solve(np.full(len(disk.nodes.d), 2.0)))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 4
+    for result in results[1:]:
+        assert_array_equal(result, results[0])
+
+
+def test_assembly_itself_is_repeatable():
+    panels = LogPanels(3, 2.0, 5)
+    assert_array_equal(DiskOperators(panels).normal.gram, DiskOperators(panels).normal.gram)

@@ -1,0 +1,226 @@
+import math
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from mpmath.ctx_mp import MPContext
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy import special
+
+from spectral_contact.fields.legendre import legendre_rows_between
+from spectral_contact.spectral.jacobi import (
+    chebyshev_values,
+    gauss_rule,
+    jacobi_values,
+    legendre_expansion_matrix,
+    legendre_projection_matrix,
+    legendre_values,
+)
+
+mp = MPContext()
+mp.dps = 40
+
+X = np.linspace(-1.0, 1.0, 41)
+
+
+# --- values ---------------------------------------------------------------------------------------
+
+
+def exact_jacobi(n, a, b, x):
+    """The explicit sum, DLMF 18.5.8."""
+    a, b, x = mp.mpf(a), mp.mpf(b), mp.mpf(float(x))
+    return mp.fsum(
+        mp.binomial(n + a, m)
+        * mp.binomial(n + b, n - m)
+        * ((x - 1) / 2) ** (n - m)
+        * ((x + 1) / 2) ** m
+        for m in range(n + 1)
+    )
+
+
+@pytest.mark.parametrize(
+    ("a", "b"), [(0, 0), (-0.5, -0.5), (0.5, 0.5), (-0.5, 0), (0, -0.5), (1, -0.5), (2.25, 3)]
+)
+def test_jacobi_values(a, b):
+    n = np.arange(25)
+    values = jacobi_values(X, 24, a, b)
+    exact = np.array([[float(exact_jacobi(int(k), a, b, x)) for k in n] for x in X])
+    scale = np.maximum(special.binom(n + max(a, b), n), 1.0)  # the largest value, at an end
+    assert (np.abs(values - exact) / scale).max() < 2e-15
+    scipys = special.eval_jacobi(n, a, b, X[:, None])
+    assert (np.abs(values - scipys) / scale).max() < 2e-14
+
+
+@pytest.mark.parametrize(("a", "b"), [(0, 0), (-0.5, 0), (1, -0.5), (2.25, 3)])
+def test_jacobi_polynomials_are_normalised_at_the_end(a, b):
+    n = np.arange(13)
+    values = jacobi_values([-1.0, 1.0], 12, a, b)
+    assert_allclose(values[1], special.binom(n + a, n), rtol=1e-14)
+    assert_allclose(values[0], (-1.0) ** n * special.binom(n + b, n), rtol=1e-14)
+
+
+def test_legendre_is_the_family_at_zero():
+    assert_allclose(legendre_values(X, 20), jacobi_values(X, 20, 0, 0), atol=2e-15)
+    assert_allclose(legendre_values(0.3, 2), [1.0, 0.3, (3 * 0.09 - 1) / 2], rtol=1e-15)
+
+
+def test_chebyshev_is_the_family_at_minus_one_half():
+    n = np.arange(21)
+    values = chebyshev_values(X, 20)
+    assert_allclose(values, np.cos(n * np.arccos(X)[:, None]), atol=2e-14)
+    normalised = jacobi_values(X, 20, -0.5, -0.5) / special.binom(n - 0.5, n)
+    assert_allclose(values, normalised, atol=2e-14)
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 3), (0,)])
+def test_values_take_any_shape(shape):
+    x = np.full(shape, 0.25)
+    functions = [legendre_values, chebyshev_values, lambda x, n: jacobi_values(x, n, 1, 0)]
+    for function in functions:
+        values = function(x, 4)
+        assert values.shape == (*shape, 5)
+        assert_array_equal(values, np.broadcast_to(function(0.25, 4), values.shape))
+
+
+def test_degree_zero():
+    assert_array_equal(jacobi_values(X, 0, 0.5, 2), np.ones((41, 1)))
+
+
+@pytest.mark.parametrize(
+    ("degree", "a", "b", "message"),
+    [
+        (-1, 0, 0, "degree = -1: must be at least 0"),
+        (3, -1, 0, "both must be greater than -1"),
+        (3, 0, -1.5, "both must be greater than -1"),
+        (3, float("nan"), 0, "both must be greater than -1"),
+    ],
+)
+def test_impossible_families(degree, a, b, message):
+    with pytest.raises(ValueError, match=message):
+        jacobi_values(X, degree, a, b)
+
+
+# --- Gauss rules ----------------------------------------------------------------------------------
+
+
+@lru_cache
+def exact_legendre_rule(points):
+    """Nodes by Newton's method on the recurrence, 40 digits; increasing."""
+    nodes, weights = [], []
+    for k in range(points):
+        x = -mp.cos(mp.pi * (k + 0.75) / (points + 0.5))
+        for _ in range(7):
+            before, value = mp.mpf(1), x
+            for m in range(2, points + 1):
+                before, value = value, ((2 * m - 1) * x * value - (m - 1) * before) / m
+            slope = points * (before - x * value) / (1 - x * x)
+            x -= value / slope
+        nodes.append(x)
+        weights.append(2 / ((1 - x * x) * slope**2))
+    return nodes, weights
+
+
+@pytest.mark.parametrize("points", [1, 2, 3, 8, 20, 33, 46, 64, 101])
+def test_gauss_legendre_is_right_to_the_last_digit(points):
+    nodes, weights = gauss_rule(points)
+    exact_nodes, exact_weights = exact_legendre_rule(points)
+    pairs = zip(nodes, exact_nodes, strict=True)
+    assert max(abs(float(mp.mpf(float(x)) - y)) for x, y in pairs) < 1.2e-16
+    pairs = zip(weights, exact_weights, strict=True)
+    assert max(abs(float(mp.mpf(float(w)) / v - 1)) for w, v in pairs) < 4e-16
+
+
+def test_numpys_weights_are_why_the_library_has_its_own():
+    # once this fails, `_gauss_legendre` can go
+    weights = np.polynomial.legendre.leggauss(64)[1]
+    assert (np.abs(weights / gauss_rule(64)[1] - 1)).max() > 1e-13
+
+
+@pytest.mark.parametrize("points", [1, 5, 20, 46])
+def test_gauss_legendre_is_symmetric_and_sums_to_two(points):
+    nodes, weights = gauss_rule(points)
+    assert np.all(np.diff(nodes) > 0)
+    assert_array_equal(nodes, -nodes[::-1])
+    assert_array_equal(weights, weights[::-1])
+    assert_allclose(weights.sum(), 2.0, rtol=5e-16)
+
+
+@pytest.mark.parametrize("points", [1, 2, 7, 20])
+def test_gauss_legendre_is_exact_to_its_degree_and_no_further(points):
+    nodes, weights = gauss_rule(points)
+    degrees = np.arange(1, 2 * points)
+    assert_allclose(legendre_values(nodes, 2 * points - 1)[:, degrees].T @ weights, 0, atol=3e-16)
+    assert abs(special.eval_legendre(2 * points, nodes) @ weights) > 0.1 / points
+
+
+@pytest.mark.parametrize("points", [1, 2, 7, 12])
+@pytest.mark.parametrize(("a", "b"), [(-0.5, -0.5), (0.5, 0.5), (-0.5, 0), (0, -0.5), (1, -0.5)])
+def test_gauss_jacobi_is_exact_to_its_degree(points, a, b):
+    nodes, weights = gauss_rule(points, a, b)
+    assert np.all(np.diff(nodes) > 0)
+    m = np.arange(2 * points)
+    # in the powers of 1 + x, whose integrals are beta functions
+    exact = 2.0 ** (a + b + m + 1) * special.beta(a + 1, b + m + 1)
+    assert_allclose(weights @ (1 + nodes[:, None]) ** m, exact, rtol=3e-14)
+
+
+@pytest.mark.parametrize("points", [3, 20, 64])
+def test_gauss_chebyshev(points):
+    nodes, weights = gauss_rule(points, -0.5, -0.5)
+    angles = np.pi * (np.arange(points)[::-1] + 0.5) / points
+    assert_allclose(nodes, np.cos(angles), atol=2e-16)
+    assert_allclose(weights, np.pi / points, rtol=2e-15)
+
+
+def test_rules_are_shared_and_read_only():
+    for rule in (gauss_rule(11), gauss_rule(11, 0.5, 0.5)):
+        for array in rule:
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 0.0
+    assert gauss_rule(11) is gauss_rule(11)
+    with pytest.raises(ValueError, match="read-only"):
+        legendre_expansion_matrix(11, 4)[0, 0] = 0.0
+
+
+@pytest.mark.parametrize("points", [0, -3])
+def test_a_rule_has_points(points):
+    with pytest.raises(ValueError, match=r"."):
+        gauss_rule(points)
+
+
+# --- expansion ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("points", "degree"), [(5, 4), (20, 19), (20, 6), (1, 0)])
+def test_expansion_recovers_coefficients(points, degree):
+    coefficients = np.cos(np.arange(degree + 1))
+    nodes, _ = gauss_rule(points)
+    values = legendre_values(nodes, degree) @ coefficients
+    assert_allclose(legendre_expansion_matrix(points, degree) @ values, coefficients, atol=3e-15)
+
+
+def test_expansion_projects():
+    # P_6 is orthogonal to all lower degrees also in the discrete sense
+    nodes, _ = gauss_rule(8)
+    matrix = legendre_expansion_matrix(8, 5)
+    assert matrix.shape == (6, 8)
+    assert_allclose(matrix @ legendre_values(nodes, 6)[:, 6], 0, atol=3e-15)
+
+
+def test_projection_is_orthogonal_to_the_last_digit():
+    nodes, _ = gauss_rule(36)
+    matrix = legendre_projection_matrix(36, 24)
+    exact = np.diag(1 / (np.arange(25) + 0.5))
+    assert_allclose(matrix.T @ legendre_values(nodes, 24), exact, atol=4e-16)
+    # what is constant has no part of a high degree: the rule alone leaves 1e-16
+    assert np.abs([math.fsum(column) for column in matrix.T[20:]]).max() < 4e-17
+
+
+def test_legendre_between_the_ends_keeps_both_distances():
+    near = np.array([1e-30, 1e-12, 0.3])
+    for n in (1, 6, 24):
+        slope = n * (n + 1) / 2
+        at_end = legendre_rows_between(2 - near, near, 24)[n]
+        assert_allclose(1 - at_end[1], slope * 1e-12, atol=3e-16)
+        assert_allclose(legendre_rows_between(near, 2 - near, 24)[n], (-1) ** n * at_end)
+        assert_allclose(at_end, legendre_values(1 - near, 24)[:, n], atol=3e-14)

@@ -1,0 +1,53 @@
+"""The names at the top: all public ones and no others, loaded when they are used."""
+
+import subprocess
+import sys
+
+import pytest
+
+import spectral_contact as sc
+
+MODULES = ["asperities", "calibration", "closed_forms", "gold", "paper", "plotting"]
+MODULES += ["precise", "studies", "testing"]
+FUNCTIONS = ["fit", "plan", "reference", "solve", "sweep"]
+
+
+def python(code):
+    """Run code in a fresh interpreter, and return what it prints."""
+    return subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    ).stdout
+
+
+def test_what_is_listed_is_what_is_public():
+    code = "import spectral_contact as sc, spectral_contact.io.storage; print(*dir(sc))"
+    assert set(python(code).split()) == {*sc.__all__, "__version__"}
+    assert {*MODULES, *FUNCTIONS} <= set(sc.__all__)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_modules_are_loaded_when_they_are_used(name):
+    code = (
+        "import sys, spectral_contact as sc\n"
+        "before = [n for n in sys.modules if n.startswith('spectral_contact.')]\n"
+        f"found = sc.{name}.__name__\n"
+        "print(found in before, found in sys.modules)\n"
+    )
+    assert python(code) == "False True\n"
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_stay_functions_whatever_is_imported(name):
+    code = (
+        "import importlib, pkgutil, spectral_contact as sc\n"
+        "for one in pkgutil.iter_modules(sc.__path__):\n"
+        "    if one.name != '__main__':\n"
+        "        importlib.import_module('spectral_contact.' + one.name)\n"
+        f"print(type(sc.{name}).__name__, sc.{name}.__name__)\n"
+    )
+    assert python(code) == f"function {name}\n"
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="'spectral_contact' has no attribute 'slove'"):
+        sc.slove  # noqa: B018

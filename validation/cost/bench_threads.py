@@ -1,0 +1,181 @@
+"""Time solves with BLAS held to one thread, as the library does, and without; quiet and under load.
+
+Run as ``python validation/cost/bench_threads.py``; writes validation/results/bench_threads.json and
+.md. Both ways take turns in one process whose BLAS has as many threads as the machine has
+processors; caches are filled. Load is two processes that do nothing else than work. Times are
+wall-clock medians. The load average at the start says whether "quiet" was true. The price of the
+hold is measured by itself, in processor time, as the first to hold BLAS and inside another hold.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.pop("OPENBLAS_NUM_THREADS", None)
+os.environ.pop("OMP_NUM_THREADS", None)
+os.environ.pop("MKL_NUM_THREADS", None)
+
+import json
+import platform
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from statistics import median
+from time import perf_counter, sleep, thread_time
+from unittest import mock
+
+import numpy as np
+import scipy
+from threadpoolctl import threadpool_info
+
+import spectral_contact
+from spectral_contact import Scene, solve
+from spectral_contact.solving import solver
+from spectral_contact.threads import one_thread
+
+RESULTS = Path(__file__).parents[1] / "results"
+BUSY, PAIRS, LONGEST = 2, 9, 90.0
+TRIES, ENTRIES = 15, 2000
+
+DEFAULT = (0.1, 0.5, 0.5, 0.1)
+INSIDE = (0.3, 0.05, 1.0, 0.23 / 7)
+#: name, parameters of the scene, elastic coupling
+CASES = [
+    ("default scene", DEFAULT, False),
+    ("slip inside", INSIDE, False),
+    ("default scene, coupled", DEFAULT, True),
+    ("slip inside, coupled", INSIDE, True),
+]
+
+
+def seconds(call: Callable[[], object]) -> float:
+    """Return the time of a call."""
+    begin = perf_counter()
+    call()
+    return perf_counter() - begin
+
+
+def not_held() -> mock._patch:
+    """Let `solve` leave BLAS alone."""
+    return mock.patch.object(solver, "one_thread", nullcontext)
+
+
+@contextmanager
+def load(processes: int) -> Iterator[None]:
+    """Keep some processes busy."""
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(processes)]
+    try:
+        sleep(0.5)  # they have to start
+        yield
+    finally:
+        for one in busy:
+            one.kill()
+            one.wait()
+
+
+def pairs(scene: Scene) -> tuple[list[float], list[float]]:
+    """Return the times of solves with BLAS held and without, which take turns."""
+
+    def work() -> object:
+        return solve(scene, strict=False)
+
+    with not_held():
+        work()
+    work()
+    held, free = [], []
+    begin = perf_counter()
+    for _ in range(PAIRS):
+        held.append(seconds(work))
+        with not_held():
+            free.append(seconds(work))
+        if perf_counter() - begin > LONGEST:
+            break
+    return held, free
+
+
+def price() -> dict[str, float]:
+    """Return what the hold costs in microseconds of processor time: the least of several means."""
+
+    def mean() -> float:
+        begin = thread_time()
+        for _ in range(ENTRIES):
+            with one_thread():
+                pass
+        return 1e6 * (thread_time() - begin) / ENTRIES
+
+    def least() -> float:
+        return min(mean() for _ in range(TRIES))
+
+    first = least()
+    with one_thread():
+        return {"first_us": first, "inside_us": least()}
+
+
+def row(name: str, parameters: tuple[float, ...], coupling: bool, busy: int) -> dict:
+    """Return the figures of a case."""
+    nu, alpha, beta, friction = parameters
+    held, free = pairs(Scene(nu, alpha, beta, friction, coupling=coupling))
+    return {
+        "case": name,
+        "busy": busy,
+        "held_ms": 1e3 * median(held),
+        "free_ms": 1e3 * median(free),
+        "ratio": median(b / a for a, b in zip(held, free, strict=True)),
+        "pairs": len(held),
+    }
+
+
+def main() -> None:
+    """Measure, print and store."""
+    before, cost = os.getloadavg()[0], price()
+    rows = []
+    for busy in (0, BUSY):
+        with load(busy):
+            rows += [row(*case, busy) for case in CASES]
+    record = {
+        "schema": "spectral_contact.validation.bench_threads",
+        "version": 1,
+        "library": spectral_contact.__version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "processors": os.cpu_count(),
+        "blas": [
+            {key: one[key] for key in ("prefix", "version", "threading_layer", "num_threads")}
+            for one in threadpool_info()
+            if one["user_api"] == "blas"
+        ],
+        "load_before": before,
+        "price": cost,
+        "rows": rows,
+    }
+    (RESULTS / "bench_threads.json").write_text(json.dumps(record, indent=1) + "\n")
+    text = table(record)
+    (RESULTS / "bench_threads.md").write_text(text)
+    print(text)
+
+
+def table(record: dict) -> str:
+    """Return the results as a Markdown table."""
+    count = max(one["num_threads"] for one in record["blas"])
+    lines = [
+        f"Python {record['python']}, numpy {record['numpy']}, scipy {record['scipy']}, "
+        f"{record['processors']} processors, load average {record['load_before']:.1f} before. "
+        f"The hold costs {record['price']['first_us']:.1f} µs a solve, "
+        f"{record['price']['inside_us']:.1f} µs inside another.",
+        "",
+        f"| problem | busy processes | one thread [ms] | {count} threads [ms] | ratio |",
+        "|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {r['case']} | {r['busy']} | {r['held_ms']:.1f} | {r['free_ms']:.1f} | "
+        f"{r['ratio']:.2f} |"
+        for r in record["rows"]
+    ]
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,416 @@
+"""Tables and figures of what accuracy costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.view.plotting import save, style
+
+#: What `rtol` bounds; the edge is one of the places of the pressure.
+BOUNDED = ("approach", "pressure", "traction", "total_shear")
+#: Errors of zero, and what doubles do not tell from it, are drawn here.
+LEAST = 1e-16
+MARKERS = "osD^vP"
+SHOWN = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+#: A digit is priced between these.
+FROM, TO = 1e-2, 1e-12
+DEFAULT = 1e-10
+
+PRODUCT = r"$L = \ln(1/\mathrm{rtol})\;\ln(1/(\alpha^*\,\mathrm{rtol}))$"
+
+Record = dict[str, Any]
+
+
+def growth_argument(rtol: float, compliance: float, power: float = 1.0) -> float:
+    """Return ``log(1/rtol) log(1/(alpha rtol**power))``."""
+    return math.log(rtol) * (math.log(compliance) + power * math.log(rtol))
+
+
+def all_unknowns(point: Record) -> int:
+    """Return the unknowns of all systems together."""
+    return sum(point["systems"].values())
+
+
+def worst(point: Record, kind: str) -> float:
+    """Return the largest of the errors, or estimates, that `rtol` bounds."""
+    return max(float(point[kind][name]) for name in BOUNDED if name in point[kind])
+
+
+def series(record: Record, problem: str, compliance: float) -> list[Record]:
+    """Return the points of one scene, tolerance by tolerance."""
+    case = problem, compliance
+    return [p for p in record["points"] if (p["problem"], p["compliance"]) == case]
+
+
+def _cases(record: Record) -> tuple[list[str], list[float]]:
+    problems = dict.fromkeys(point["problem"] for point in record["points"])
+    return list(problems), list(dict.fromkeys(point["compliance"] for point in record["points"]))
+
+
+def _warm(point: Record) -> float:
+    """Return the warm time in ms."""
+    return 1e3 * float(point["times"]["warm"]["median"])
+
+
+def _cold(point: Record) -> float:
+    """Return the cold time in ms, nan if there is none."""
+    cold = point["times"]["cold"]
+    return math.nan if cold is None else 1e3 * float(cold["median"])
+
+
+def _number(value: float, digits: int = 2) -> str:
+    if not math.isfinite(value):
+        return "–"
+    return f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def tables(record: Record) -> str:
+    """Return the Markdown tables, each after a comment by which a page can quote it."""
+    parts = [
+        ("about", _about(record)),
+        ("digits", _digits(record)),
+        ("roughness", _roughness(record)),
+        ("growth", _growth(record)),
+        ("monotony", _monotony(record)),
+        ("prices", _prices(record)),
+        ("steps", _steps(record)),
+        ("points", _points(record)),
+    ]
+    text = f"{record['count']} solves.\n\n"
+    return text + "\n".join(f"<!-- {name} -->\n\n{part}\n" for name, part in parts)
+
+
+def _table(heading: list[str], rows: list[list[str]]) -> str:
+    lines = [heading, ["---"] * len(heading), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _about(record: Record) -> str:
+    watch, machine = record["stopwatch"], record["machine"]
+    problems, compliances = _cases(record)
+    over = record["exceeded"]
+    fresh = all(point["times"]["cold"] is not None for point in record["points"])
+    rough = "**Times are rough**: one repeat on a busy machine, and no cold ones."
+    taken = (
+        f"Warm: the median of {watch['repeats']} repeats or more of the same solve; cold: the "
+        f"median of first solves in {watch['processes']} fresh processes, imports not counted."
+    )
+    lines = [
+        f"{len(problems)} problems at {len(compliances)} compliances, {record['count']} solves. "
+        f"{taken if fresh else rough} One BLAS thread. {machine['processor']}, Python "
+        f"{machine['python']}, numpy {machine['numpy']}; U, one `numpy.linalg.solve` of 1000 "
+        f"dense equations there, takes {1e3 * record['dense_solve_seconds']:.0f} ms. Truth: "
+        f"{'; '.join(record['truths'])}.",
+        "",
+        f"True errors above their estimates: {len(over) or 'none'}.",
+    ]
+    lines += [
+        f"{p['problem']} at {p['compliance']:g}, `rtol={p['resolution']:g}`: {p['quantity']}, "
+        f"error {p['error']:.1e}, estimate {p['estimate']:.1e}."
+        for p in over
+    ]
+    return "\n".join(lines)
+
+
+def _digits(record: Record) -> str:
+    """Return unknowns and times by tolerance, and what a digit adds."""
+    problems, compliances = _cases(record)
+    heading = ["problem", "α* = β*", *(f"{rtol:g}" for rtol in SHOWN), "a digit adds"]
+    rows = []
+    for problem in problems:
+        for compliance in compliances:
+            points = {p["resolution"]: p for p in series(record, problem, compliance)}
+            cells = [f"{all_unknowns(points[r])}, {_number(_warm(points[r]))} ms" for r in SHOWN]
+            count = math.log10(FROM / TO)
+            more = (all_unknowns(points[TO]) - all_unknowns(points[FROM])) / count
+            longer = (_warm(points[TO]) - _warm(points[FROM])) / count
+            added = f"{more:.0f}, {_number(longer)} ms" if more else "nothing"
+            rows.append([problem, f"{compliance:g}", *cells, added])
+    return _table(heading, rows)
+
+
+def _roughness(record: Record) -> str:
+    """Return what the default tolerance costs, by compliance."""
+    problems, compliances = _cases(record)
+    heading = ["α* = β*"]
+    for problem in problems:
+        heading += [f"{problem}: unknowns", "warm [ms]", "cold [ms]"]
+    rows = []
+    for compliance in compliances:
+        row = [f"{compliance:g}"]
+        for problem in problems:
+            [point] = [p for p in series(record, problem, compliance) if p["resolution"] == DEFAULT]
+            row += [str(all_unknowns(point)), _number(_warm(point)), _number(_cold(point))]
+        rows.append(row)
+    return _table(heading, rows)
+
+
+def _growth(record: Record) -> str:
+    """Return the fitted growth with intervals of 95 per cent."""
+
+    def span(line: Record) -> str:
+        low, high = line["interval"]
+        return f"{line['slope']:.3g} [{low:.3g}, {high:.3g}]"
+
+    def law(line: Record) -> str:
+        return f"{line['intercept']:.0f} + {span(line)}, ± {line['residual']:.0f}"
+
+    heading = ["problem", "points", "N = a + b L", "N = a + b L′", "N ~ L^k: k", "time ~ N^m: m"]
+    rows = []
+    for problem, fit in record["fits"].items():
+        laws = [law(fit[name]) for name in ("unknowns", "unknowns_tapered")]
+        powers = [span(fit[name]) for name in ("unknowns_power", "time_power")]
+        rows.append([problem, str(fit["unknowns"]["count"]), *laws, *powers])
+    return _table(heading, rows)
+
+
+def _monotony(record: Record) -> str:
+    """Return where a tighter tolerance had fewer unknowns, or was not met."""
+    found = record["monotony"]
+    falls = [(one["scene"], *fall) for one in found["findings"] for fall in one["falls"]]
+    unmet = [one for one in found["findings"] if one["unmet"]]
+    pairs = found["scenes"] * (len(found["tolerances"]) - 1)
+    largest = sum(name == "largest" for _, name, *_ in falls)
+    text = (
+        f"{found['scenes']} gold scenes at {len(found['tolerances'])} tolerances each, {pairs} "
+        f"pairs of neighbours. The largest system is smaller at the tighter tolerance in "
+        f"{largest or 'none'} of them, that of a single step in {len(falls) - largest}."
+    )
+    rows = [
+        [_scene(scene), name, f"`rtol={rtol:g}`: {before} → {size} unknowns"]
+        for scene, name, rtol, before, size in falls
+    ]
+    for one in unmet:
+        tolerances = ", ".join(f"{rtol:g}" for rtol in one["unmet"])
+        rows.append([_scene(one["scene"]), "all", f"not met: `rtol` {tolerances}"])
+    return f"{text}\n\n{_table(['scene', 'system', 'finding'], rows)}" if rows else text
+
+
+def _scene(scene: Record) -> str:
+    symbols = {"ν": "poisson_ratio", "α*": "normal_compliance", "β*": "tangential_compliance"}
+    parts = [f"{symbol} = {scene[name]:g}" for symbol, name in symbols.items()]
+    friction = scene["friction"]
+    shown = friction if isinstance(friction, str) or friction is None else f"{friction:g}"
+    return ", ".join([*parts, f"f = {shown}"])
+
+
+def _prices(record: Record) -> str:
+    heading = ["what", "unknowns", "warm", "warm [U]", "cold"]
+    unit = record["dense_solve_seconds"]
+    rows = []
+    for price in record["prices"]:
+        warm, cold = _price_seconds(price)
+        unknowns = "–" if price["unknowns"] is None else str(price["unknowns"])
+        cells = [_seconds(warm), _number(warm / unit), _seconds(cold)]
+        rows.append([price["item"], unknowns, *cells])
+    return _table(heading, rows)
+
+
+def _price_seconds(price: Record) -> tuple[float, float]:
+    """Return warm and cold seconds, nan if there are none; many digits have one time."""
+    if "seconds" in price:
+        return math.nan, float(price["seconds"])
+    return _warm(price) / 1e3, _cold(price) / 1e3
+
+
+def _steps(record: Record) -> str:
+    solves = list(dict.fromkeys(row["solve"] for row in record["steps"]))
+    names = list(dict.fromkeys(row["step"] for row in record["steps"]))
+    taken = {(row["solve"], row["step"]): row["median"] for row in record["steps"]}
+    totals = {s: sum(v for (one, _), v in taken.items() if one == s) for s in solves}
+    rows = []
+    for name in names:
+        cells = [
+            f"{_seconds(taken[s, name])}, {100 * taken[s, name] / totals[s]:.0f} %"
+            if (s, name) in taken
+            else "–"
+            for s in solves
+        ]
+        rows.append([name, *cells])
+    rows.append(["all", *(_seconds(totals[s]) for s in solves)])
+    return _table(["step", *solves], rows)
+
+
+def _points(record: Record) -> str:
+    """Return every point."""
+    heading = ["problem", "α* = β*", "rtol", "error", "estimate", "unknowns", "largest system"]
+    heading += ["spaces tried", "warm [ms]", "cold [ms]"]
+    rows = [
+        [
+            p["problem"],
+            f"{p['compliance']:g}",
+            f"{p['resolution']:g}",
+            f"{worst(p, 'errors'):.0e}",
+            f"{worst(p, 'estimates'):.0e}",
+            str(all_unknowns(p)),
+            str(p["unknowns"]),
+            str(p["refinements"]),
+            _number(_warm(p), 3),
+            _number(_cold(p), 3),
+        ]
+        for p in record["points"]
+    ]
+    text = "Errors and estimates are the largest of those that `rtol` bounds.\n\n"
+    return text + _table(heading, rows)
+
+
+# --- figures --------------------------------------------------------------------------------------
+
+
+def _power(number: float) -> str:
+    exponent = math.log10(number) if number > 0.0 else math.nan
+    return rf"$10^{{{exponent:.0f}}}$" if number < 0.1 and number > 0.0 else f"{number:g}"
+
+
+def draw_errors(record: Record, path: Path) -> None:
+    """Draw true errors and estimates over the tolerance: a row a problem, a column a compliance."""
+    problems, compliances = _cases(record)
+    with style():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(11.0, 5.8), layout="constrained")
+        rows = figure.subplots(len(problems), len(compliances), sharex=True, sharey=True)
+        for row, problem in zip(rows, problems, strict=True):
+            for axes, compliance in zip(row, compliances, strict=True):
+                points = series(record, problem, compliance)
+                rtol = [p["resolution"] for p in points]
+                axes.plot(rtol, rtol, color="0.6", lw=0.8, label="tolerance")
+                estimates = [max(worst(p, "estimates"), LEAST) for p in points]
+                axes.plot(rtol, estimates, "s--", color="0.35", mfc="white", ms=4.0, lw=0.8)
+                errors = [max(worst(p, "errors"), LEAST) for p in points]
+                axes.plot(rtol, errors, "o-", color="black", ms=3.5, lw=0.8)
+                axes.set(xscale="log", yscale="log", xlim=(3e-2, 3e-13), ylim=(2e-17, 1.0))
+                axes.set_xticks([1e-2, 1e-7, 1e-12])
+                axes.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1.0])
+                axes.minorticks_off()
+            row[0].set_ylabel(problem)
+        for axes, compliance in zip(rows[0], compliances, strict=True):
+            axes.set_title(rf"$\alpha^* = \beta^* =$ {_power(compliance)}")
+        for axes in rows[-1]:
+            axes.set_xlabel("rtol")
+        handles = rows[0][0].get_lines()
+        names = [
+            "tolerance asked",
+            "estimate",
+            "true relative error, at the worst place (0 at $10^{-16}$)",
+        ]
+        figure.legend(handles, names, loc="outside lower center", ncols=3)
+        figure.supylabel("the worst of $\\delta^*$, $p^*$, $q^*$, $Q^*$", fontsize=9.0)
+    save(figure, str(path))
+
+
+def draw_growth(record: Record, path: Path) -> None:
+    """Draw unknowns over the logarithms with the fitted line, and times over unknowns."""
+    problems, compliances = _cases(record)
+    rough = [c for c in compliances if c > 0.0]
+    with style():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(9.4, 6.4), layout="constrained")
+        top, bottom = figure.subplots(2, len(problems), sharey="row")
+        for axes, below, problem in zip(top, bottom, problems, strict=True):
+            for marker, compliance in zip(MARKERS, rough, strict=False):
+                points = series(record, problem, compliance)
+                x = [growth_argument(p["resolution"], compliance) for p in points]
+                unknowns = list(map(all_unknowns, points))
+                mark = {"marker": marker, "ls": "", "ms": 4.0, "color": "black"}
+                label = rf"$\alpha^* =$ {_power(compliance)}"
+                axes.plot(x, unknowns, **mark, label=label)
+                below.plot(unknowns, list(map(_warm, points)), **mark)
+                below.plot(unknowns, list(map(_cold, points)), **mark | {"mfc": "white"}, mew=0.6)
+            _draw_line(axes, record["fits"][problem]["unknowns"], lambda x: x, 0.0, _reach(axes))
+            fit = record["fits"][problem]["time_power"]
+            span = [all_unknowns(p) for c in rough for p in series(record, problem, c)]
+            low, high = float(min(span)), float(max(span))
+            _draw_line(below, fit, np.log, low, high, scale=1e3)
+            axes.set(
+                title=problem,
+                xlabel=r"$L = \ln(1/\mathrm{rtol})\;\ln(1/(\alpha^*\,\mathrm{rtol}))$",
+            )
+            below.set(xscale="log", yscale="log", xlabel="unknowns $N$")
+            below.set_xticks([30, 100, 300, 1000], ["30", "100", "300", "1000"])
+            below.set_xlim(0.8 * low, 1.25 * high)
+            below.minorticks_off()
+        top[0].set_ylabel("unknowns $N$, all systems together")
+        bottom[0].set_ylabel("time [ms]: full warm, open cold")
+        bottom[0].set_ylim(top=5.0 * max(axes.dataLim.y1 for axes in bottom))  # room for the laws
+        handles, names = top[0].get_legend_handles_labels()
+        figure.legend(handles, names, loc="outside lower center", ncols=len(rough))
+    save(figure, str(path))
+
+
+def _reach(axes: Any) -> float:
+    return float(axes.dataLim.x1)
+
+
+def _draw_line(
+    axes: Any,
+    line: Record,
+    scale_of: Callable[[Any], Any],
+    low: float,
+    high: float,
+    scale: float = 1.0,
+) -> None:
+    """Draw a fitted line with its law; over logarithms it is a power."""
+    logarithmic = scale_of is np.log
+    x = np.geomspace(low, high, 50) if logarithmic else np.linspace(low, high, 2)
+    y = line["intercept"] + line["slope"] * scale_of(x)
+    axes.plot(x, scale * np.exp(y) if logarithmic else y, color="0.45", lw=1.0)
+    ends = "[{:.3g}, {:.3g}]".format(*line["interval"])
+    law = rf"$t \sim N^m$, $m$ = {line['slope']:.3g} {ends}"
+    if not logarithmic:
+        law = rf"$N = {line['intercept']:.0f} + b\,L$, $b$ = {line['slope']:.3g} {ends}"
+    axes.text(0.03, 0.95, law, transform=axes.transAxes, va="top", fontsize=8.0)
+
+
+def draw_prices(record: Record, path: Path) -> None:
+    """Draw the price list: a dot warm and a ring cold, each with its number."""
+    prices = record["prices"]
+    with style():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(7.6, 0.9 + 0.36 * len(prices)), layout="constrained")
+        axes = figure.subplots()
+        for row, price in enumerate(prices):
+            warm, cold = _price_seconds(price)
+            axes.plot([warm, cold], [row, row], color="0.6", lw=0.8)
+            # warm is the shorter time: its number is on the left, that of cold on the right
+            for seconds, face, shift, side in (
+                (warm, "0.1", -7, "right"),
+                (cold, "white", 7, "left"),
+            ):
+                if math.isfinite(seconds):
+                    axes.plot([seconds], [row], "o", color="0.1", mfc=face, ms=5.0)
+                    axes.annotate(
+                        _seconds(seconds),
+                        (seconds, row),
+                        (shift, 0),
+                        textcoords="offset points",
+                        ha=side,
+                        va="center",
+                        fontsize=8.0,
+                    )
+        axes.set_yticks(range(len(prices)), [price["item"] for price in prices])
+        axes.invert_yaxis()
+        axes.set(xscale="log", xlabel="time: full warm, open cold")
+        low, high = axes.get_xlim()
+        axes.set_xlim(low / 6.0, high * 6.0)
+        ticks = 10.0 ** np.arange(-4.0, 3.0)
+        axes.set_xticks(ticks, [_seconds(tick) for tick in ticks])
+        axes.minorticks_off()
+        axes.grid(visible=False, axis="y")
+    save(figure, str(path))
+
+
+def _seconds(seconds: float) -> str:
+    if math.isnan(seconds):
+        return "–"
+    return f"{_number(1e3 * seconds)} ms" if seconds < 1.0 else f"{_number(seconds)} s"

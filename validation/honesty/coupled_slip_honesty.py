@@ -1,0 +1,138 @@
+"""Whether the estimates of coupled partial slip bound the true errors, over random scenes.
+
+Run as ``python validation/honesty/coupled_slip_honesty.py [count]``; writes
+validation/results/coupled_slip_honesty.json and .md. With ``--annuli`` the scenes are such that
+slip tends to lie in an interior annulus, and the results are in coupled_annuli_honesty.json and
+.md. Every scene is solved at a random tolerance and again at 1e-12; the second estimate is allowed
+for. Fields are compared at equal distances from the ends of the zones, which have an estimate of
+their own, down to 1e-12 of a zone.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from coupled_slip_errors import FIELDS, INTEGRALS, ratios, sample
+
+import spectral_contact
+from spectral_contact import ConvergenceError, NotComputedError, Scene, solve
+
+RESULTS = Path(__file__).parents[1] / "results"
+SEED, COUNT, TRUE_RTOL = 20, 160, 1e-12
+
+Record = dict[str, Any]
+
+
+def draw(number: int) -> tuple[Scene, float]:
+    """Return a scene that slips, and a tolerance."""
+    rng = np.random.default_rng([SEED, number])
+    alpha, beta = (10.0 ** rng.uniform(-6.0, 1.0) for _ in range(2))
+    kind = number % 8
+    if kind == 0:
+        alpha, beta = 0.0, 0.0
+    elif kind == 1:
+        beta = 0.0
+    elif kind in (2, 3):
+        beta = alpha
+    scene = Scene(rng.uniform(-0.5, 0.49), alpha, beta, math.inf, coupling=True)
+    critical = solve(scene, 1e-6, ("critical_friction",)).critical_friction
+    most = min(0.99 * critical, 6.0 * scene.kappa, 1.0)
+    least = min(0.02, 0.3 * most)
+    friction = math.exp(rng.uniform(math.log(least), math.log(most)))
+    rtol = 10.0 ** rng.uniform(-10.0, -3.0)
+    return Scene(scene.poisson_ratio, alpha, beta, friction, coupling=True), rtol
+
+
+def draw_annuli(number: int) -> tuple[Scene, float]:
+    """Return a scene that slips where the edge may stick, and a tolerance."""
+    rng = np.random.default_rng([SEED, number, 1])
+    beta = 10.0 ** rng.uniform(-5.0, 1.0)
+    alpha = 0.0 if number % 3 == 0 else beta * 10.0 ** rng.uniform(-4.0, -0.1)
+    nu = rng.uniform(-0.5, 0.49)
+    asked = "critical_friction", "edge_ratio"
+    # coupling raises both: between those of full stick without it there is slip
+    plain = solve(Scene(nu, alpha, beta, math.inf), 1e-6, asked)
+    most, least = plain.critical_friction, plain.edge_ratio
+    share = rng.uniform(0.02, 0.98)
+    friction = most * 10.0 ** (-2.0 * share) if alpha == 0.0 else least + (most - least) * share
+    rtol = 10.0 ** rng.uniform(-10.0, -2.0)
+    return Scene(nu, alpha, beta, friction, coupling=True), rtol
+
+
+def compare(number: int, annuli: bool) -> Record:
+    """Return a scene with its estimates over the true errors."""
+    scene, rtol = (draw_annuli if annuli else draw)(number)
+    row: Record = {
+        "number": number,
+        "scene": [scene.poisson_ratio, *scene_numbers(scene)],
+        "rtol": rtol,
+    }
+    try:
+        solution, truth = (solve(scene, one) for one in (rtol, TRUE_RTOL))
+    except (NotComputedError, ConvergenceError) as refused:
+        return row | {"refused": str(refused)}
+    if len(truth.zones) == 1:
+        return row | {"refused": "no slip"}
+    if len(truth.zones) != len(solution.zones):
+        return row | {"refused": "zones differ"}
+    found = ratios(sample(solution), sample(truth))
+    return row | {"ratios": found, "radius": truth.stick_radius, "zones": len(truth.zones)}
+
+
+def scene_numbers(scene: Scene) -> list[float]:
+    """Return compliances and friction."""
+    assert scene.friction is not None
+    return [scene.normal_compliance, scene.tangential_compliance, scene.friction]
+
+
+def table(record: Record) -> str:
+    """Return the results as Markdown."""
+    rows = [row for row in record["rows"] if "ratios" in row]
+    refused = len(record["rows"]) - len(rows)
+    inside = sum(row["zones"] > 2 for row in rows)
+    lines = [
+        f"{record['scenes']} scenes, {inside} of them with slip in an interior annulus, and "
+        f"{refused} that are refused or reach rounding. True error over estimate:",
+        "",
+        "| quantity | median | largest |",
+        "|---|---|---|",
+    ]
+    for name in (*INTEGRALS, "zones", *FIELDS, "slip"):
+        ratios = [row["ratios"][name] for row in rows]
+        lines.append(f"| {name.replace('_', ' ')} | {np.median(ratios):.1g} | {max(ratios):.2f} |")
+    return "\n".join(lines) + "\n"
+
+
+def main(count: int, annuli: bool) -> None:
+    """Measure, print and store."""
+    name = "coupled_annuli_honesty" if annuli else "coupled_slip_honesty"
+    rows = []
+    for number in range(count):
+        rows.append(compare(number, annuli))
+        print(json.dumps(rows[-1]), flush=True)
+    record = {
+        "schema": f"spectral_contact.validation.{name}",
+        "version": 1,
+        "library": spectral_contact.__version__,
+        "seed": SEED,
+        "scenes": sum("ratios" in row for row in rows),
+        "rows": rows,
+    }
+    (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
+    (RESULTS / f"{name}.md").write_text(table(record))
+    print(table(record))
+
+
+if __name__ == "__main__":
+    arguments = [one for one in sys.argv[1:] if one != "--annuli"]
+    main(int(arguments[0]) if arguments else COUNT, "--annuli" in sys.argv)

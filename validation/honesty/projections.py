@@ -1,0 +1,225 @@
+"""Compare entries of the Galerkin matrices with double integrals of the elliptic kernels.
+
+Run as ``python validation/honesty/projections.py``; writes validation/results/projections.json and
+.md. The matrices are those of the solver at a tolerance of 1e-12
+(tests/oracles/projection_cases.py): on disks, on a stick annulus and between it and its stick disk,
+and the right-hand side of the endpoint lift. Pairs of panels of every kind give the entries of the
+lowest and the highest degree. The oracle is mpmath, tests/oracles/projection_oracle.py; it shares
+no code with the library. It computes every entry with two densities of its rules and keeps the
+denser; to how many digits they agree is the accuracy of the other. Differences and digits are
+relative to ``sqrt(A_ii A_jj)``, the scale of the Cholesky factor: entries between distant panels of
+high degree are themselves far smaller.
+
+A run that was stopped goes on where it was: of every pair of panels, whose entries share their
+points, the result is kept in validation/results/projections.partial until the tables are written.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+
+from oracles.projection_cases import TAIL, Case, disk_case, interior_slip, lift_case
+from oracles.projection_oracle import FINE, FINER, mp
+
+from spectral_contact import __version__
+from spectral_contact.contact.resolution import starting_resolution
+
+RESULTS = Path(__file__).parents[1] / "results"
+PARTIAL = RESULTS / "projections.partial"
+TOLERANCE = 1e-12
+EPS = 2.0**-52
+SCHEMA, VERSION = "spectral_contact.validation.projections", 1
+
+FORMS = {
+    "0.5, plain": (0.5, {}),
+    "1e-6, plain": (1e-6, {}),
+    "1e-6, weight": (1e-6, {"power": -0.5}),
+    "1e-6, root tail": (1e-6, {"root_tail": True}),
+}
+MESHES = {
+    name: starting_resolution(-math.log(layer), TOLERANCE, **options)
+    for name, (layer, options) in FORMS.items()
+}
+LIFTED = 1e-6
+NOTE = (
+    "The solver itself does not use K1 with a weight or a root tail. Differences above 10 ulp "
+    "belong to degree 0 beside a high degree. Where they were traced, to the central panel's "
+    "neighbour and to the root tail, a nearly constant kernel leaves an ulp or less of itself in "
+    "the high degree, of one sign at all points, because the Gauss nodes and what is made of them "
+    "are rounded."
+)
+
+
+def pairs(degrees: tuple[int, ...]) -> dict[str, tuple[int, int]]:
+    """Return pairs of panels of every kind; the panel away from the ends has a high degree."""
+    last = len(degrees) - 1
+    peak = int(np.argmax(degrees[1 : last - 1])) + 1
+    return {
+        "central": (0, 0),
+        "central, its neighbour": (0, 1),
+        "central, last": (0, last),
+        "central, tail": (0, TAIL),
+        "same": (peak, peak),
+        "neighbours": (peak, peak + 1),
+        "far": (peak, peak + 2),
+        "last": (last, last),
+        "last, tail": (last, TAIL),
+        "tail": (TAIL, TAIL),
+    }
+
+
+def cases() -> Iterator[tuple[str, str, Callable[[], Case]]]:
+    """Yield mesh, class and how to get the case."""
+    for mesh, resolution in MESHES.items():
+        for name, pair in pairs(resolution.degrees).items():
+            yield mesh, name, partial(disk_case, resolution, *pair)
+    resolution = MESHES["1e-6, plain"]
+    degrees = resolution.degrees
+    for number in (0, int(np.argmax(degrees)), len(degrees) - 1, TAIL):
+        place = "tail" if number == TAIL else "last" if number == len(degrees) - 1 else "panel"
+        name = "lift, " + ("central" if number == 0 else place)
+        yield "1e-6, plain", name, partial(lift_case, resolution, LIFTED, number)
+    zones = interior_slip()
+    last = [len(zones.half(half).degrees) - 1 for half in (0, 1)]
+    for name, one, two in (
+        ("annulus, same", (0, 1), (0, 1)),
+        ("annulus, neighbours", (0, 1), (0, 2)),
+        ("annulus, far", (0, 1), (0, 4)),
+        ("annulus, at the middle", (0, 0), (1, 0)),
+        ("annulus, across the middle", (0, 2), (1, 2)),
+        ("annulus, inner tail", (0, TAIL), (0, TAIL)),
+        ("annulus, last and inner tail", (0, last[0]), (0, TAIL)),
+        ("annulus, last at the edge", (1, last[1]), (1, last[1])),
+        ("annulus, last and edge tail", (1, last[1]), (1, TAIL)),
+        ("annulus, edge tail", (1, TAIL), (1, TAIL)),
+        ("annulus, both tails", (0, TAIL), (1, TAIL)),
+    ):
+        yield "stick annulus", name, partial(zones.annulus_case, one, two)
+    for number, other in ((0, (0, 0)), (1, (1, 0)), (TAIL, (0, TAIL)), (TAIL, (1, TAIL))):
+        yield "stick annulus", "disk and annulus", partial(zones.cross_case, number, other)
+
+
+def compare(case: Case) -> list[dict]:
+    """Return the entries of a case, by the library and by the oracle."""
+    coarse, exact = case.exact(FINE), case.exact(FINER)
+    found = []
+    for kernel, (block, left, right) in case.doubles.items():
+        same = case.places[0] == case.places[1]
+        for a, i in enumerate(case.places[0]):
+            for b, j in enumerate(case.places[1]):
+                if same and i > j:  # the matrices are symmetric
+                    continue
+                double, value = float(block[a, b]), exact[kernel][a, b]
+                scale = mp.mpf(left[a]) * mp.mpf(right[b])
+                doubt = abs(value - coarse[kernel][a, b]) / scale
+                found.append(
+                    {
+                        "kernel": kernel,
+                        "row": i,
+                        "column": j,
+                        "mpmath": mp.nstr(value, 30),
+                        "double": double.hex(),
+                        "ulp": float((double - value) / (EPS * scale)),
+                        "digits": float(-mp.log10(max(doubt, mp.mpf(10) ** -40))),
+                    }
+                )
+    return found
+
+
+def kept() -> dict[str, list[dict]]:
+    """Return what a stopped run of this version left; a line that it did not finish is lost."""
+    done = {}
+    for line in PARTIAL.read_text().splitlines() if PARTIAL.exists() else ():
+        try:
+            key, found = json.loads(line)
+        except ValueError:
+            continue
+        done[key] = found
+    return done
+
+
+def study() -> dict:
+    """Run the study and return its record."""
+    todo = list(cases())
+    done, begin, found = kept(), perf_counter(), []
+    RESULTS.mkdir(exist_ok=True)
+    with PARTIAL.open("a") as file:
+        file.write("\n")  # after a line that is not whole
+        for number, (mesh, name, case) in enumerate(todo):
+            key = f"{__version__} {FINE} {FINER} {number} {mesh}: {name}"
+            if key not in done:
+                done[key] = compare(case())
+                file.write(json.dumps([key, done[key]]) + "\n")
+                file.flush()
+            found += [{"mesh": mesh, "case": name} | entry for entry in done[key]]
+            filled = 30 * (number + 1) // len(todo)
+            bar = "#" * filled + "." * (30 - filled)
+            line = f"[{bar}] {len(found)} entries, {perf_counter() - begin:.0f} s"
+            print(f"\r{line}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    return {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "library": __version__,
+        "count": len(found),
+        "densities": [FINE, FINER],
+        "working_digits": mp.dps,
+        "meshes": {
+            mesh: {"panels": asdict(r.panels), "degrees": r.degrees} for mesh, r in MESHES.items()
+        },
+        "entries": found,
+    }
+
+
+def table(record: dict) -> str:
+    """Return the record as a Markdown table."""
+    found = record["entries"]
+
+    def worst(some: list[dict]) -> str:
+        ulp = max(abs(e["ulp"]) for e in some)
+        return f"{len(some)} | {ulp:.1f} | {min(e['digits'] for e in some):.1f}"
+
+    lines = [
+        f"{record['count']} entries. One ulp is $2^{{-52}}\\sqrt{{A_{{ii}}A_{{jj}}}}$, and digits "
+        "count from $\\sqrt{A_{ii}A_{jj}}$; more than 40 are not told apart.",
+        "",
+        NOTE,
+    ]
+    for column, title in (("case", "panels"), ("mesh", "mesh: layer, form")):
+        lines += [
+            "",
+            f"| {title} | kernel | entries | largest difference, ulp | mpmath digits, at least |",
+            "|---|---|---|---|---|",
+        ]
+        for key in dict.fromkeys((e[column], e["kernel"]) for e in found):
+            some = [e for e in found if (e[column], e["kernel"]) == key]
+            lines.append(f"| {key[0]} | {key[1]} | {worst(some)} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Run the study and keep its results."""
+    record = study()
+    (RESULTS / "projections.json").write_text(json.dumps(record, indent=1) + "\n")
+    (RESULTS / "projections.md").write_text(table(record))
+    PARTIAL.unlink()
+    print(table(record))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,198 @@
+"""Good arguments and instances for the callables that bad_input_callables.py calls.
+
+Arguments are found by the parameter's name; those that mean different things in different places,
+by the callable's, too. A callable whose parameter is not here gets None for it.
+"""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+import numpy as np
+from bad_input_cases import Bench
+
+from spectral_contact import Scene, SpectralContactError, calibration, paper
+from spectral_contact.asperities import greenwood_williamson
+from spectral_contact.calibration.setting import Setting
+from spectral_contact.fields.series import Radius
+from spectral_contact.precise import reference
+from spectral_contact.studies import (
+    OwnSolver,
+    Stopwatch,
+    convergence,
+    fit_rate,
+    truth_of,
+    work_precision,
+)
+from spectral_contact.sweeps import sweep
+from spectral_contact.view.plotting import graded_radii
+
+SCENE = Scene(0.1, 0.5, 0.5, 0.1)
+NORMAL = Scene(0.1, 0.5)
+QUICK = Stopwatch(repeats=1, seconds=0.0, longest=0.0, processes=1)
+
+
+class Enough(SpectralContactError):
+    """Ends a long work as soon as it begins."""
+
+
+def stop(*_: object) -> None:
+    """Do so."""
+    raise Enough("the work has begun")
+
+
+def one(*_: object, **__: object) -> float:
+    """Return a field, or a solver's quantity."""
+    return 1.0
+
+
+class Quarter:
+    """A solution of some solver."""
+
+    approach = 0.25
+
+
+LAYER = {
+    **{"density": 1e10, "tip_radius": 5e-6, "height_deviation": 4e-7},
+    **{"youngs_modulus": 2.1e11, "poisson_ratio": 0.3, "pressure": 1e7},
+}
+
+
+def solver(scene: Scene, resolution: float) -> Quarter:
+    """Return a solution; it is timed in this process, as no other can import it."""
+    return Quarter()
+
+
+solver.__qualname__ = "examples.<locals>.solver"
+
+#: By name of a parameter.
+ARGUMENTS: dict[str, Any] = {
+    "scene": SCENE,
+    "scenes": SCENE,
+    "rtol": 1e-3,
+    **{"poisson_ratio": 0.3, "normal_compliance": 0.5, "friction": 0.1, "nu": 0.3},
+    **{"youngs_modulus": 2.1e11, "radius": 0.013, "load": 1.0, "approach_star": 0.3},
+    **{**LAYER, "hardness": 1e9},
+    **{"degree": 2, "order": 0, "count": 20, "digits": 15, "share": 0.5, "confidence": 0.9},
+    **{"sigma": 0.1, "approach": [0.3], "stick_radius": [0.5], "r": [0.5], "slip": [0.1]},
+    **{"quantity": "approach", "accuracy": 0.5, "name": "approach", "kind": "stick"},
+    **{"path": "x.json", "folder": "made", "text": SCENE.to_json(), "data": SCENE.to_dict()},
+    **{"x": [1, 2, 3], "y": [1, 2, 4], "unknowns": [1, 2, 3], "errors": [0.1, 0.01, 0.001]},
+    **{"resolutions": [8], "accuracies": [0.5], "solver": solver, "solvers": {"a": solver}},
+    **{"seconds": [0.1], "wanted": ["approach"], "field": one, "truth": Quarter()},
+    **{"from_edge": 0.5, "kappa": 0.2, "traction": one, "low": -1.0, "high": 1.0},
+    **{"inner": Radius(0.5, 0.5), "outer": Radius(0.75, 0.25), "layer": {}},
+}
+#: By name of the callable's parameter, where the name alone does not say it.
+SPECIAL: dict[str, Any] = {
+    "asperities.greenwood_williamson.pressure": 1e7,
+    "asperities.AsperityLayer.at.pressure": 1e7,
+    "calibration.PressureData.pressure": [0.3],
+    "calibration.fit.data": calibration.ApproachData([0.3], sigma=0.1),
+    "calibration.fit.free": "normal_compliance",
+    "calibration.RoughnessFit.from_json.text": "{}",
+    "paper.FigureData.largest_error.name": "pressure",
+    "paper.figure_data.name": "2",
+    "paper.read_csv.name": "2",
+    "view.plotting.Radii.evaluate.field": one,
+    "studies.named_solver.name": "os:getcwd",
+    "studies.WorkPrecision.of.solver": "a",
+    "studies.WorkPrecision.of.scene": NORMAL,
+    "studies.WorkPrecision.reached.solver": "a",
+    "studies.WorkPrecision.reached.scene": NORMAL,
+    "sweeps.sweep.scenes": NORMAL,
+    "testing.load.pressure": one,
+    "testing.normal_displacement.pressure": one,
+    "testing.tangential_displacement.pressure": one,
+}
+#: What goes along with a parameter, so that it is looked at, or the work is short.
+COMPANY: dict[str, dict[str, Any]] = {
+    "PhysicalData": {"load": 1.0},
+    "PhysicalData.approach": {},
+    "Scene.from_physical": {"load": 1.0},
+    "Scene.from_physical.approach": {},
+    "paper.reproduce.progress": {"folder": "\x00"},
+    "paper.reproduce": {"progress": stop, "pictures": False},
+    "studies.convergence": {"stopwatch": None, "truth": Quarter(), "scene": NORMAL},
+    "studies.work_precision": {"stopwatch": QUICK, "truths": [Quarter()], "scenes": NORMAL},
+    "studies.truth_of": {"truth": Quarter(), "scene": NORMAL},
+    "testing.check_solution": {"strict": False},
+    "sweeps.sweep": {"quantities": ["approach"]},
+    "sweeps.sweep.s": {"quantities": ["pressure"]},
+    "sweeps.sweep.from_edge": {"quantities": ["pressure"]},
+    "sweeps.sweep.quantities": {},
+}
+
+
+class Examples:
+    """Good arguments, and an instance of every class that has public methods.
+
+    Parameters
+    ----------
+    bench : Bench
+    """
+
+    def __init__(self, bench: Bench) -> None:
+        from matplotlib.figure import Figure
+
+        [si, *_] = [one.scene.physical for one in bench.solutions if one.scene.physical]
+        own, self.bench = convergence(solver, NORMAL, [1, 2], Quarter(), stopwatch=None), bench
+        compared = work_precision({"a": solver}, NORMAL, [0.5], [Quarter()], stopwatch=QUICK)
+        data = calibration.ApproachData([0.3], sigma=0.1)
+        table = np.zeros((1, 12))
+        figure = paper.figures.paper_figure("2")
+        rate = fit_rate([10, 20, 40], [1e-2, 2.6e-3, 6e-4])
+        self._instances = [
+            *bench.solutions,
+            *(one.physical for one in bench.solutions if one.scene.physical is not None),
+            *(SCENE, si, own, own.points[0], own.points, rate),
+            *(compared, QUICK, OwnSolver(), truth_of(NORMAL), figure),
+            paper.FigureData(figure, 1e-3, table[:, : len(figure.columns)].copy()),
+            *(graded_radii(bench.solutions[0], 20), reference(Scene(0.1), 15)),
+            *(data, calibration.PressureData([0.5], [0.3], sigma=0.1)),
+            calibration.StickRadiusData([0.5], sigma=0.1),
+            greenwood_williamson(**LAYER),
+            calibration.fit(NORMAL, data, "normal_compliance", rtol=1e-4),
+        ]
+        self._instances += [self._instances[-1].parameters[0]]
+        self._arguments = {
+            **ARGUMENTS,
+            "solution": bench.solutions[0],
+            "plan": bench.solutions[0].plan,
+            "figure": Figure(),
+            "setting": Setting.of(SCENE, 1e-3),
+            "layer": {"normal_compliance": 0.5, "tangential_compliance": 0.5, "friction": 0.1},
+        }
+        self._special = {
+            **SPECIAL,
+            "Solution.from_json.text": bench.solutions[0].to_json(),
+            "paper.FigureData.figure": figure,
+            "paper.FigureData.table": table,
+            "sweeps.plot_slice.dataset": sweep(
+                NORMAL, friction=[0.1, 0.2], quantities=["approach"]
+            ),
+        }
+
+    def instance(self, cls: type) -> Any:
+        """Return an instance of a class."""
+        found = [one for one in self._instances if isinstance(one, cls)]
+        if not found:
+            found = [self._made(cls)]
+        return found[0]
+
+    def _made(self, cls: type) -> Any:
+        parameters = list(inspect.signature(cls).parameters.values())
+        return cls(**self.arguments(cls.__name__, parameters))
+
+    def arguments(self, name: str, parameters: list[inspect.Parameter]) -> dict[str, Any]:
+        """Return what a callable must be given."""
+        return {
+            one.name: self._special.get(f"{name}.{one.name}", self._arguments.get(one.name))
+            for one in parameters
+            if one.default is one.empty and one.kind is not one.VAR_POSITIONAL
+        }
+
+    def company(self, name: str, parameter: str) -> dict[str, Any]:
+        """Return what else a callable is given while one parameter is looked at."""
+        return COMPANY.get(f"{name}.{parameter}", COMPANY.get(name, {}))

@@ -1,0 +1,446 @@
+"""The faults of `mutants`: a text, what it becomes, and the tests that are to notice."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["MUTANTS", "Mutant"]
+
+
+class Mutant(NamedTuple):
+    """One fault.
+
+    Attributes
+    ----------
+    fault : str
+        In words.
+    file : str
+        Relative to the repository.
+    old, new : str
+        A text that is there once, and what it becomes.
+    tests : str
+        Arguments of pytest: few and fast.
+    """
+
+    fault: str
+    file: str
+    old: str
+    new: str
+    tests: str
+
+
+_PACKAGE = "spectral_contact"
+_CONTACT, _PRECISE, _FORMS = (
+    f"{_PACKAGE}/contact",
+    f"{_PACKAGE}/precise",
+    f"{_PACKAGE}/closed_forms",
+)
+_UNIT, _REFERENCE = "tests/unit", "tests/reference"
+_CERTIFICATES = f"{_UNIT}/precise/test_precise_comparison.py"
+_COUPLED = f"{_UNIT}/contact/test_coupled_outcome.py"
+_ENDINGS = f"{_UNIT}/contact/test_endings.py"
+_EXACT = f"{_REFERENCE}/test_closed_forms.py"
+_SOLVER = f"{_UNIT}/solving/test_solver.py"
+
+MUTANTS = (
+    # certificates
+    Mutant(
+        "the approach is off by 1e-25",
+        f"{_PRECISE}/run.py",
+        "return self.fixed.numbers(self.drive.approach)",
+        "return self.fixed.numbers(self.drive.approach) * (1 + self.fixed.mp.mpf('1e-25'))",
+        _CERTIFICATES,
+    ),
+    Mutant(
+        "two meshes are hardly compared",
+        f"{_PRECISE}/reference.py",
+        "max(2.0 * float(",
+        "max(0.01 * float(",
+        _CERTIFICATES,
+    ),
+    Mutant(
+        "digits that are not reached are certified",
+        f"{_PRECISE}/reference.py",
+        "worst <= 10.0**-digits",
+        "worst <= inf",
+        _CERTIFICATES,
+    ),
+    Mutant(
+        "a certificate promises more than its check aims at",
+        f"{_PRECISE}/reference.py",
+        "floor = 10.0**-check.digits",
+        "floor = 0.0",
+        _CERTIFICATES,
+    ),
+    # endings and reasons
+    Mutant(
+        "the least bad ending is told",
+        f"{_PACKAGE}/solving/run.py",
+        "ending = max(",
+        "ending = min(",
+        _ENDINGS,
+    ),
+    Mutant(
+        "more unknowns than allowed are not noticed",
+        f"{_PACKAGE}/solving/run.py",
+        "if best.unknowns > self.max_unknowns:",
+        "if False:",
+        _ENDINGS,
+    ),
+    Mutant(
+        "zones that break the law converge",
+        f"{_PACKAGE}/solving/run.py",
+        " or Ending.ZONES in self.endings",
+        "",
+        _ENDINGS,
+    ),
+    Mutant(
+        "the reason why nothing slips is turned round",
+        f"{_PACKAGE}/solving/run.py",
+        "friction is not below the critical",
+        "friction is below the critical",
+        _ENDINGS,
+    ),
+    Mutant(
+        "the reason why nothing slips is turned round, coupled",
+        f"{_PACKAGE}/solving/coupled_run.py",
+        "friction is not below the critical",
+        "friction is below the critical",
+        _ENDINGS,
+    ),
+    Mutant(
+        "coupled zones that break the law converge",
+        f"{_PACKAGE}/solving/coupled_run.py",
+        "if not found.consistent:",
+        "if False:",
+        _COUPLED,
+    ),
+    Mutant(
+        "coupled slip about to start is ruled out",
+        f"{_PACKAGE}/solving/coupled_run.py",
+        "error = 0.0 if safe else 1.0",
+        "error = 0.0",
+        _COUPLED,
+    ),
+    # contact: what coupled solves refuse, bound and estimate, and any zones
+    Mutant(
+        "traction in stick may exceed friction",
+        f"{_CONTACT}/coupled_outcome.py",
+        "if excess > _BROKEN:",
+        "if False:",
+        _COUPLED,
+    ),
+    Mutant(
+        "the pressure may pull",
+        f"{_CONTACT}/coupled_outcome.py",
+        "if not np.min(values) > 0.0:",
+        "if False:",
+        _COUPLED,
+    ),
+    Mutant(
+        "coupled solves take twice the unknowns allowed",
+        f"{_CONTACT}/coupled_zones.py",
+        "max_unknowns // 2",
+        "max_unknowns",
+        _COUPLED,
+    ),
+    Mutant(
+        "the coupled shear has the error of the approach",
+        f"{_CONTACT}/coupled_problem.py",
+        "shear_error=sum(errors)",
+        "shear_error=errors[0]",
+        _COUPLED,
+    ),
+    Mutant(
+        "a zone narrower than its errors is certain",
+        f"{_CONTACT}/boundaries.py",
+        "        return inf\n",
+        "        return max(map(max, errors))\n",
+        f"{_UNIT}/contact/test_boundaries.py",
+    ),
+    Mutant(
+        "Newton's method believes in boundaries that are not near",
+        f"{_CONTACT}/boundaries.py",
+        'raise NoBoundariesError("no boundaries near by")',
+        "break",
+        f"{_UNIT}/contact/test_boundaries.py",
+    ),
+    Mutant(
+        "of several stick annuli one is solved for",
+        f"{_CONTACT}/zone_system.py",
+        "if state == 0 and k > 0]",
+        "if state == 0 and k > 0][-1:]",
+        f"{_REFERENCE}/test_two_slip_annuli.py",
+    ),
+    Mutant(
+        "slip is known where its zone is not",
+        f"{_CONTACT}/friction_law.py",
+        "return inf if boundary_error == inf else 0.0",
+        "return 0.0",
+        f"{_SOLVER} -k slip_is_unknown",
+    ),
+    Mutant(
+        "the wrong sense of slip ends short of the edge",
+        f"{_CONTACT}/friction_law.py",
+        "0.0 if b == last else float(y[b])",
+        "float(y[b])",
+        f"{_UNIT}/contact/test_friction_law.py",
+    ),
+    Mutant(
+        "slip with the traction is consistent",
+        f"{_CONTACT}/friction_law.py",
+        " and wrong <= max(slip_error, _NEGLIGIBLE)",
+        "",
+        f"{_UNIT}/contact/test_friction_law.py",
+    ),
+    # kernels, polynomials, equations, bounds
+    Mutant(
+        "the tangential kernel is off by a half",
+        f"{_PACKAGE}/equations/kernels.py",
+        "(lo / hi) / 3.0",
+        "(lo / hi) / 2.0",
+        f"{_UNIT}/equations/test_kernels.py -k right_to_rounding",
+    ),
+    Mutant(
+        "the distance that a kernel is given is ignored",
+        f"{_PACKAGE}/equations/kernels.py",
+        "(gap / hi) * ((hi + lo) / hi)",
+        "((hi - lo) / hi) * ((hi + lo) / hi)",
+        f"{_UNIT}/equations/test_kernels.py -k distance_counts",
+    ),
+    Mutant(
+        "Clenshaw's last step is a whole one",
+        f"{_PACKAGE}/fields/legendre.py",
+        "- 0.5 * later",
+        "- later",
+        f"{_UNIT}/fields/test_fields.py",
+    ),
+    Mutant(
+        "the upper bound of the approach lacks the residual",
+        f"{_PACKAGE}/equations/bounds.py",
+        "upper, lower = approach / energy,",
+        "upper, lower = approach / load(field, breaks=breaks) / (2.0 * pi),",
+        f"{_REFERENCE}/test_bounds.py -k bad_pressures",
+    ),
+    Mutant(
+        "distances to a radius next to the edge cancel",
+        f"{_PACKAGE}/fields/series.py",
+        "np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)",
+        "self.value - s",
+        f"{_UNIT}/fields/test_fields.py",
+    ),
+    Mutant(
+        "radii next to the edge lose their distance",
+        f"{_PACKAGE}/fields/series.py",
+        "return cls(value, outside / total / (1.0 + value))",
+        "return cls(value, 1.0 - value)",
+        f"{_UNIT}/fields/test_fields.py",
+    ),
+    # closed forms
+    Mutant(
+        "the shear of full stick is that of another logarithm",
+        f"{_FORMS}/smooth.py",
+        "math.log(2.0)",
+        "math.log(3.0)",
+        f"{_EXACT} -k moments",
+    ),
+    Mutant(
+        "the series for large compliance has another third term",
+        f"{_FORMS}/series.py",
+        "special.zeta(3.0)) / 8.0",
+        "special.zeta(3.0)) / 9.0",
+        f"{_EXACT} -k large_compliance",
+    ),
+    Mutant(
+        "the shear of partial slip lacks its logarithm",
+        f"{_FORMS}/partial_slip.py",
+        " + 2.0 * kappa(poisson_ratio) * math.log1p(stick.radius)",
+        "",
+        f"{_EXACT} -k shear",
+    ),
+    Mutant(
+        "coupled traction turns the other way",
+        f"{_FORMS}/coupled.py",
+        "first + second)",
+        "first - second)",
+        f"{_EXACT} -k coupled_fields_solve",
+    ),
+    Mutant(
+        "eigenfunctions have the wrong sign outside",
+        f"{_FORMS}/eigenpairs.py",
+        "outer = (-1) ** k * ",
+        "outer = ",
+        f"{_EXACT} -k eigen",
+    ),
+    # scenes, plans, records, solutions
+    Mutant(
+        "kappa is doubled",
+        f"{_PACKAGE}/scene.py",
+        "(1.0 - 2.0 * self.poisson_ratio) / (4.0 *",
+        "(1.0 - 2.0 * self.poisson_ratio) / (2.0 *",
+        f"{_UNIT}/test_scene.py -k kappa",
+    ),
+    Mutant(
+        "SI compliances have the wrong sign of the square of nu",
+        f"{_PACKAGE}/scene.py",
+        "4 * (1 - Fraction(",
+        "4 * (1 + Fraction(",
+        f"{_UNIT}/test_scene.py -k compliances_become",
+    ),
+    Mutant(
+        "nu = -1 is a scene",
+        f"{_PACKAGE}/scene.py",
+        "low=-1.0, high=0.5, low_open=True",
+        "low=-1.0, high=0.5",
+        f"{_UNIT}/test_scene.py -k out_of_range",
+    ),
+    Mutant(
+        "slip is planned where it is not asked for",
+        f"{_PACKAGE}/solving/planning.py",
+        'if "slip" in present:',
+        'if "slip" not in present:',
+        f"{_UNIT}/solving/test_planning.py",
+    ),
+    Mutant(
+        "an incompressible half-space is planned as any other",
+        f"{_PACKAGE}/solving/planning.py",
+        "if scene.friction is None or scene.poisson_ratio == 0.5:",
+        "if scene.friction is None:",
+        f"{_UNIT}/solving/test_planning.py",
+    ),
+    Mutant(
+        "the work is that of the smallest system",
+        f"{_PACKAGE}/records.py",
+        "return max((step.unknowns",
+        "return min((step.unknowns",
+        f"{_SOLVER} -k test_work",
+    ),
+    Mutant(
+        "the opening in metres is dimensionless",
+        f"{_PACKAGE}/solution.py",
+        "value = self.solution.opening\n        return None if value is None else value *",
+        "value = self.solution.opening\n        return None if value is None else value + 0.0 *",
+        f"{_UNIT}/view/test_report.py",
+    ),
+    Mutant(
+        "slip in metres is a share of the radius",
+        f"{_PACKAGE}/solution.py",
+        'self._scaled("slip", self._length,',
+        'self._scaled("slip", self.radius,',
+        f"{_SOLVER} -k physical_fields",
+    ),
+    Mutant(
+        "errors in SI units are not inherited from an approach",
+        f"{_PACKAGE}/view/report.py",
+        "inherited = 0.0 if data.approach is None else approach_error",
+        "inherited = 0.0",
+        f"{_UNIT}/view/test_report.py",
+    ),
+    # input and files
+    Mutant(
+        "open ends of intervals are closed",
+        f"{_PACKAGE}/inputs/checks.py",
+        "(number == low and not low_open)",
+        "number == low",
+        f"{_UNIT}/inputs/test_checks.py -k unless_open",
+    ),
+    Mutant(
+        "masked values are numbers",
+        f"{_PACKAGE}/inputs/checks.py",
+        " or np.ma.is_masked(values)",
+        "",
+        f"{_UNIT}/inputs/test_checks.py -k numpy_would_make",
+    ),
+    Mutant(
+        "a changed solution is loaded",
+        f"{_PACKAGE}/io/storage.py",
+        '_checksum(tree, used) != document["sha256"] or ',
+        "",
+        f"{_UNIT}/io/test_storage.py -k changed_documents",
+    ),
+    Mutant(
+        "rounded gold numbers are read",
+        f"{_PACKAGE}/gold/loader.py",
+        "len(figures) >= self.digits",
+        "len(figures) >= 3",
+        f"{_UNIT}/gold/test_gold.py -k altered",
+    ),
+    Mutant(
+        "gold zones may leave gaps",
+        f"{_PACKAGE}/gold/loader.py",
+        "if [numbers[0], numbers[2]] != start:",
+        "if False:",
+        f"{_UNIT}/gold/test_gold.py -k altered",
+    ),
+    # tools
+    Mutant(
+        "a checked solution may be wrong by 1e-7",
+        f"{_PACKAGE}/testing/checks.py",
+        "_FLOOR = 1e-12",
+        "_FLOOR = 1e-7",
+        f"{_UNIT}/testing/test_testing.py -k wrong",
+    ),
+    Mutant(
+        "slip with the traction passes the check",
+        f"{_PACKAGE}/testing/checks.py",
+        "np.maximum(displacement[slip] * sense[slip], 0.0)",
+        "np.maximum(-displacement[slip] * sense[slip], 0.0) * 0.0",
+        f"{_UNIT}/testing/test_testing.py -k wrong",
+    ),
+    Mutant(
+        "spectra are trusted sixteen times more",
+        f"{_PACKAGE}/sweeps/error_maps.py",
+        "_RATIO_SAFETY: Final = 8.0",
+        "_RATIO_SAFETY: Final = 0.5",
+        f"{_UNIT}/sweeps/test_sweep.py -k sharp",
+    ),
+    Mutant(
+        "a scene that fails in a sweep keeps its numbers",
+        f"{_PACKAGE}/sweeps/chunk.py",
+        "            values[i] = np.nan\n",
+        "            values[i] = 0.0\n",
+        f"{_UNIT}/sweeps/test_sweep.py -k a_scene_that_fails",
+    ),
+    Mutant(
+        "fits believe in the noise of derivatives",
+        f"{_PACKAGE}/calibration/estimate.py",
+        "noise = 10.0 *",
+        "noise = 0.0 *",
+        f"{_UNIT}/calibration/test_calibration.py -k noise_of",
+    ),
+    Mutant(
+        "intervals of fits are one-sided",
+        f"{_PACKAGE}/calibration/outcome.py",
+        "0.5 + 0.5 * share",
+        "share",
+        f"{_UNIT}/calibration/test_calibration.py -k an_interval",
+    ),
+    Mutant(
+        "rates of measured errors are certain",
+        f"{_PACKAGE}/studies/fitting.py",
+        "_SCATTER = 0.05",
+        "_SCATTER = 0.0",
+        f"{_UNIT}/studies/test_fitting.py",
+    ),
+    Mutant(
+        "a line has one degree of freedom too many",
+        f"{_PACKAGE}/studies/fitting.py",
+        "freedom = len(values) - 2",
+        "freedom = len(values) - 1",
+        f"{_UNIT}/studies/test_fitting.py",
+    ),
+    Mutant(
+        "the truth of another scene is taken",
+        f"{_PACKAGE}/studies/truth.py",
+        "and not _same_problem(own, scene)",
+        "and False",
+        f"{_UNIT}/studies/test_studies.py -k truth",
+    ),
+    Mutant(
+        "repeated measurements stop at the first",
+        f"{_PACKAGE}/studies/timing.py",
+        "len(times) < stopwatch.repeats or",
+        "len(times) < 1 or",
+        f"{_UNIT}/studies/test_timing.py -k repeat",
+    ),
+)

@@ -1,0 +1,236 @@
+"""What the net asks of every scene: did it converge, and is every true error within its estimate.
+
+Nothing here knows more of the library than its public API.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+
+
+sys.path.append(str(Path(__file__).parents[1] / "honesty"))
+
+from coupled_slip_errors import Sample, ratios, sample, values
+from honesty_errors import compare, violates, zones_error
+from net_kept import NEAR, Kept, KeptZone, scene_of
+from oracles import gold_errors, hard_cases
+
+from spectral_contact import (
+    ConvergenceError,
+    NotComputedError,
+    Scene,
+    Solution,
+    clear_caches,
+    gold,
+    solve,
+)
+
+HARD_RTOL = 1e-12
+#: By what an estimate of a hard case may grow where the tolerance does not bound it.
+WORSE = 10.0
+#: Where the friction law is looked at, from the ends of a zone, in its width.
+LAW = np.geomspace(1e-6, 0.45, 30)
+#: Distance of a solution from the law that rounding explains.
+ROUNDING = 1e-14
+
+
+@dataclass
+class Finding:
+    """What became of one scene.
+
+    Attributes
+    ----------
+    name : str
+    converged : bool
+    violations : list of str
+        True errors above their estimates, and exceptions.
+    estimates : dict of str to float
+        Those of hard cases, at the tightest tolerance.
+    verdict : str
+        Of scenes at thresholds: right, refused or wrong.
+    """
+
+    name: str
+    converged: bool
+    violations: list[str] = field(default_factory=list)
+    estimates: dict[str, float] = field(default_factory=dict)
+    verdict: str = ""
+
+    def to_row(self) -> dict[str, Any]:
+        """Return what there is to say, as a dictionary."""
+        return {key: value for key, value in asdict(self).items() if value not in ([], {}, "")}
+
+
+Judge = Callable[[Solution], list[str]]
+
+
+def solved(name: str, scene: Scene, rtol: float, judge: Judge) -> tuple[Finding, Solution | None]:
+    """Solve a scene and judge it; what raises is a violation, but for an honest refusal."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            solution = solve(scene, rtol, strict=False)
+            return Finding(name, solution.converged, judge(solution)), solution
+    except (ConvergenceError, NotComputedError):
+        return Finding(name, False), None
+    except Exception as error:  # whatever it is, it is a violation
+        return Finding(name, False, [f"{type(error).__name__}: {error!s:.120}"]), None
+
+
+def exceeded(pairs: dict[str, tuple[float, float]]) -> list[str]:
+    """Return true errors that are above their estimates as text."""
+    return [
+        f"{name}: error {error:.2g}, estimate {most:.2g}" for name, (error, most) in pairs.items()
+    ]
+
+
+def gold_scenes(every: int) -> Iterator[Finding]:
+    """Solve the gold scenes at four tolerances, or at the loosest and the tightest."""
+    tolerances = gold_errors.TOLERANCES if every == 1 else gold_errors.TOLERANCES[::3]
+    for rtol in tolerances:
+        for table in gold.tables():
+            for true in table.solutions:
+                name = f"{true.name} at {rtol:g}"
+
+                def judge(double: Solution, true: Any = true) -> list[str]:
+                    return exceeded(gold_errors.exceeded(double, true))
+
+                finding, double = solved(name, true.scene, rtol, judge)
+                unmet = gold_errors.unmet(double, true, rtol) if finding.converged else {}
+                for quantity, estimate in unmet.items():
+                    text = f"{quantity}: converged with the estimate {estimate:.2g}"
+                    finding.violations.append(text)
+                yield finding
+
+
+def hard_scenes(truths: dict[str, Any], every: int) -> Iterator[Finding]:
+    """Solve the hard cases, without those that are slow where not all is asked."""
+    for case in hard_cases.CASES:
+        if case.slow and every > 1:
+            continue
+
+        def judge(solution: Solution, truth: Any = truths[case.name]) -> list[str]:
+            return exceeded(hard_cases.exceeded(solution, truth))
+
+        with np.errstate(all="raise"):  # underflow, too
+            finding, solution = solved(case.name, case.scene, HARD_RTOL, judge)
+        if solution is not None:
+            names = ("approach", "pressure", "traction", "total_shear", "zones")
+            finding.estimates = {name: float(getattr(solution.error, name)) for name in names}
+        yield finding
+
+
+def worse(finding: Finding, before: dict[str, Any]) -> list[str]:
+    """Return in what a hard case is worse than it was."""
+    found = []
+    for name, estimate in finding.estimates.items():
+        old = before["estimates"][name]
+        if not estimate <= max(WORSE * old, HARD_RTOL):
+            found.append(f"{name}: estimate {old:.2g} before, {estimate:.2g} now")
+    return found
+
+
+def honesty_scenes(kept: list[dict[str, Any]], every: int) -> Iterator[Finding]:
+    """Solve random scenes whose truths are kept."""
+    for row in kept[::every]:
+        truth = row["truth"]
+        judge = _slip_judge(truth) if row["kind"] == "coupled slip" else _field_judge(truth)
+        name = f"{row['kind']} {row['number']}"
+        yield solved(name, scene_of(row["scene"]), row["rtol"], judge)[0]
+
+
+def _field_judge(row: dict[str, Any]) -> Judge:
+    truth = Kept(row)
+
+    def judge(solution: Solution) -> list[str]:
+        found = compare(solution, truth, truth.at)
+        return exceeded(
+            {n: (e, most) for n, (e, most, own) in found.items() if violates(e, most, own)}
+        )
+
+    return judge
+
+
+def _slip_judge(row: dict[str, Any]) -> Judge:
+    truth = Sample(**row["sample"])
+
+    def judge(solution: Solution) -> list[str]:
+        if len(solution.zones) != len(row["zones"]):
+            return exceeded(_zones_missed(solution, row))
+        found = ratios(sample(solution, NEAR), truth)
+        return [f"{n}: {r:.2g} times the estimate" for n, r in found.items() if not r <= 1.0]
+
+    return judge
+
+
+def _zones_missed(solution: Solution, row: dict[str, Any]) -> dict[str, tuple[float, float]]:
+    """Return the error of the zones, missing ones too, if it is above the estimate."""
+    truth = SimpleNamespace(zones=[KeptZone(*zone) for zone in row["zones"]])
+    error, most = zones_error(solution, truth), float(solution.error.zones)
+    return {"zones": (error, most)} if violates(error, most, row["zones_error"]) else {}
+
+
+def threshold_scenes(kept: list[dict[str, Any]], every: int) -> Iterator[Finding]:
+    """Solve scenes where a zone appears, joins or vanishes, and say what became of each.
+
+    Wrong is what converged and misses the law by its own fields, or the zones as far as these are
+    known, beyond the estimates. Nothing is a violation yet.
+    """
+    for row in kept[::every]:
+        if row["slow"] and every > 1:
+            continue
+
+        def judge(solution: Solution, row: dict[str, Any] = row) -> list[str]:
+            missed = exceeded(_zones_missed(solution, row)) if row["zones"] else []
+            return missed + off_the_law(solution)
+
+        finding, _ = solved(row["name"], scene_of(row["scene"]), row["rtol"], judge)
+        raised = finding.violations and not finding.converged
+        finding.verdict = "refused" if not finding.converged else "right"
+        if finding.violations:
+            finding.verdict = "raised" if raised else "wrong"
+        yield finding
+
+
+def off_the_law(solution: Solution) -> list[str]:
+    """Return where friction is exceeded in stick, or slip has the wrong sense, beyond estimates."""
+    friction = solution.scene.friction
+    if friction is None or not np.isfinite(friction):
+        return []
+    p, q, slip = (values(solution, name, LAW) for name in ("pressure", "traction", "slip"))
+    kinds = np.concatenate(
+        [np.repeat(zone.kind, len(LAW) * (1 + (zone.inner > 0.0))) for zone in solution.zones]
+    )
+    error = solution.error
+    room = error.pressure + error.traction + error.zones + ROUNDING
+    stick, found = (kinds == "stick") & (p > 0.0), []
+    excess = float(np.max(np.abs(q[stick]) / (friction * p[stick]) - 1.0, initial=0.0))
+    if not excess <= room:
+        found.append(f"stick: friction exceeded by {excess:.2g}, room for {room:.2g}")
+    wrong = np.max(slip * np.sign(q), where=kinds == "slip", initial=0.0)
+    share = float(wrong / np.max(np.abs(slip), initial=1e-300))
+    if not share <= error.slip + ROUNDING:
+        found.append(f"slip: {share:.2g} of it in the wrong sense, estimate {error.slip:.2g}")
+    return found
+
+
+def sections(kept: dict[str, Any], every: int) -> Iterator[tuple[str, list[Finding]]]:
+    """Yield every section with its findings, each begun with empty caches."""
+    for name, findings in (
+        ("gold", gold_scenes(every)),
+        ("hard", hard_scenes(kept["hard"], every)),
+        ("honesty", honesty_scenes(kept["honesty"], every)),
+        ("thresholds", threshold_scenes(kept["thresholds"], every)),
+    ):
+        clear_caches()
+        yield name, list(findings)

@@ -1,0 +1,245 @@
+"""Fit synthetic measurements, many times: python validation/physics/roughness_fit.py.
+
+Writes validation/results/roughness_fit.json, .md and .png. The truth is known, the noise random,
+and the fit starts at what Greenwood and Williamson's model says of a surface. If its errors are
+honest, the deviations from the truth have the distribution that its covariance says.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import json
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import chi2
+
+from spectral_contact import Scene, __version__, solve
+from spectral_contact.asperities import greenwood_williamson
+from spectral_contact.calibration import (
+    PARAMETERS,
+    ApproachData,
+    PressureData,
+    RoughnessFit,
+    StickRadiusData,
+    fit,
+)
+
+RESULTS = Path(__file__).parents[1] / "results"
+FITS = 40
+TRUTH = {"normal_compliance": 3e-15, "tangential_compliance": 4e-15, "friction": 0.05}
+MATERIAL = {"youngs_modulus": 200e9, "poisson_ratio": 0.3}
+LABELS = {
+    "normal_compliance": "α [m/Pa]",
+    "tangential_compliance": "β [m/Pa]",
+    "friction": "f",
+}
+RADIUS, LOAD = 1e-3, 500.0
+RADII = np.geomspace(0.25e-3, 4e-3, 8)
+PLACES = np.linspace(0.0, 0.95e-3, 8)
+#: Relative standard deviations of approaches, pressures and stick radii.
+NOISE = 0.01, 0.02, 0.02
+
+
+def scene(radius: float = RADIUS, **changes: float) -> Scene:
+    """Return the true scene, or another; all punches have the same load."""
+    return Scene.from_physical(**MATERIAL, radius=radius, load=LOAD, **{**TRUTH, **changes})
+
+
+def theory(layer: dict[str, float], radii: np.ndarray, places: np.ndarray) -> list[np.ndarray]:
+    """Return approaches and stick radii of the punches, and pressures under that of the scene."""
+    solved = [solve(scene(a, **layer), quantities=["approach", "stick_radius"]) for a in radii]
+    pressure = solve(scene(**layer), quantities=["pressure"]).physical.pressure(places)
+    approaches = np.array([one.physical.approach for one in solved])
+    return [approaches, pressure, np.array([one.physical.stick_radius for one in solved])]
+
+
+def start() -> Scene:
+    """Return the scene that the asperities of a surface suggest."""
+    layer = greenwood_williamson(
+        density=1e10,
+        tip_radius=5e-6,
+        height_deviation=0.4e-6,
+        **MATERIAL,
+        pressure=LOAD / (np.pi * RADIUS**2),
+    )
+    return scene(
+        normal_compliance=layer.normal_compliance,
+        tangential_compliance=layer.tangential_compliance,
+        friction=0.03,
+    )
+
+
+def measured(exact: list[np.ndarray], seed: int) -> tuple:
+    """Return data with noise."""
+    random = np.random.default_rng(seed)
+    noisy = [
+        v * (1 + s * random.standard_normal(len(v))) for v, s in zip(exact, NOISE, strict=True)
+    ]
+    sigma = [v * s for v, s in zip(exact, NOISE, strict=True)]
+    return (
+        ApproachData(noisy[0], sigma[0], radius=RADII),
+        PressureData(PLACES, noisy[1], sigma[1]),
+        StickRadiusData(noisy[2], sigma[2], radius=RADII),
+    )
+
+
+def offsets(found: RoughnessFit) -> np.ndarray:
+    """Return the logarithms of the parameters over their truth."""
+    return np.log([one.value / TRUTH[one.name] for one in found.parameters])
+
+
+def record(exact: list[np.ndarray], fits: list[RoughnessFit]) -> dict:
+    """Return the record of the study."""
+    rows = []
+    for seed, found in enumerate(fits):
+        covered = [
+            low <= TRUTH[one.name] <= high
+            for one in found.parameters
+            for low, high in [one.interval()]
+        ]
+        offset = offsets(found)
+        rows.append(
+            {
+                "seed": seed,
+                "fit": json.loads(found.to_json()),
+                "covered": covered,
+                "distance": float(offset @ np.linalg.solve(np.array(found.covariance), offset)),
+                "chi_square": found.chi_square,
+                "degrees_of_freedom": found.degrees_of_freedom,
+            }
+        )
+    return {
+        "schema": "spectral_contact.validation.roughness_fit",
+        "version": 1,
+        "library": __version__,
+        "count": len(rows),
+        "truth": TRUTH,
+        "radii": RADII.tolist(),
+        "exact": dict(zip(("approach", "pressure", "stick_radius"), map(list, exact), strict=True)),
+        "rows": rows,
+    }
+
+
+def table(found: dict) -> str:
+    """Return the summary as Markdown."""
+    rows, count = found["rows"], found["count"]
+    lines = [
+        f"{count} fits of {rows[0]['degrees_of_freedom'] + 3} noisy values each:",
+        "",
+        "| parameter | truth | mean of the estimates | their scatter | mean of the standard errors "
+        "| truth within the 95 % interval |",
+        "|---|---|---|---|---|---|",
+    ]
+    for i, name in enumerate(PARAMETERS):
+        ones = [row["fit"]["parameters"][i] for row in rows]
+        values = np.array([one["value"] for one in ones])
+        error = np.mean([one["relative_error"] for one in ones])
+        covered = sum(row["covered"][i] for row in rows)
+        lines.append(
+            f"| {LABELS[name]} | {TRUTH[name]:g} | {values.mean():.4g} "
+            f"| {100 * np.log(values).std(ddof=1):.2f} % | {100 * error:.2f} % "
+            f"| {covered} of {count} |"
+        )
+    for what, key, freedom in (
+        ("squared distances of the estimates from the truth, in the covariance,", "distance", 3),
+        ("chi squares of the data", "chi_square", rows[0]["degrees_of_freedom"]),
+    ):
+        low, high = chi2.interval(0.95, freedom * count)
+        total = sum(row[key] for row in rows)
+        lines += [
+            "",
+            f"The {what} add up to {total:.0f}; {low:.0f} to {high:.0f} is to be expected ",
+        ]
+        lines[-1] += "(95 %)."
+    return "\n".join(lines) + "\n"
+
+
+def draw(data: tuple, fits: list[RoughnessFit], path: Path) -> None:
+    """Draw the first data with their fit, and all estimates with the covariance of the first."""
+    from matplotlib.figure import Figure
+
+    from spectral_contact.view.plotting import save, style
+
+    found = fits[0]
+    radii = np.geomspace(RADII[0], RADII[-1], 40)
+    places = np.linspace(0.0, 0.995 * RADIUS, 60)
+    begin = start().physical
+    guess = {name: getattr(begin, name) for name in PARAMETERS[:2]} | {"friction": 0.03}
+    curves = {
+        "start: asperities": ("#999999", "--", guess),
+        "fit": ("#0072B2", "-", {one.name: one.value for one in found.parameters}),
+        "truth": ("#000000", ":", TRUTH),
+    }
+    with style():
+        figure = Figure(figsize=(8.4, 6.4), layout="constrained")
+        axes = figure.subplots(2, 2)
+        for label, (colour, line, layer) in curves.items():
+            approach, pressure, stick = theory(layer, radii, places)
+            look = {"color": colour, "ls": line, "label": label}
+            axes[0, 0].plot(1e3 * radii, 1e6 * approach, **look)
+            axes[0, 1].plot(1e3 * places, 1e-6 * pressure, **look)
+            axes[1, 0].plot(1e3 * radii, stick / radii, **look)
+        points = {"fmt": "o", "ms": 4.0, "color": "#D55E00", "label": "measured"}
+        first, second, third = data
+        axes[0, 0].errorbar(
+            1e3 * RADII, 1e6 * np.array(first.approach), 1e6 * np.array(first.sigma), **points
+        )
+        axes[0, 1].errorbar(
+            1e3 * PLACES, 1e-6 * np.array(second.pressure), 1e-6 * np.array(second.sigma), **points
+        )
+        axes[1, 0].errorbar(
+            1e3 * RADII,
+            np.array(third.stick_radius) / RADII,
+            np.array(third.sigma) / RADII,
+            **points,
+        )
+        axes[0, 0].set(ylabel="approach [μm]")
+        axes[0, 1].set(xlabel="radius $r$ [mm]", ylabel="pressure [MPa]")
+        axes[1, 0].set(ylabel="stick radius $c/a$")
+        for axis in (axes[0, 0], axes[1, 0]):
+            axis.set(xscale="log", xlabel="punch radius $a$ [mm]")
+            axis.set_xticks([0.25, 0.5, 1.0, 2.0, 4.0], ["0.25", "0.5", "1", "2", "4"])
+            axis.minorticks_off()
+        for axis in (axes[0, 0], axes[0, 1], axes[1, 0]):
+            axis.legend()
+        _draw_estimates(axes[1, 1], fits)
+        save(figure, str(path))
+
+
+def _draw_estimates(axis, fits: list[RoughnessFit]) -> None:
+    """Draw β and f of all fits, and the ellipses of 68 and 95 per cent around the truth."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    root = np.linalg.cholesky(np.array(fits[0].covariance)[1:, 1:])
+    for share, line in ((0.68, "-"), (0.95, "--")):
+        ring = np.sqrt(chi2.ppf(share, 2)) * root @ np.array([np.cos(angle), np.sin(angle)])
+        label = f"{100 * share:.0f} % by the covariance"
+        axis.plot(100 * ring[0], 100 * ring[1], color="#0072B2", ls=line, label=label)
+    points = 100 * np.array([offsets(found)[1:] for found in fits])
+    axis.plot(*points.T, "o", ms=3.0, color="#D55E00", label=f"{len(fits)} fits")
+    axis.plot([0.0], [0.0], "k+", ms=10.0, label="truth")
+    axis.set(xlabel=r"error of $\beta$ [%]", ylabel="error of $f$ [%]")
+    axis.legend()
+
+
+def main() -> None:
+    """Run and write the results."""
+    exact = theory({}, RADII, PLACES)
+    fits = []
+    for seed in range(FITS):
+        fits.append(fit(start(), measured(exact, seed), PARAMETERS))
+        print(f"\r{seed + 1} of {FITS}", end="", flush=True)
+    found = record(exact, fits)
+    RESULTS.mkdir(exist_ok=True)
+    text = json.dumps(found, indent=1)
+    (RESULTS / "roughness_fit.json").write_text(text + "\n", encoding="utf-8")
+    (RESULTS / "roughness_fit.md").write_text(table(found), encoding="utf-8")
+    draw(measured(exact, 0), fits, RESULTS / "roughness_fit.png")
+    print("\n" + table(found))
+
+
+if __name__ == "__main__":
+    main()
