@@ -158,7 +158,7 @@ def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ..
     widths = starmap(gap, pairwise(radii))
     if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
         return inf
-    return max(map(max, errors))
+    return max(map(max, errors), default=0.0)
 
 
 def _through_secants(slopes: Array, steps: list[Array], changes: list[Array]) -> Array:

@@ -65,7 +65,8 @@ def _misfits(solved: CoupledZones) -> list[tuple[Annulus, list[NDArray[np.float6
             halves = [part.family.panels for part in parts if part.zone == zone]
             annulus = slip_annulus(solved.bounds[zone], solved.bounds[zone + 1], halves)
             each = [
-                solved.system.slip_misfit(solved.solution, family) for family in annulus.families
+                solved.system.slip_misfit(solved.solution[:, :2], family)
+                for family in annulus.families
             ]
             misfits.append((annulus, each))
     return misfits

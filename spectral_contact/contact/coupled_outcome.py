@@ -10,7 +10,7 @@ from math import atan, ceil, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_parts import LEADING, leading_depth
+from spectral_contact.contact.coupled_parts import LEADING, ended
 from spectral_contact.contact.friction_law import (
     Interval,
     known_share,
@@ -259,16 +259,14 @@ def _fields(solved: Solved, parameters: Parameters) -> tuple[ZonalField, ZonalFi
 
 def _to_the_edge(solved: Solved, parameters: Parameters) -> LogSeries:
     """Return the pressure next to the edge; where it is singular it ends in its leading term."""
-    alpha, beta, kappa, friction = parameters
     series, state = solved.pressure[-1], solved.states[-1]
     if series.power == 0.0:
         return series
     if state:
-        return _as_power(series, state * kappa * friction)
-    depth = leading_depth(alpha, beta, gap(*solved.bounds[-2:]) / 2.0)
-    count = min(ceil(depth / series.width), len(series.coefficients))
-    tail = np.array([series.coefficients[count - 1].sum()])
-    return replace(series, coefficients=series.coefficients[:count], tail=tail)
+        return _as_power(series, state * parameters.kappa * parameters.friction)
+    shear = solved.shear[-1]
+    assert shear is not None
+    return ended(series, shear, parameters, gap(*solved.bounds[-2:]) / 2.0)[0]
 
 
 def _as_power(series: LogSeries, coupling: float) -> LogSeries:

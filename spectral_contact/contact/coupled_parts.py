@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate, pairwise
-from math import ceil, log
+from math import atanh, ceil, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.refine import Resolution
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parameters import Parameters
 
 __all__ = [
     "LEADING",
+    "ended",
     "joined",
     "leading_depth",
     "parted",
@@ -44,6 +46,30 @@ def leading_depth(alpha: float, beta: float, extent: float) -> float:
 def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
     """Return ``-ln`` of the width of the thinnest layer in units of an extent in ``s**2``, or 0."""
     return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
+
+
+def ended(
+    pressure: LogSeries, shear: LogSeries, parameters: Parameters, extent: float
+) -> list[LogSeries]:
+    """Return p and q/s toward an edge that sticks; what is singular ends in its leading term.
+
+    Where both are, on smooth surfaces, they oscillate: ``sqrt(y) (p + i q)`` goes over into
+    ``exp(-i theta ln y)`` with ``theta = ln(3 - 4 nu)/(2 pi)``.
+    """
+    alpha, beta, kappa, _ = parameters
+    both = [pressure, shear]
+    count = ceil(leading_depth(alpha, beta, extent) / pressure.width)
+    if count > len(pressure.coefficients):
+        return both
+    a, b = (float(one.coefficients[count - 1].sum()) for one in both)
+    smooth = alpha == 0.0 == beta
+    theta, tails = (atanh(2.0 * kappa) / pi, [(a, -b), (b, a)]) if smooth else (0.0, [(a,), (b,)])
+    return [
+        replace(one, coefficients=one.coefficients[:count], tail=np.array(tail), oscillation=theta)
+        if one.power
+        else one
+        for one, tail in zip(both, tails, strict=True)
+    ]
 
 
 def rounding_depth(end: Radius, extent: float) -> float:

@@ -8,7 +8,7 @@ each is what the fields make it is the condition of its boundary.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, pi
 
 import numpy as np
@@ -20,16 +20,14 @@ from spectral_contact.contact.boundaries import (
     longest,
     zones_error,
 )
+from spectral_contact.contact.coupled_errors import field_errors, shares_of, sizes_of
 from spectral_contact.contact.coupled_outcome import Solved
 from spectral_contact.contact.coupled_parts import (
     joined,
-    leading_depth,
     parted,
-    root_error,
-    rounding_depth,
 )
 from spectral_contact.contact.coupled_spaces import first_spaces
-from spectral_contact.contact.coupled_state import CoupledState
+from spectral_contact.contact.coupled_state import CoupledState, Effect
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import (
@@ -38,16 +36,13 @@ from spectral_contact.contact.resolution import (
     SAFETY,
     TRACTION_ROUNDING,
     boundary_error,
-    decay_rates,
-    expected_error,
     series_of,
-    share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
-from spectral_contact.spectral.factored import Factored
+from spectral_contact.spectral.factored import Factored, Symmetric, factored
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 
@@ -87,6 +82,11 @@ _SHARE, _KNOWN = 0.3, 0.03
 _SINGLE = 5e-7
 #: What corrections should leave, of the tolerance, as boundaries are known better than the fields.
 _FURTHER, _LEAST = 1e-3, 5e-15
+#: Where all sticks q/s rounds by so much more at the centre, where it is weakly determined.
+_CENTRE = 5.0
+#: What rounding leaves of a pressure; and of approach and shear, with boundaries and without.
+_PRESSURE_ROUNDING = 20.0 * ROUNDING
+_NOISE, _STUCK_NOISE = 40.0 * ROUNDING, 2.0 * ROUNDING
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 
@@ -98,8 +98,8 @@ class CoupledZones(Solved):
     Attributes
     ----------
     system : System
-    solution : ndarray, shape (unknowns, 2)
-        The vector of the system, and what the top two degrees contribute to it.
+    solution : ndarray, shape (unknowns, 3)
+        The vector of the system, and what the top two degrees and the top one contribute to it.
     """
 
     system: System
@@ -124,13 +124,19 @@ class CoupledProblem:
     layout : Layout
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
+    pointwise : bool
+        Whether it is that; else it bounds approach and shear, which err like its square.
     """
 
-    def __init__(self, parameters: Parameters, layout: Layout, tolerance: float) -> None:
-        self.parameters, self.tolerance = parameters, tolerance
+    def __init__(
+        self, parameters: Parameters, layout: Layout, tolerance: float, *, pointwise: bool = True
+    ) -> None:
+        self.parameters, self.pointwise = parameters, pointwise
+        self.goal = tolerance
+        self.tolerance = tolerance if pointwise else float(np.sqrt(tolerance))
         self.states = layout.states
         self.logits = np.array(layout.logits)
-        self._slopes = layout.slopes
+        self._slopes = layout.slopes if layout.logits else np.zeros((0, 0))
 
     @property
     def layout(self) -> Layout:
@@ -193,10 +199,9 @@ class CoupledProblem:
 
     def start(self) -> Resolution:
         """Return the first space, of all parts one after the other."""
-        assert self.slopes is not None
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway = np.sqrt(self.tolerance)
-        if halfway < 0.1 * ROUGH:
+        if len(self.slopes) and halfway < 0.1 * ROUGH:
             self._found(self._spaces(halfway), halfway, max(self.tolerance, _ENOUGH))
         spaces = self._spaces(self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
@@ -213,7 +218,7 @@ class CoupledProblem:
     def _factored(self, system: System) -> Factored:
         alpha, beta, _, _ = self.parameters
         thick = alpha >= _SINGLE and (beta == 0.0 or beta >= _SINGLE)
-        return Factored(system, exact=not thick)
+        return factored(system, exact=not thick)
 
     # solutions
 
@@ -229,7 +234,7 @@ class CoupledProblem:
 
     def _size(self, state: CoupledState, change: Array) -> float:
         """Return the largest share of a change."""
-        shares = self._shares(state.system, change, state.solution)
+        shares = shares_of(state.system, change, sizes_of(state.system, state.solution))
         return max(float(one.max()) for pair in shares for one in pair)
 
     def _found(self, spaces: list[Resolution], aim: float, settle: float) -> CoupledState:
@@ -238,8 +243,9 @@ class CoupledProblem:
         The boundaries move when more is left of them than the fields may be off. Factors serve as
         long as corrections with them shrink.
         """
-        factored = self._factored(self._system(spaces, self.logits))
-        state, begin = CoupledState.begin(factored.system, factored), self.logits
+        factors = self._factored(self._system(spaces, self.logits))
+        state, begin = CoupledState.begin(factors.system, factors), self.logits
+        self.left = self.off = 0.0
         moved: _Move | None = None
         size, alike = 1.0, -_FIRST  # corrections with these factors at these boundaries
         for _ in range(_STEPS):
@@ -247,7 +253,7 @@ class CoupledProblem:
             before, size, alike = size, self._size(state, change), alike + 1
             # factors of other boundaries are off by about their distance, in units of a layer: they
             # make an error next to the boundaries first, which the next correction takes back
-            drift = float(np.abs(self.logits - begin).max()) / self._narrowest
+            drift = float(np.abs(self.logits - begin).max(initial=0.0)) / self._narrowest
             astray = drift > _LEFT / _DRIFT * self._thinnest
             expected = max(_LEFT, _DRIFT * drift, size / before if alike > 1 + astray else 0.0)
             self.left = size * (1.0 if astray and alike < 2 else min(expected, 1.0))
@@ -255,14 +261,14 @@ class CoupledProblem:
                 self._learn(moved, state.mismatch)
                 moved = None
             step: Array = -np.linalg.solve(self.slopes, state.mismatch).astype(float)
-            self.off = float(np.abs(step).max())
+            self.off = float(np.abs(step).max(initial=0.0))
             if self.left < aim and self.off < settle:
                 break
             slow, own = (
                 alike > 1 + astray and size > _SLOW * before,
-                factored.system is state.system,
+                factors.system is state.system,
             )
-            if slow and ((own and factored.exact) or (size < _ROUNDED and self.off < settle)):
+            if slow and ((own and factors.exact) or (size < _ROUNDED and self.off < settle)):
                 break
             if self.off > max(0.5 * settle, self.left / _SHARE):
                 step *= min(1.0, longest(self.logits, step))
@@ -272,8 +278,8 @@ class CoupledProblem:
                 far = _FAR if self._thinnest > _THICK else _FAR_THIN
                 slow = float(np.abs(self.logits - begin).max()) > far * self._narrowest
             if slow:
-                factored = Factored(state.system, exact=factored.exact or (own and alike > 0))
-                state, begin, alike = state.by(factored), self.logits, 0
+                factors = factored(state.system, exact=factors.exact or (own and alike > 0))
+                state, begin, alike = state.by(factors), self.logits, 0
         return state
 
     @property
@@ -290,31 +296,12 @@ class CoupledProblem:
             missed = mismatch - move.mismatch - self.slopes @ move.step
             self._slopes = self.slopes + np.outer(missed, move.step) / float(move.step @ move.step)
 
-    def _shares(self, system: System, change: Array, size: Array) -> list[list[Array]]:
-        """Return a change of p and of q/s on every panel, relative to their sizes there."""
-        alpha, beta, _, _ = self.parameters
-        shares: list[list[Array]] = []
-        moved, values = system.split(change), system.split(size)
-        for k, part in enumerate(system.parts):
-            panels, reach = part.family.panels, part.family.reach
-            leading = leading_depth(alpha, beta, reach) if panels.power else inf
-            known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
-            pairs = [(panels, moved[0][k], values[0][k])]
-            if k in moved[1]:
-                pairs.append((part.shear.panels, moved[1][k], values[1][k]))
-            shares.append([])
-            for own, step, whole in pairs:
-                ends = series_of(own, whole).at_ends()
-                share = share_of_change(own, step, ends, leading=leading, known=known)
-                shares[-1].append(share)
-        return shares
-
     # outcome
 
     def attempt(self, resolution: Resolution) -> Attempt[CoupledZones]:
         """Solve in a space."""
         spaces = parted(resolution, self._counts, self.parameters.alpha)
-        aim, settle = max(_FURTHER * self.tolerance, _LEAST), max(0.01 * self.tolerance, _ENOUGH)
+        aim, settle = max(_FURTHER * self.goal, _LEAST), max(0.01 * self.goal, _ENOUGH)
         state = self._found(spaces, aim, settle)
         return self._assess(spaces, state)
 
@@ -322,49 +309,43 @@ class CoupledProblem:
         """Turn the final trial into a solution with its errors."""
         if not np.isfinite(state.solution).all():
             raise NoBoundariesError("the system has no solution that is finite")
-        system = state.system
+        system, effects = state.system, state.effects()
         whole = state.solution * state.approach
-        effects = state.effects()
         moved = [state.approach * one.change for one in effects]
-        pressure, shear = system.split(whole)
-        rates = [
-            [decay_rates(space, one) for one in (pressure[k], shear.get(k)) if one is not None]
-            for k, space in enumerate(spaces)
-        ]
-        shares = self._shares(system, moved[0], whole)
-        expected = [
-            [expected_error(*pair) for pair in zip(*both, strict=True)]
-            for both in zip(shares, rates, strict=True)
-        ]
         # what the boundaries still are off is felt everywhere
         inverse = np.abs(np.linalg.inv(self.slopes))
-        off = 2.0 * float((inverse @ np.abs(state.mismatch)).max())
+        off = 2.0 * float((inverse @ np.abs(state.mismatch)).max(initial=0.0))
+        fields = field_errors(spaces, system, whole, moved[0])
         left = self.left + off
-        pressure_error = max(float(one[0].max()) for one in expected)
-        pressure_error += left + 20.0 * ROUNDING
-        traction_error = max(float(one[-1].max()) for one in expected)
-        traction_error = max(traction_error, self._edge_error(system, moved[0], whole))
-        traction_error += left + TRACTION_ROUNDING
+        rounding = 1.0 if system.radii else _CENTRE
+        pressure_error = fields.pressure + left + _PRESSURE_ROUNDING
+        traction_error = fields.traction + left + rounding * TRACTION_ROUNDING
         error = max(pressure_error, traction_error)
         # what superconverges may change little by accident, but hardly against the square
-        squared = error**2
+        squared = (float(fields.indicators.max()) + left + TRACTION_ROUNDING) ** 2
+        noise = (_NOISE if system.radii else _STUCK_NOISE) + self.left * 1e-2
+        known = squared + noise + off
+        shifts = inverse @ self._missed(state, effects, squared + noise)
+        shifts += float(np.finfo(float).eps) * np.abs(self.logits)
+        bend = 2.0 * max(
+            (float(d) ** 2 * r.rest for d, r in zip(shifts, system.radii, strict=True)), default=0.0
+        )
         total = system.total_shear(whole)
         sheared = max(abs(system.total_shear(one)) for one in moved) / abs(total)
-        noise = 40.0 * ROUNDING + self.left * 1e-2
-        known = squared + noise + off
-        kept = 2.0 * SAFETY * LEAST_RATE
-        missed = kept * np.max([np.abs(one.mismatch) for one in effects], axis=0)
-        missed = missed + squared + noise + self.left + 2.0 * np.abs(state.mismatch)
-        shifts = inverse @ missed + float(np.finfo(float).eps) * np.abs(self.logits)
-        scales = (state.approach, state.lifts), (0.0, effects[0].lifts)
-        stuck, lost = (
-            self._stuck(system, state.lacking(vector, approach, state.approach * lifts))
-            for vector, (approach, lifts) in zip((whole, moved[0]), scales, strict=True)
-        )
         boundary_errors = tuple(
             boundary_error(float(d), r) for d, r in zip(shifts, system.radii, strict=True)
         )
-        bend = 2.0 * max(float(d) ** 2 * r.rest for d, r in zip(shifts, system.radii, strict=True))
+        stuck, stray = [], 0.0
+        if any(system.states):
+            stuck, lost = (
+                self._stuck(system, state.lacking(vector, approach, state.approach * lifts))
+                for vector, approach, lifts in (
+                    (whole, state.approach, state.lifts),
+                    (moved[0], 0.0, effects[0].lifts),
+                )
+            )
+            stray = SAFETY * self._largest_displacement(system, lost)
+        pressure, shear = system.split(whole)
         value = CoupledZones(
             system.radii,
             system.states,
@@ -380,26 +361,46 @@ class CoupledProblem:
             sheared + known + bend,
             pressure_error,
             traction_error,
-            boundary_errors[0][0],
+            max((one[0] for one in boundary_errors[:1]), default=0.0),
             zones_error(system.radii, boundary_errors),
-            SAFETY * self._largest_displacement(system, lost),
+            stray,
             system,
-            np.column_stack([whole, moved[0]]),
+            np.column_stack([whole, *moved]),
         )
-        indicators = np.concatenate([np.max(one, axis=0) for one in expected])
         # no degree lowers what rounding leaves
-        indicators[indicators <= self.left] = 0.0
-        rate = np.concatenate([np.max(one, axis=0) for one in rates])
-        return Attempt(value, error, indicators, rate, system.unknowns)
+        fields.indicators[fields.indicators <= self.left] = 0.0
+        attempt = Attempt(value, error, fields.indicators, fields.rates, system.unknowns)
+        return self._by_energies(attempt, state, noise) if system.symmetric else attempt
 
-    def _edge_error(self, system: System, change: Array, whole: Array) -> float:
-        """Return the error of q/s at an edge where it has a root."""
-        part = system.parts[-1]
-        if self.parameters.alpha > 0.0 or part.state != 0:
-            return 0.0
-        moved, values = (system.split(one)[1][len(system.parts) - 1] for one in (change, whole))
-        panels = part.shear.panels
-        return root_error(panels, moved, series_of(panels, values).at_ends()[-1])
+    def _by_energies(
+        self, attempt: Attempt[CoupledZones], state: CoupledState, noise: float
+    ) -> Attempt[CoupledZones]:
+        """Return full stick with the errors of approach and shear as energies of changes.
+
+        That of the shear is a product with its dual: no accident makes either small.
+        """
+        factors, system, rates = state.factored, state.system, attempt.rates**2
+        assert isinstance(factors, Symmetric)
+        own = factors.energies(state.solution)
+        dual = factors.energies(factors.step(system.shear_functional))
+        raised = own.sum(axis=0) / state.bearing(state.solution)
+        products = np.sqrt(own * dual).sum(axis=0)
+        sheared = products / abs(system.total_shear(state.solution))
+        errors = [float(one[:-1] @ rates + one[-1]) + noise for one in (raised, sheared)]
+        value = replace(
+            attempt.value, approach_error=errors[0], shear_error=sum(errors) + _STUCK_NOISE
+        )
+        attempt = replace(attempt, value=value)
+        if self.pointwise:
+            return attempt
+        error, indicators = max(value.approach_error, value.shear_error), raised + sheared
+        return replace(attempt, error=error, indicators=indicators[:-1], rates=rates)
+
+    def _missed(self, state: CoupledState, effects: list[Effect], noise: float) -> Array:
+        """Return what the conditions of the boundaries may miss."""
+        kept = 2.0 * SAFETY * LEAST_RATE
+        missed = kept * np.max([np.abs(one.mismatch) for one in effects], axis=0)
+        return np.asarray(missed + noise + self.left + 2.0 * np.abs(state.mismatch))
 
     @staticmethod
     def _stuck(system: System, misfit: Sequence[Array | None]) -> list[Stuck]:

@@ -1,4 +1,4 @@
-"""First spaces for a stick disk with slip around it, pressure and traction together.
+"""First spaces for pressure and traction together, on any zones.
 
 What they need was measured (docs/coupling): fewer degrees than a pressure alone is given. Thin
 layers are felt at the edge, to which the pressure rises. At the rim they are felt half as deep.
@@ -25,6 +25,11 @@ __all__ = ["first_spaces"]
 #: at the edge.
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
+#: The same at a bend where all sticks, and how far before the layer that is; and further degrees
+#: there, on the first panel, the second and the others: of 294 scenes and tolerances four need a
+#: second space. At the centre, where q/s is weakly determined, degrees that tolerances ask for
+#: would be rounding.
+_STUCK_BEND, _BEFORE, _STUCK_SPARE = 0.2, 3.0, (4, 2, 1)
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
 
@@ -45,6 +50,8 @@ def first_spaces(
     tolerance : float
         Relative accuracy asked.
     """
+    if not radii:
+        return [_all_sticks(alpha, beta, tolerance)]
     bounds = CENTRE, *radii, EDGE
     extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
     extents[0] *= 2.0
@@ -86,14 +93,25 @@ def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> 
     return _space(layer, [(layer, _BEND)], tolerance, 0.5, _AT_EDGE, power=-0.5)
 
 
+def _all_sticks(alpha: float, beta: float, tolerance: float) -> Resolution:
+    """Return the space of a disk that sticks to the edge: both layers bend both fields."""
+    layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
+    begin = max(layers, default=LEADING) + (4.0 if len(layers) == 2 else 0.0)
+    bends = [(layer - _BEFORE, _STUCK_BEND) for layer in layers]
+    # under one compliance alone a field has a square root at the edge
+    rate, power = 0.5 if len(layers) == 1 else 1.0, -0.5 if alpha == 0.0 else 0.0
+    return _space(begin, bends, tolerance, rate, power=power, spare=_STUCK_SPARE)
+
+
 def _space(
     begin: float,
     bends: list[tuple[float, float]],
     tolerance: float,
     rate: float,
-    first: tuple[float, float],
+    first: tuple[float, float] = (0.0, 0.0),
     *,
     power: float = 0.0,
+    spare: tuple[int, int, int] = (0, 0, 0),
 ) -> Resolution:
     """Return a space whose solution settles like ``exp(-rate x)`` past `begin`."""
     # like scenes share their spaces
@@ -107,7 +125,8 @@ def _space(
         distance = np.abs(x + PANEL_WIDTH / 2.0 - ceil(2.0 * place) / 2.0) / (1.2 * PANEL_WIDTH)
         more = np.maximum(more, share * np.clip(2.6 - distance, 0.0, 1.0))
     more[:2] = np.maximum(more[:2], first)
-    degrees = np.ceil(1.0 + digits * (_ALL * missing + more)).astype(int)
+    further = np.array([*spare[:2], *(panels - 2) * [spare[2]]])
+    degrees = np.ceil(1.0 + further + digits * (_ALL * missing + more)).astype(int)
     degrees = np.maximum(degrees, _LEAST)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     return Resolution(LogPanels(panels, PANEL_WIDTH, capacity, power), tuple(degrees.tolist()))

@@ -56,8 +56,12 @@ class CoupledState:
 
     @classmethod
     def begin(cls, system: System, factored: Factored) -> CoupledState:
-        """Return nothing, to be corrected."""
-        return cls(system, factored, np.zeros(system.unknowns), np.zeros(len(system.radii)))
+        """Return a first solution: that of a symmetric matrix, or nothing, to be corrected."""
+        solution, lifts = np.zeros(system.unknowns), np.zeros(len(system.radii))
+        if system.symmetric:
+            solution[: system.count] = system.load
+            solution = factored.step(solution)
+        return cls(system, factored, solution, lifts)
 
     def at(self, system: System) -> CoupledState:
         """Return the same coefficients with other boundaries."""

@@ -1,45 +1,37 @@
-r"""Full stick with elastic coupling: the traction acts back on the pressure.
+"""Full stick with elastic coupling: one zone without a boundary, and the ratios q/p in it.
 
-    alpha p + N p - kappa int_s^1 q deta = delta,    beta q + T q - kappa g = 0,
-
-one symmetric positive definite system for both, for unit load. Under a thin layer, and on a smooth
-surface always, both tractions oscillate near the edge, and the pressure would be negative in
-places: there the contact would open. What is returned solves the equations as they stand, in which
-the surfaces cannot part; `CoupledStick.opening` says where they would.
+Under a thin layer, and on a smooth surface always, both tractions oscillate near the edge, and the
+pressure would be negative in places: there the contact would open. What is returned solves the
+equations as they stand, in which the surfaces cannot part; `CoupledStick.opening` says where they
+would.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atan2, atanh, ceil, exp, inf, log, pi, sqrt
+from math import atan2, exp, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_parts import LEADING, leading_depth, root_error
+from spectral_contact.contact.coupled_errors import shares_of, sizes_of
+from spectral_contact.contact.coupled_parts import ended
+from spectral_contact.contact.coupled_problem import CoupledZones
+from spectral_contact.contact.coupled_zones import solve_coupled_zones
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.resolution import (
-    ROUNDING,
-    TRACTION_ROUNDING,
-    decay_rates,
-    expected_error,
-    panel_of,
-    series_of,
-    share_of_change,
-    starting_resolution,
-)
+from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.resolution import ROUNDING, panel_of, series_of
 from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
-from spectral_contact.spectral.coupled import CoupledFactored, CoupledSpace, Pair, coupled_space
+from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.system import System
 
 __all__ = ["CoupledStick", "solve_coupled_stick"]
 
 Array = NDArray[np.float64]
 
-#: At the centre, where q/s is weakly determined, it rounds by so much more than without coupling.
-_CENTRE = 5.0
-#: Most corrections, and what share of its step the first one leaves; measured.
-_CORRECTIONS, _LEFT = 6, 0.01
+#: What rounding leaves of q/p.
+_ROUNDING = 20.0 * ROUNDING
 #: Distances below this are no place that `Solution` can be asked about.
 _CLOSEST = 1e-300
 
@@ -90,184 +82,6 @@ class CoupledStick:
         return self.edge_ratio is not None and self.edge_ratio < self.critical
 
 
-class _CoupledProblem:
-    """Spaces for the coupled problem; pointwise, or for approach and shear alone."""
-
-    def __init__(
-        self, alpha: float, beta: float, kappa: float, tolerance: float, *, pointwise: bool
-    ) -> None:
-        self.alpha, self.beta, self.kappa = alpha, beta, kappa
-        self.tolerance = tolerance
-        self.pointwise = pointwise
-        self.smooth = alpha == 0.0 == beta
-        # without compliance the edge singularity y**(-1/2) is in the basis
-        self.powers = tuple(-0.5 if c == 0.0 else 0.0 for c in (alpha, beta))
-        self.layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
-        self.leading = leading_depth(alpha, beta, 1.0)
-
-    def start(self) -> Resolution:
-        # on a smooth surface the end of the panels is felt like exp(-x), and there is no layer
-        layer = max(self.layers, default=LEADING if self.pointwise else -log(self.tolerance) / 2.0)
-        # one compliance alone: the field under it has a square root at the edge
-        rate = 0.5 if len(self.layers) == 1 else 1.0
-        # the error of approach and shear is the square of that of the fields
-        tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
-        return starting_resolution(
-            layer, tolerance, rate=rate, power=self.powers[0], bends=tuple(self.layers)
-        )
-
-    def attempt(self, resolution: Resolution) -> Attempt[CoupledStick]:
-        space = coupled_space(resolution.panels, self.powers[1], resolution.degrees)
-        factored = space.factor(self.alpha, self.beta, self.kappa)
-        pair = factored.solve()
-        rates = _rates(resolution, pair)
-        solved, parts = self._integrals(factored, pair, rates, resolution)
-        if not self.pointwise:
-            error = max(solved.approach_error, solved.shear_error)
-            return Attempt(solved, error, parts, rates**2, space.unknowns)
-        # not before: a correction of a coarse solution moves the integrals by more than it gains
-        sizes = self._sizes(space, pair)
-        pair, left = self._corrected(factored, pair, sizes)
-        changes = Pair(*(one.coefficients for one in factored.change(pair)))
-        shares = self._shares(space, changes, sizes)
-        expected = [expected_error(share, rates) for share in shares]
-        tails = self._tail_errors(space, changes, sizes)
-        pressure, traction = self._fields(space, pair.times(solved.approach))
-        solved = replace(
-            solved,
-            pressure=PressureField(None, pressure),
-            traction=DiskSeries(EDGE, traction),
-            opening=_opening(pressure),
-            pressure_error=max(float(expected[0].max()), tails[0]) + left + 40.0 * ROUNDING,
-            traction_error=max(float(expected[1].max()), tails[1])
-            + left
-            + _CENTRE * TRACTION_ROUNDING,
-        )
-        if solved.opening is None and not self.smooth:
-            solved = self._with_ratios(solved, factored, pair, changes, shares)
-        error = max(solved.pressure_error, solved.traction_error)
-        return Attempt(solved, error, np.maximum(*expected), rates, space.unknowns)
-
-    def _integrals(
-        self, factored: CoupledFactored, pair: Pair, rates: Array, resolution: Resolution
-    ) -> tuple[CoupledStick, Array]:
-        """Return approach and shear, and by how much every panel moves them."""
-        space = factored.space
-        changes = factored.change(pair)
-        energies = changes[0].energies + changes[1].energies
-        load = 2.0 * float(space.normal.constant_moments @ pair.normal[space.normal.index])
-        approach = 1.0 / (2.0 * pi * load)
-        approach_error = float(energies[:-1] @ rates**2 + energies[-1]) / load + 2.0 * ROUNDING
-        moments = space.tangential.shear_moments
-        shear = float(moments @ pair.tangential)
-        dual = factored.dual(moments)
-        # the energy product of the errors of the solution and of the functional's dual
-        pairs = zip(changes, factored.change(dual), strict=True)
-        products = [np.sqrt(one.energies * other.energies) for one, other in pairs]
-        parts = (products[0] + products[1]) / shear
-        shear_error = float(parts[:-1] @ (rates * _rates(resolution, dual)) + parts[-1])
-        solved = CoupledStick(
-            approach,
-            shear * approach,
-            approach_error,
-            shear_error + approach_error + 4.0 * ROUNDING,
-        )
-        return solved, (energies / load + parts)[:-1]
-
-    def _corrected(
-        self, factored: CoupledFactored, pair: Pair, sizes: list[Array]
-    ) -> tuple[Pair, float]:
-        """Return the solution corrected, and an estimate of what rounding leaves of its error."""
-        before, left = inf, inf
-        for _ in range(_CORRECTIONS):
-            step = factored.correction(pair)
-            pair = pair.plus(step)
-            size = float(np.max(self._shares(factored.space, step, sizes)))
-            left = size * max(_LEFT, min(size / before, 1.0))
-            if left < max(0.02 * self.tolerance, ROUNDING):
-                break
-            before = size
-        return pair, left
-
-    def _sizes(self, space: CoupledSpace, pair: Pair) -> list[Array]:
-        """Return what errors of p and of q/s are relative to, at the ends of the panels."""
-        p, q = (series_of(*one) for one in zip(space.panels, _parts(pair), strict=True))
-        y = np.exp(-_samples(space.panels[0].panels, space.panels[0].width))
-        if all((one(y) * one(y[:1]) > 0.0).all() for one in (p, q)):
-            return [p.at_ends(), q.at_ends()]
-        pressure, traction = p.at_ends(), q.at_ends()
-        return [np.hypot(pressure, traction), np.hypot(traction, self.kappa * pressure)]
-
-    def _shares(self, space: CoupledSpace, change: Pair, sizes: list[Array]) -> list[Array]:
-        """Return a change of both fields on every panel, relative to their sizes there."""
-        return [
-            share_of_change(own, part, size, leading=self.leading if own.power else inf)
-            for own, part, size in zip(space.panels, _parts(change), sizes, strict=True)
-        ]
-
-    def _tail_errors(self, space: CoupledSpace, change: Pair, sizes: list[Array]) -> list[float]:
-        """Return the errors at the edge of what has a root there."""
-        if len(self.layers) != 1:
-            return [0.0, 0.0]
-        return [
-            0.0 if own.power else root_error(own, part, size[-1])
-            for own, part, size in zip(space.panels, _parts(change), sizes, strict=True)
-        ]
-
-    def _fields(self, space: CoupledSpace, pair: Pair) -> list[LogSeries]:
-        """Return p and q/s; singular ones have their leading term as the tail."""
-        series = [series_of(*one) for one in zip(space.panels, _parts(pair), strict=True)]
-        count = ceil(self.leading / space.panels[0].width)
-        if count > space.panels[0].panels:
-            return series
-        a, b = (float(one.coefficients[count - 1].sum()) for one in series)
-        # p + i q, times sqrt(y), goes over into exp(i theta x) with theta = ln(3 - 4 nu)/(2 pi)
-        theta = atanh(2.0 * self.kappa) / pi if self.smooth else 0.0
-        tails = [(a, -b), (b, a)] if self.smooth else [(a,), (b,)]
-        return [
-            replace(
-                one, coefficients=one.coefficients[:count], tail=np.array(tail), oscillation=theta
-            )
-            if one.power
-            else one
-            for one, tail in zip(series, tails, strict=True)
-        ]
-
-    def _with_ratios(
-        self,
-        solved: CoupledStick,
-        factored: CoupledFactored,
-        pair: Pair,
-        changes: Pair,
-        shares: list[Array],
-    ) -> CoupledStick:
-        """Return the solution with q/p at the edge and at its largest."""
-        panels = factored.space.panels
-        assert solved.pressure is not None
-        assert solved.traction is not None
-        depth = panels[0].panels * panels[0].width
-        edge, critical, where = largest_ratio(solved.pressure, solved.traction, depth)
-        rounding, at_edge = 20.0 * ROUNDING, 0.0
-        if self.powers == (0.0, 0.0):
-            lesser = Pair(*(one.coefficients for one in factored.change(pair, degrees=1)))
-            for k, one in enumerate(panels):
-                limits = [series_of(one, _parts(pair)[k]).limit for pair in (changes, lesser)]
-                at_edge += max(map(abs, limits)) / abs(series_of(one, _parts(pair)[k]).limit)
-
-        def ratio_error(y: float) -> float:
-            """Estimate the error of q/p at one place: what its panels contribute."""
-            places = sum(float(share[panel_of(panels[0], y)]) for share in shares)
-            return rounding + AT_ONE_PLACE * places + (at_edge if y == 0.0 else 0.0)
-
-        return replace(
-            solved,
-            edge_ratio=edge,
-            critical=critical,
-            edge_error=ratio_error(0.0) if 0.0 < edge < inf else rounding,
-            critical_error=ratio_error(where) if critical < inf else rounding,
-        )
-
-
 def solve_coupled_stick(
     alpha: float,
     beta: float,
@@ -296,28 +110,74 @@ def solve_coupled_stick(
     -------
     Refinement
     """
-    problem = _CoupledProblem(alpha, beta, kappa, tolerance, pointwise=pointwise)
-    return refine(problem, tolerance, max_unknowns // 2)
+    parameters, layout = Parameters(alpha, beta, kappa, inf), Layout((), (0,))
+    found = solve_coupled_zones(parameters, layout, tolerance, max_unknowns, pointwise=pointwise)
+    solved = found.best.value
+    stick = CoupledStick(
+        solved.approach, solved.total_shear, solved.approach_error, solved.shear_error
+    )
+    if pointwise:
+        stick = _with_fields(stick, solved)
+    best = replace(found.best, value=stick)  # type: ignore[arg-type]
+    return replace(found, best=best)  # type: ignore[return-value]
 
 
-def _parts(pair: Pair) -> tuple[Array, Array]:
-    return pair.normal, pair.tangential
+def _with_fields(stick: CoupledStick, solved: CoupledZones) -> CoupledStick:
+    """Return full stick with its fields, and their ratio where it means something."""
+    system, [pressure], [shear] = solved.system, solved.pressure, solved.shear
+    assert shear is not None
+    p, q = ended(pressure, shear, system.parameters, 1.0)
+    stick = replace(
+        stick,
+        pressure=PressureField(None, p),
+        traction=DiskSeries(EDGE, q),
+        opening=_opening(p),
+        pressure_error=solved.pressure_error,
+        traction_error=solved.traction_error,
+    )
+    if stick.opening is None and not p.oscillation:
+        return _with_ratios(stick, system, solved.solution)
+    return stick
 
 
-def _rates(resolution: Resolution, pair: Pair) -> Array:
-    """Return by what factor a coefficient of the slower field falls with one degree."""
-    return np.maximum(*(decay_rates(resolution, one) for one in _parts(pair)))
+def _with_ratios(stick: CoupledStick, system: System, solution: Array) -> CoupledStick:
+    """Return full stick with q/p at the edge and at its largest."""
+    panels = system.parts[0].family.panels
+    assert stick.pressure is not None
+    assert stick.traction is not None
+    edge, critical, where = largest_ratio(
+        stick.pressure, stick.traction, panels.panels * panels.width
+    )
+    [shares] = shares_of(system, solution[:, 1], sizes_of(system, solution[:, 0]))
+    at_edge = _change_at_edge(system, solution) if 0.0 < edge < inf else 0.0
+
+    def error(y: float) -> float:
+        """Estimate the error of q/p at one place: what its panels contribute."""
+        places = sum(float(share[panel_of(panels, y)]) for share in shares)
+        return _ROUNDING + AT_ONE_PLACE * places + (at_edge if y == 0.0 else 0.0)
+
+    return replace(
+        stick,
+        edge_ratio=edge,
+        critical=critical,
+        edge_error=error(0.0) if 0.0 < edge < inf else _ROUNDING,
+        critical_error=error(where) if critical < inf else _ROUNDING,
+    )
 
 
-def _samples(panels: int, width: float) -> Array:
-    """Return ``x`` close enough on so many panels to see every change of sign."""
-    return np.linspace(1e-3, panels * width, 8 * panels + 1)
+def _change_at_edge(system: System, solution: Array) -> float:
+    """Return what the top two degrees or the top one change at the edge, the larger of both."""
+    [part], (pressure, shear) = system.parts, system.split(solution)
+    pairs = (part.family.panels, pressure[0]), (part.shear.panels, shear[0])
+    limits = [[abs(series_of(own, one).limit) for one in values.T] for own, values in pairs]
+    return sum(max(changes) / whole for whole, *changes in limits)
 
 
 def _opening(pressure: LogSeries) -> float | None:
     """Return the distance from the edge at which the pressure first changes sign."""
-    depth = len(pressure.coefficients) * pressure.width
-    x = _samples(len(pressure.coefficients), pressure.width)
+    count = len(pressure.coefficients)
+    depth = count * pressure.width
+    x = np.linspace(1e-3, depth, 8 * count + 1)  # close enough to see every change of sign
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])

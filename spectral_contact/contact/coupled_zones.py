@@ -35,19 +35,23 @@ def solve_coupled_zones(
     layout: Layout,
     tolerance: float,
     max_unknowns: int,
+    *,
+    pointwise: bool = True,
 ) -> Refinement[CoupledZones]:
-    """Solve coupled partial slip with the zones of a layout.
+    """Solve the coupled contact with the zones of a layout.
 
     Parameters
     ----------
     parameters : Parameters
-        With ``beta*`` > 0.
     layout : Layout
         The states of the zones; the boundaries as `find_coupled_zones` returns them, or a guess.
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     max_unknowns : int
         Most unknowns of a space.
+    pointwise : bool
+        Whether the fields are wanted; approach and shear alone, which the tolerance bounds then,
+        need far fewer unknowns.
 
     Returns
     -------
@@ -62,7 +66,8 @@ def solve_coupled_zones(
     best: Refinement[CoupledZones] | None = None
     for finer in _FINER:
         aim = max(finer * tolerance, _TIGHTEST)
-        found = refine(CoupledProblem(parameters, layout, aim), tolerance, max_unknowns // 2)
+        problem = CoupledProblem(parameters, layout, aim, pointwise=pointwise)
+        found = refine(problem, tolerance, max_unknowns // 2)
         if best is None or found.best.error < best.best.error:
             best = found
         if best.ending is not Ending.ROUNDING or aim == _TIGHTEST:

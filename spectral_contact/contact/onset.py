@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from math import exp, inf, sqrt
+from collections.abc import Callable
+from math import exp, inf, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import FullStick
-from spectral_contact.contact.zone_search import depth_of, full_stick_violations
 
-__all__ = ["UNRESOLVED_SLIP", "unresolved_slip"]
+__all__ = ["UNRESOLVED_SLIP", "depth_of", "full_stick_violations", "unresolved_slip"]
+
+Array = NDArray[np.float64]
 
 #: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
 #: square root of what the friction lacks, 1e-13 at best.
@@ -35,3 +40,53 @@ def unresolved_slip(drive: Drive, stick: FullStick, beta: float, friction: float
     y = exp(-intervals[0][0])
     radius = sqrt(1.0 - y)
     return max(UNRESOLVED_SLIP, y / (1.0 + radius) / radius)
+
+
+def depth_of(alpha: float, beta: float, friction: float) -> float:
+    """Return the ``x`` below which nothing changes any more."""
+    if alpha == 0.0:
+        # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
+        return 2.0 * max(-log(min(friction, 1.0) * min(beta, 1.0)), 0.0) + 12.0
+    return max(-log(min(alpha, beta, 1.0)), 0.0) + 30.0
+
+
+def full_stick_violations(
+    drive: Drive, stick: FullStick, friction: float, depth: float
+) -> list[tuple[float, float]]:
+    """Return the intervals of ``x`` where full stick breaks |q| <= f p, as (low, high)."""
+
+    def excess(x: Array) -> Array:
+        y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
+        q = stick.traction(s, y / (1.0 + s))
+        return np.asarray(np.abs(q) / drive.pressure.at(y) - friction)
+
+    x = np.linspace(1e-3, depth, 4001)
+    peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
+    near = peak + np.concatenate(
+        [-np.geomspace(1e-10, 1.0, 200), [0.0], np.geomspace(1e-10, 1.0, 200)]
+    )
+    x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))
+    above = excess(x) > 0.0
+    intervals: list[tuple[float, float]] = []
+    start: float | None = None
+    for i in range(len(x)):
+        if above[i] and start is None:
+            start = float(x[0]) if i == 0 else _crossing(excess, x[i - 1], x[i])
+        if start is not None and not above[i]:
+            end = _crossing(excess, x[i - 1], x[i])
+            intervals.append((start, end))
+            start = None
+    if start is not None:
+        intervals.append((start, inf))
+    return intervals
+
+
+def _crossing(function: Callable[[Array], Array], a: float, b: float) -> float:
+    from scipy.optimize import brentq
+
+    def one(x: float) -> float:
+        return float(function(np.array([x]))[0])
+
+    if one(a) * one(b) >= 0.0:  # one by one they have the same sign: rounding is all there is
+        return float(b)
+    return float(brentq(one, a, b, xtol=1e-14))

@@ -185,15 +185,18 @@ class _Search:
         return outcomes
 
     def _layouts(self, first: PartialSlip | None) -> Iterator[Layout | None]:
-        """Guess zones: where one disk lacks stick, then what the active set finds."""
-        if first is not None:
-            yield mended(first)
+        """Guess zones: where one disk lacks stick, then those of a search."""
         from spectral_contact.contact.zone_search import search_zones
 
+        seen: set[tuple[int, ...]] = set()
+        if first is not None:
+            seen.add((0, 1))
+            yield mended(first)
         radius = None if first is None else first.zones[0].outer
-        layout = search_zones(self.drive, self.stick, self.beta, self.friction, radius)
-        if first is None or layout.states != (0, 1):
-            yield layout
+        for layout in search_zones(self.drive, self.stick, self.beta, self.friction, radius):
+            if layout.states not in seen:
+                seen.add(layout.states)
+                yield layout
 
     def _on(self, layout: Layout) -> PartialSlip | None:
         """Return the solution on zones like these, if there is one."""

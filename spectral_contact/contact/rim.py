@@ -17,12 +17,11 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields.series import PressureField, Radius
-from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, gap
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.samples import Samples
+from spectral_contact.spectral.samples import Samples, root_sums
 
 __all__ = ["SlipSource", "disk_resolution", "rim_target"]
 

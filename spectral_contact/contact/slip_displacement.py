@@ -21,7 +21,6 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import EDGE, AnnulusSeries, DiskSeries, PressureField, Radius
-from spectral_contact.spectral.abel import root_sums
 from spectral_contact.spectral.annulus import (
     FAR_FIT,
     FAR_NODES,
@@ -33,6 +32,7 @@ from spectral_contact.spectral.annulus import (
 )
 from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.samples import root_sums
 from spectral_contact.spectral.transforms import transforms
 
 __all__ = [

@@ -6,6 +6,7 @@ the whole system in double precision refines, as in `disk`.
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,9 @@ from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.disk import MOST_SWEEPS, Disk
 from spectral_contact.precise.fixed import Ints
 from spectral_contact.spectral.abel import TAIL_TERMS
-from spectral_contact.spectral.coupled import CoupledSpace
+from spectral_contact.spectral.factored import factored
+from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.system import System
 
 __all__ = ["CoupledDisk"]
 
@@ -54,8 +57,10 @@ class CoupledDisk:
             If refinement stalls before the digits of the mesh are reached.
         """
         f, mesh, disks = self.fixed, self.normal.mesh, (self.normal, self.tangential)
-        space = CoupledSpace(self.normal.double, self.tangential.double, mesh.degrees)
-        factored = space.factor(*(float(f.numbers(v)) for v in (alpha, beta, kappa)))
+        given = [float(f.numbers(v)) for v in (alpha, beta, kappa)]
+        parameters = Parameters(given[0], given[1], given[2], inf)
+        system = System((), (0,), [self.normal.panels], [mesh.degrees], parameters)
+        factors, used = factored(system), self.normal.panels.functions(mesh.degrees)
         weights = f.over(self.normal.weights, f.of(f.mp.pi))
         measures = weights, f.times(weights, self.normal.rest)
         wanted = 2 * f.one, 0
@@ -69,9 +74,9 @@ class CoupledDisk:
                 residual += f.times(kappa, lifts[k])
                 if compliance:
                     residual -= f.times(compliance, disks[k].mass(found[k], bool(k)))
-                residuals.append(f.floats(residual))
-            pair = factored.respond(*residuals)
-            steps = f.of(pair.normal), f.of(pair.tangential)
+                residuals.append(f.floats(residual)[used])
+            [pressure], shear = system.split(factors.step(np.concatenate(residuals)[:, None])[:, 0])
+            steps = f.of(pressure), f.of(shear[0])
             found = [one + step for one, step in zip(found, steps, strict=True)]
             shares = [disk.share(*pair) for disk, *pair in zip(disks, steps, found, strict=True)]
             if max(shares) <= 10.0 ** -(mesh.digits + 2):

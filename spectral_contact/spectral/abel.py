@@ -44,7 +44,6 @@ __all__ = [
     "outer",
     "outer_blocks",
     "rise",
-    "root_sums",
     "tail_values",
 ]
 
@@ -58,8 +57,8 @@ ROOT_TERMS = 9
 EXTRA = 12
 #: Those beyond the terms of a tail.
 TAIL_EXTRA = 9
-#: Entries of a kernel that are evaluated at a time: they stay in the cache.
-_STRIP = 32768
+#: Places in ``x`` that are the same to rounding.
+_SAME = 2e-14
 
 
 def _smooth(u: Array) -> Array:
@@ -227,6 +226,14 @@ def _outer_tail(d: Array, end: float, power: float) -> Array:
     return _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
 
 
+def _alike(found: list[tuple[Array, Array]], places: Array) -> Array | None:
+    """Return the blocks of a panel with its points at the same places, if there are any."""
+    for own, blocks in found:
+        if len(own) == len(places) and float(np.abs(own - places).max()) < _SAME:
+            return blocks
+    return None
+
+
 def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return the matrix of the `deeper` integral at arbitrary distances.
 
@@ -247,10 +254,15 @@ def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0)
     clear = np.flatnonzero(own < -1)
     if len(clear):
         matrix[clear] = _plain(-d[clear], panels, width, degree, power)
+    found: list[tuple[Array, Array]] = []
     for i in np.unique(own[(own < panels) & (own >= -1)]):
         rows = np.flatnonzero(own == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
-        blocks = deeper_blocks(to_end, panels - i, width, degree, power)
+        known = _alike(found, to_end)
+        if known is None:
+            known = deeper_blocks(to_end, panels - i, width, degree, power)
+            found.append((to_end, known))
+        blocks = known[:, : panels - i]
         root = np.sqrt(d[rows]) * (d[rows] ** power if power else 1.0)
         matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * root[:, None, None]
     tail = deeper_tail(d, np.exp(-panels * width), power=power)
@@ -270,10 +282,17 @@ def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) 
     # far below the panels the plain rule keeps the distance itself
     clear = x > (panels + 1) * width
     matrix[clear] = _plain(-d[clear], panels, width, degree, power)
-    for i in np.unique(own[~clear]):
+    found: list[tuple[Array, Array]] = []
+    number = np.bincount(own[~clear], minlength=1)
+    for i in np.flatnonzero(number):
         rows = np.flatnonzero((own == i) & ~clear)
         offset = np.maximum(x[rows] - i * width, 0.0)
-        blocks = outer_blocks(offset, i + 1, width, degree, power)
+        known = _alike(found, offset)
+        if known is None:
+            last = int(np.flatnonzero(number == len(rows))[-1])
+            known = outer_blocks(offset, last + 1, width, degree, power)
+            found.append((offset, known))
+        blocks = known[:, : i + 1]
         matrix[rows, : i + 1] = blocks[:, ::-1] * scale[: i + 1, None]
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end, power)])
 
@@ -291,38 +310,6 @@ def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0)
     if power != 0.0:
         values *= source**power
     return np.asarray(values @ legendre_projection_matrix(degree + EXTRA, degree))
-
-
-def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
-    """Return ``sum_j values_j / sqrt(near_i + far_j)``, in strips that fit the cache.
-
-    Several columns of values share the square roots.
-
-    With `offset` each term is divided by ``sqrt(near_i + far_j) + offset_j`` as well.
-
-    Parameters
-    ----------
-    near : ndarray, shape (n,)
-    far : ndarray, shape (m,)
-    values : ndarray, shape (m,) or (m, k)
-    offset : ndarray, shape (m,), optional
-
-    Returns
-    -------
-    ndarray, shape (n,) or (n, k)
-    """
-    sums = np.empty((len(near), *values.shape[1:]))
-    strip = max(_STRIP // max(len(far), 1), 1)
-    work = np.empty((min(strip, len(near)), len(far)))
-    spare = np.empty_like(work)
-    for start in range(0, len(near), strip):
-        part = near[start : start + strip, None]
-        roots = np.add(part, far, out=work[: len(part)])
-        np.sqrt(roots, out=roots)
-        if offset is not None:
-            roots *= np.add(roots, offset, out=spare[: len(part)])
-        np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + strip])
-    return sums
 
 
 def beyond(e: Array, panels: int, width: float, degree: int) -> Array:

@@ -30,7 +30,6 @@ from spectral_contact.spectral.abel import (
 )
 from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.coupled import tail_rule
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     GradedNodes,
@@ -39,11 +38,12 @@ from spectral_contact.spectral.graded import (
     graded_nodes,
 )
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
-__all__ = ["Block", "Seen", "block", "points_of"]
+__all__ = ["Block", "Seen", "block", "disk_gram", "points_of"]
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
@@ -62,6 +62,7 @@ _HALVES: BoundedCache[tuple[LogPanels, Degrees, LogPanels, Used, bool], Block] =
     "halves", 32
 )
 _GATHERED: BoundedCache[tuple[LogPanels, Degrees], Array] = BoundedCache("gathered parts", 32)
+_GRAMS: BoundedCache[tuple[LogPanels, Degrees, bool], Array] = BoundedCache("disk Gram", 24)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,13 +162,13 @@ class Seen:
             ends[kind] += values.shape[1]
         shapes = len(self.nodes.d), len(self.nodes.samples)
         direct, sampled = (
-            np.hstack(each) if each else np.zeros((rows, 0))
+            np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
             for each, rows in zip(parts, shapes, strict=True)
         )
         return places, direct, sampled
 
     def products(
-        self, other: Seen, weights: Array, *, whole: bool = False
+        self, other: Seen, weights: Array, *, whole: bool = False, own: Array | None = None
     ) -> Iterable[tuple[int, int, Array]]:
         """Yield, for pairs of parts, the sums over the nodes of these integrals times others.
 
@@ -177,22 +178,28 @@ class Seen:
             At the same nodes; by how much its integrals are more there, or `whole` ones.
         weights : ndarray, shape (nodes,)
         whole : bool
+        own : ndarray, optional
+            The sums of what is given at the nodes themselves, if they are known.
         """
         rows, direct, sampled = self._columns(whole=True)
         columns, direct_other, sampled_other = other._columns(whole=whole)
-        spread, gathered = self.nodes.spread, self.nodes.gathered
         w = weights[:, None]
-        # what is smooth is summed over the samples
-        left = np.hstack([gathered(w * direct), gathered(w * spread(sampled))])
-        right = gathered(w * direct_other)
-        if other is self and whole:  # of a matrix and its own transpose NumPy computes one triangle
+        if own is not None:
+            on_nodes = own
+        elif (
+            other is self and whole
+        ):  # of a matrix and its own transpose NumPy computes one triangle
             root = np.sqrt(w) * direct
             on_nodes = root.T @ root
         else:
             on_nodes = (w * direct).T @ direct_other
-        below, beside = sampled.T @ right, left.T @ sampled_other
-        split = direct.shape[1]
-        parts = ((on_nodes, beside[:split]), (below, beside[split:]))
+        parts = [[on_nodes]]
+        if sampled.shape[1] + sampled_other.shape[1]:  # what is smooth is summed over the samples
+            spread, gathered = self.nodes.spread, self.nodes.gathered
+            left = np.hstack([gathered(w * direct), gathered(w * spread(sampled))])
+            below, beside = sampled.T @ gathered(w * direct_other), left.T @ sampled_other
+            split = direct.shape[1]
+            parts = [[on_nodes, beside[:split]], [below, beside[split:]]]
         for k, row, of_samples in rows:
             for j, column, from_samples in columns:
                 product = parts[of_samples][from_samples][row, column]
@@ -214,13 +221,42 @@ class _Own:
         return _vanishing(deeper(self._d, *self._form, self._power)[:, self._columns])
 
     @cached_property
+    def beyond(self) -> Block:
+        """What lies beyond the nodes, for a boundary that is the edge."""
+        return _vanishing(outer(self._d, *self._form, self._power)[:, self._columns])
+
+    @cached_property
     def away(self) -> Block:
-        """What lies beyond the nodes; under an endpoint weight it is infinite at the boundary."""
-        whole = outer(self._d, *self._form, self._power)[:, self._columns]
-        if self._power != 0.0:
-            return _vanishing(whole)
+        """The same for other boundaries."""
         at = beyond(np.zeros(1), *self._form)[0, self._columns]
-        return Block(at, rise(self._d, *self._form)[:, self._columns], whole, False)
+        return Block(at, rise(self._d, *self._form)[:, self._columns], self.beyond.whole, False)
+
+
+def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
+    """Return the Gram matrix of the half-integrals on a disk, of unit extent and radius (cached).
+
+    Parameters
+    ----------
+    panels : LogPanels
+    degrees : tuple of int
+    shear : bool
+        In the measure ``t**2 dt / pi`` instead of ``dt / pi``.
+    """
+
+    def made() -> Array:
+        nodes = graded_nodes(panels, degrees)
+        t = np.sqrt(nodes.rest)
+        weights = nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t)
+        own = _own(panels, degrees, degrees, nodes).toward.whole
+        root = np.sqrt(weights)[:, None] * own
+        return np.asarray(root.T @ root)
+
+    return _GRAMS.get((panels, degrees, shear), made)
+
+
+def _own(panels: LogPanels, degrees: Degrees, used: Used, nodes: Nodes) -> _Own:
+    key = panels, degrees, used
+    return _OWN.get(key, lambda: _Own(panels, degrees, nodes.d))
 
 
 def block(source: Family, degrees: Degrees, target: Family, used: Used, side: int) -> Block | None:
@@ -250,9 +286,11 @@ def block(source: Family, degrees: Degrees, target: Family, used: Used, side: in
     """
     nodes = points_of(target.panels, used)
     if (source.boundary, source.sign) == (target.boundary, target.sign):
-        key = source.panels, degrees, used
-        own = _OWN.get(key, lambda: _Own(source.panels, degrees, nodes.d))
-        kept = own.away if side == source.sign else own.toward
+        own = _own(source.panels, degrees, used, nodes)
+        if side != source.sign:
+            kept = own.toward
+        else:
+            kept = own.beyond if target.boundary.from_edge == 0.0 else own.away
     else:
         apart = side * gap(target.boundary, source.boundary)
         if apart < 0.0 or (apart == 0.0 and side != source.sign):

@@ -10,12 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
+from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.system import System
 from spectral_contact.threads import cached_property
 
-__all__ = ["Factored"]
+__all__ = ["Factored", "Symmetric", "factored"]
 
 Array = NDArray[np.float64]
+
+
+def factored(system: System, *, exact: bool = True) -> Factored:
+    """Return a system factored: by Cholesky if it is symmetric, else by LU; see `Factored`."""
+    return Symmetric(system) if system.symmetric else Factored(system, exact=exact)
 
 
 class Factored:
@@ -84,3 +90,44 @@ class Factored:
             changes[:, i] = columns @ forces
         nothing = np.zeros(2), np.zeros((len(system.radii), 2))
         return [*(changes + self.step(system.residual(changes, *nothing) + forced)).T]
+
+
+class Symmetric(Factored):
+    """A symmetric positive definite system by Cholesky, what coarser spaces lack last."""
+
+    def __init__(self, system: System) -> None:
+        self.system, self.exact = system, True
+        lacking = np.zeros(system.unknowns, dtype=int)
+        for places in system.shed:
+            lacking[places] += 1
+        self._order = np.argsort(lacking, kind="stable")
+        self._kept = int((lacking == 0).sum()), int((lacking < 2).sum())
+        self._cholesky = Cholesky(system.matrix().take(self._order, 0).take(self._order, 1))
+
+    def step(self, right: Array) -> Array:
+        """Return the solution as factored, of right-hand sides as columns."""
+        step = np.empty_like(right)
+        step[self._order] = self._cholesky.solve(right[self._order].T).T
+        return step
+
+    def change(self, values: Array, system: System) -> list[Array]:
+        """Return what the top two degrees of every panel, and the top one, contribute."""
+        changes = []
+        for kept in self._kept:
+            change = np.empty_like(values)
+            change[self._order] = -self._cholesky.shed(values[self._order], kept)
+            changes.append(change)
+        return changes
+
+    def energies(self, values: Array) -> Array:
+        """Return the energies of what the top two degrees contribute, shape (2, panels + 1).
+
+        Those of p and of q/s, on every panel and the tail.
+        """
+        shed = self._cholesky.shed(values[self._order], self._kept[0])
+        energies = np.empty_like(values)
+        energies[self._order] = shed**2 * self._cholesky.diagonal
+        [part] = self.system.parts
+        terms = [*(n + 1 for n in part.degrees), part.family.panels.tail_terms]
+        starts = np.cumsum([0, *terms[:-1]])
+        return np.asarray(np.add.reduceat(energies.reshape(2, -1), starts, axis=1))

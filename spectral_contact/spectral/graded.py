@@ -96,15 +96,19 @@ class GradedNodes:
         self._direct = len(self.start[0]) if centred else 0
         sampled = np.exp(-panels.sampling(SAMPLES)[direct:]).ravel()
         self.samples: Array = np.concatenate([self.d[: self._direct], sampled, tail])
-        self._from_samples = [
-            legendre_interpolation_matrix(2.0 * one / h - 1.0, SAMPLES)
-            for one in self.start[direct:]
-        ]
+        self._spread = [2.0 * one / h - 1.0 for one in self.start[direct:]]
 
     @cached_property
     def from_places(self) -> Array:
         """The matrix to the samples from values at the few places that see what is far off."""
         return far_values(self.samples)
+
+    @cached_property
+    def _from_samples(self) -> list[Array]:
+        """The matrices from samples to nodes; panels with as many nodes share one."""
+        each = {len(one): one for one in self._spread}
+        known = {n: legendre_interpolation_matrix(one, SAMPLES) for n, one in each.items()}
+        return [known[len(one)] for one in self._spread]
 
     def spread(self, values: Array) -> Array:
         """Return what has values at the samples, as columns, at the nodes."""

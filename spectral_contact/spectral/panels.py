@@ -253,9 +253,10 @@ def top_functions(
     """
     places, start = [], 0
     for panels, degrees in parts:
-        for n in degrees:
-            places.append(start + np.arange(max(n - count, 0) + 1, n + 1))
-            start += n + 1
-        start += panels.tail_terms
+        highest = np.array(degrees)
+        own = np.repeat(highest, highest + 1)
+        degree = np.arange(len(own)) - np.repeat(np.cumsum(highest + 1) - highest - 1, highest + 1)
+        places.append(start + np.flatnonzero(degree > np.maximum(own - count, 0)))
+        start += len(own) + panels.tail_terms
         places.append(np.array([start - 1]))
     return np.concatenate(places)

@@ -11,9 +11,12 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
 
-__all__ = ["Samples"]
+__all__ = ["Samples", "root_sums"]
 
 Array = NDArray[np.float64]
+
+#: Entries of a kernel that are evaluated at a time: they stay in the cache.
+_STRIP = 32768
 
 
 class Samples:
@@ -65,3 +68,35 @@ class Samples:
         samples = values[: count * SAMPLES].reshape(count, SAMPLES, -1)
         last = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)[-2:]
         return float(np.abs(last @ samples).sum(axis=1).max())
+
+
+def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
+    """Return ``sum_j values_j / sqrt(near_i + far_j)``, in strips that fit the cache.
+
+    Several columns of values share the square roots.
+
+    With `offset` each term is divided by ``sqrt(near_i + far_j) + offset_j`` as well.
+
+    Parameters
+    ----------
+    near : ndarray, shape (n,)
+    far : ndarray, shape (m,)
+    values : ndarray, shape (m,) or (m, k)
+    offset : ndarray, shape (m,), optional
+
+    Returns
+    -------
+    ndarray, shape (n,) or (n, k)
+    """
+    sums = np.empty((len(near), *values.shape[1:]))
+    strip = max(_STRIP // max(len(far), 1), 1)
+    work = np.empty((min(strip, len(near)), len(far)))
+    spare = np.empty_like(work)
+    for start in range(0, len(near), strip):
+        part = near[start : start + strip, None]
+        roots = np.add(part, far, out=work[: len(part)])
+        np.sqrt(roots, out=roots)
+        if offset is not None:
+            roots *= np.add(roots, offset, out=spare[: len(part)])
+        np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + strip])
+    return sums

@@ -28,13 +28,13 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.annulus import Family
-from spectral_contact.spectral.blocks import Block, Seen, block
-from spectral_contact.spectral.coupled import moments, outer_moments, unit_masses
+from spectral_contact.spectral.blocks import Block, Seen, block, disk_gram
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
+from spectral_contact.spectral.moments import moments, outer_moments, unit_masses
 from spectral_contact.spectral.over_radius import OverRadius, finer
 from spectral_contact.spectral.panels import LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.zone_parts import Part, zone_parts
+from spectral_contact.spectral.zone_parts import zone_parts
 from spectral_contact.threads import cached_property
 
 __all__ = ["Misfit", "System"]
@@ -79,7 +79,9 @@ class System:
         parameters: Parameters,
     ) -> None:
         self.radii, self.states, self.parameters = radii, states, parameters
-        self.parts = zone_parts(radii, states, list(panels), list(degrees))
+        #: whether the coupling is that of moments, in either equation: where none is weighted
+        self._plain = tuple(c > 0.0 or not radii for c in parameters[:2])
+        self.parts = zone_parts(radii, states, list(panels), list(degrees), parameters.beta)
         self._index = [p.family.panels.functions(p.degrees) for p in self.parts]
         self._over = [
             OverRadius((p.family,), (p.degrees,)) if p.state else None for p in self.parts
@@ -133,15 +135,10 @@ class System:
             for k, (part, over) in enumerate(zip(self.parts, self._over, strict=True))
         ]
 
-    def whole_traction(self, values: Array) -> list[Array]:
-        """Return the same in the whole bases."""
-        whole = []
-        for own, part, columns in zip(
-            self.traction(values), self.parts, self._columns, strict=True
-        ):
-            whole.append(np.zeros((part.shear.panels.size, *values.shape[1:])))
-            whole[-1][columns] = own
-        return whole
+    @property
+    def symmetric(self) -> bool:
+        """Whether the matrix is, and positive definite: everything sticks."""
+        return not self.radii
 
     @cached_property
     def shed(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
@@ -183,7 +180,7 @@ class System:
 
     def _assemble_blocks(self) -> None:
         """Find the integrals of every part at the nodes of every other."""
-        count, last = len(self.parts), max(self.stick)
+        count = len(self.parts)
         #: of p outside and inside of the nodes, and of q/s
         self._f, self._j, self._g, self._i = ([Seen(n, {}) for n in self.nodes] for _ in range(4))
         for i in range(count):
@@ -195,24 +192,19 @@ class System:
                     outward = side > 0
                     (self._f if outward else self._j)[i].blocks[k] = pressure
                     (self._g if outward else self._i)[i].blocks[k] = shear
-        #: parts where E is felt by some function in stick
-        self._felt = [i <= last for i in range(count)]
 
     def _pair(self, k: int, i: int, side: int) -> tuple[Block, Block]:
         """Return what is seen of p and of q/s of a part at the nodes of another."""
-        part, nodes = self.parts[k], self.parts[i]
-        shear = self._block(part.shear, self._finer[k], nodes, side)
+        part, place = self.parts[k], (self.parts[i].family, self.parts[i].degrees, side)
+        shear = block(part.shear, self._finer[k], *place)
+        assert shear is not None
         if part.shear is part.family and self._over[k] is None:
             return shear, shear
         if part.shear is not part.family or not shear.sampled:
-            return self._block(part.family, part.degrees, nodes, side), shear
+            pressure = block(part.family, part.degrees, *place)
+            assert pressure is not None
+            return pressure, shear
         return shear.of(np.searchsorted(self._columns[k], self._index[k])), shear
-
-    @staticmethod
-    def _block(source: Family, degrees: Degrees, nodes: Part, side: int) -> Block:
-        found = block(source, degrees, nodes.family, nodes.degrees, side)
-        assert found is not None
-        return found
 
     def _assemble_functionals(self) -> None:
         """Assemble loads, pulls and shears: ``int p s ds``, ``int q ds``, ``2 pi int q s ds``."""
@@ -222,25 +214,24 @@ class System:
         self._pull = [r * moments(p.shear.panels)[columns] for r, p, _, columns in parts]
 
     @cached_property
-    def _shear_moments(self) -> dict[int, Array]:
-        found = {}
-        for k in self.stick:
-            part, own = self.parts[k], self._g[k].blocks[k]
-            if part.zone == 0:  # int q s ds = int t G dt
-                weights = 4.0 * np.pi * self.nodes[k].weights * part.family.reach / 4.0
-                found[k] = own.scale * (weights @ own.whole)
+    def shear_functional(self) -> Array:
+        """``2 pi int q s ds`` as a functional of vectors."""
+        row = np.zeros(self.unknowns)
+        for k, (part, own) in enumerate(zip(self.parts, self.pressure, strict=True)):
+            if part.state:
+                row[own] = 2.0 * np.pi * part.state * self.parameters.friction * self.load[own]
+            elif part.zone == 0:  # int q s ds = int t G dt
+                seen = self._g[k].blocks[k]
+                weights = np.pi * self.nodes[k].weights * part.family.reach
+                row[self.shear[k]] = seen.scale * (weights @ seen.whole)
             else:
                 points, matrix = part.shear.sources()
-                found[k] = (2.0 * np.pi * np.sqrt(points.z) @ matrix)[self._index[k]]
-        return found
+                row[self.shear[k]] = (2.0 * np.pi * np.sqrt(points.z) @ matrix)[self._index[k]]
+        return row
 
     def total_shear(self, values: Array) -> float:
         """Return ``2 pi int q s ds`` of a vector."""
-        total = sum(float(row @ values[self.shear[k]]) for k, row in self._shear_moments.items())
-        for part, own in zip(self.parts, self.pressure, strict=True):
-            slip = 2.0 * np.pi * part.state * self.parameters.friction
-            total += slip * float(self.load[own] @ values[own])
-        return total
+        return float(self.shear_functional @ values)
 
     @cached_property
     def masses(self) -> list[tuple[slice, Array]]:
@@ -328,7 +319,7 @@ class System:
             # the same on both sides to the last digit: a step would be felt like 1/sqrt(d)
             at = known.setdefault(part.boundary, at)
             normal.append(at - 2.0 * kappa * (t * swept.more(q) + beyond * at_boundary) - f.more(p))
-            if not self._felt[i]:
+            if i > self.stick[-1]:  # no function in stick feels E here
                 tangential.append(None)
                 continue
             drive = (2.0 / t) * j.more(p) - (beyond / t) * (2.0 / b * j.at(p))
@@ -375,20 +366,22 @@ class System:
 
     def matrix(self) -> Array:
         """Return the matrix of both equations; it is that of `residual` but for roundings."""
-        alpha, beta, _, _ = self.parameters
         matrix = np.zeros((self.unknowns, self.unknowns))
         for i in range(len(self.parts)):
             f, weights = self._f[i], self._weights[i]
-            for k, j, product in f.products(f, weights, whole=True):
+            for k, j, product in f.products(f, weights, whole=True, own=self._kept(i, False)):
                 matrix[self.pressure[k], self.pressure[j]] += product
-            if alpha == 0.0:
+            if not self._plain[0]:
                 self._add_driving(matrix, i)
-            if not self._felt[i]:
+            if i > self.stick[-1]:
                 continue
             stuck, weights = self._stuck(i), self._shear_tests[i]
-            for k, j, product in stuck.products(self._g[i], weights, whole=beta > 0.0):
+            kept = self._kept(i, True)
+            for k, j, product in stuck.products(
+                self._g[i], weights, whole=self._plain[1], own=kept
+            ):
                 self._add(matrix[self.shear[k]], product, j)
-            if beta == 0.0:
+            if not self._plain[1]:
                 self._add_driven(matrix, i)
             elif self.parts[i].boundary >= 0:
                 at_boundary = self.balances[1][self.parts[i].boundary]
@@ -399,20 +392,28 @@ class System:
             matrix[own, own] += mass
         return matrix
 
+    def _kept(self, i: int, shear: bool) -> Array | None:
+        """Return the sums over the nodes of the disk of its own integrals' products, if kept."""
+        part = self.parts[i]
+        if part.zone or not self._plain[shear]:
+            return None
+        b, family = part.family.boundary.value, part.shear if shear else part.family
+        return b ** (3 if shear else 1) * disk_gram(family.panels, part.degrees, shear)
+
     def _add_moments(self, matrix: Array) -> None:
         """Add the coupling of equations that are not weighted: in it no kernel is left.
 
         ``<phi, int_s^1 q> = int phi s ds int q ds`` where q lies outside of phi, and
         ``<s psi, g[p]> = int psi s ds int p s ds`` where p lies inside of psi.
         """
-        alpha, beta, kappa, _ = self.parameters
+        kappa = self.parameters.kappa
         for k, (part, own) in enumerate(zip(self.parts, self.pressure, strict=True)):
-            if alpha > 0.0:
+            if self._plain[0]:
                 load = self.load[own][:, None]
                 self._add(matrix[own], -kappa * self._within(k), k)
                 for j in range(k + 1, len(self.parts)):
                     self._add(matrix[own], -kappa * load * self._pull[j], j)
-            if beta > 0.0 and part.state == 0:
+            if self._plain[1] and part.state == 0:
                 rows = matrix[self.shear[k]]
                 rows[:, own] -= kappa * self._within(k).T
                 rows[:, : own.start] -= kappa * self._pull[k][:, None] * self.load[: own.start]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import Family, gap
@@ -25,8 +25,9 @@ class Part:
         0 for stick, +1 or -1 for slip with this sign of the traction.
     boundary : int
         Number of the boundary that the panels are graded to; -1 for the edge.
-    family : Family
-        With the panels of the pressure.
+    family, shear : Family
+        With the panels of the pressure, and with those of q/s, the same but for the endpoint
+        weight.
     degrees : tuple of int
         Highest degree on every panel.
     """
@@ -35,16 +36,8 @@ class Part:
     state: int
     boundary: int
     family: Family
+    shear: Family
     degrees: Degrees
-
-    @property
-    def shear(self) -> Family:
-        """The family of q/s, which no endpoint weight is needed for in stick."""
-        own = self.family
-        if self.state != 0 or own.panels.power == 0.0:
-            return own
-        plain = LogPanels(own.panels.panels, own.panels.width, own.panels.degree)
-        return Family(own.boundary, own.sign, own.reach, plain)
 
 
 def zone_parts(
@@ -52,8 +45,12 @@ def zone_parts(
     states: tuple[int, ...],
     panels: list[LogPanels],
     degrees: list[Degrees],
+    beta: float,
 ) -> list[Part]:
-    """Return the parts of all zones, outward; parameters are those of `System`."""
+    """Return the parts of all zones, outward; parameters are those of `System`.
+
+    Without tangential compliance the traction is singular at an edge that sticks.
+    """
     bounds = (CENTRE, *radii, EDGE)
     parts = []
     each = iter(zip(panels, degrees, strict=True))
@@ -64,5 +61,8 @@ def zone_parts(
         for boundary, sign, number in ends:
             own, used = next(each)
             family = Family(boundary, sign, gap(inner, outer) / len(ends), own)
-            parts.append(Part(zone, state, number, family, used))
+            power = own.power if state else -0.5 if beta == 0.0 and number < 0 else 0.0
+            alike = power == own.power
+            shear = family if alike else replace(family, panels=replace(own, power=power))
+            parts.append(Part(zone, state, number, family, shear, used))
     return parts

@@ -11,7 +11,8 @@ import numpy as np
 
 from spectral_contact.contact import resolution as first_spaces
 from spectral_contact.contact import zone_system
-from spectral_contact.spectral import coupled, galerkin
+from spectral_contact.spectral import factored as factors
+from spectral_contact.spectral import galerkin
 from spectral_contact.spectral.cache import clear_caches
 from spectral_contact.spectral.cholesky import Cholesky
 
@@ -69,7 +70,7 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     with (
         mock.patch.object(galerkin, "Factored", Recorded),
         mock.patch.object(zone_system, "scaled_solve", recorded),
-        mock.patch.object(coupled, "Cholesky", RecordedCholesky),
+        mock.patch.object(factors, "Cholesky", RecordedCholesky),
     ):
         yield found
     for kind, factored in last.items():

@@ -213,3 +213,14 @@ def test_states_that_do_not_settle_are_told(monkeypatch):
     monkeypatch.setattr(ring_law, "_MOST", 1)
     found = layout(Scene(0.1, 0.5, 0.5, 0.1))
     assert not found.settled
+
+
+def test_rings_that_err_next_to_narrow_ones_are_no_zones():
+    """The edge sticks; next to it one ring amid slip does so on rings, though not in truth."""
+    scene = Scene(-0.05799046105400951, 0.0, 0.026476370544551774, 0.4844998860969028)
+    found = layout(scene, splits=3)
+    assert np.count_nonzero(np.diff(found.ring_states)) == 4
+    assert found.states == (0, 1, 0)
+    solution = solve(scene, 1e-6)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert solution.error.zones < 1e-6

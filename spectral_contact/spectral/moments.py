@@ -1,0 +1,116 @@
+r"""Moments of functions on panels: what couples pressure and traction, and masses.
+
+With ``p`` and ``q = s u`` the tractions change each other's displacement by
+
+    <phi, int_s^1 q deta> = <s psi, g[p]> = 1/4 int_0^1 phi(y) int_0^y psi(y') dy' dy
+
+in the measure ``s ds`` and in ``y = 1 - s**2``: no kernel is left, and what lies on different
+panels couples by the product of its moments.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.abel import tail_values
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["inner_moments", "moments", "outer_moments", "tail_rule", "unit_masses"]
+
+Array = NDArray[np.float64]
+
+_MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 48)
+_MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...]], tuple[Array, Array]] = BoundedCache(
+    "masses", 32
+)
+_OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
+#: Gauss points on a tail, whose polynomials in ``d`` they integrate exactly.
+_TAIL_POINTS = 12
+
+
+def moments(panels: LogPanels) -> Array:
+    """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
+    return _MOMENTS.get(panels, lambda: _moments(panels))
+
+
+def _moments(panels: LogPanels) -> Array:
+    offsets, weights, basis = _panel_rule(panels)
+    first = (weights * np.exp(-(1.0 + panels.power) * offsets)) @ basis
+    fall = np.exp(-(1.0 + panels.power) * panels.width * np.arange(panels.panels))
+    d, tail_weights, tail = tail_rule(panels)
+    deepest = (tail_weights * d**panels.power) @ tail
+    return np.concatenate([np.outer(fall, first).ravel(), deepest])
+
+
+def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
+    """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size).
+
+    Parameters
+    ----------
+    panels, inner : LogPanels
+        Of phi and of psi: the same but for the endpoint weight.
+    """
+    terms, h = panels.degree + 1, panels.width
+    # psi on a deeper panel counts whole, on a shallower one not at all
+    matrix = np.outer(moments(panels), moments(inner))
+    x, weights, basis = _panel_rule(panels)
+    g, w = gauss_rule(len(x))
+    rest = h - x
+    deeper = x[:, None] + rest[:, None] * (1.0 + g) / 2.0
+    values = np.exp(-(1.0 + inner.power) * deeper) * w * rest[:, None] / 2.0
+    within = np.einsum("iq,iqk->ik", values, legendre_values(2.0 * deeper / h - 1.0, panels.degree))
+    own = (basis * (weights * np.exp(-(1.0 + panels.power) * x))[:, None]).T @ within
+    fall = np.exp(-(2.0 + panels.power + inner.power) * h * np.arange(panels.panels))
+    for j in range(panels.panels):
+        rows = slice(j * terms, (j + 1) * terms)
+        matrix[rows, : j * terms] = 0.0
+        matrix[rows, rows] = fall[j] * own
+    tail = panels.panels * terms
+    matrix[tail:, :tail] = 0.0
+    d, weights, basis = tail_rule(panels)
+    v = np.sqrt(d / panels.end)
+    deeper = d[:, None] * (d / panels.end)
+    # dd' = end v**2 2 v' dv', with d' = end v**2 v'**2
+    _, weight, _ = tail_rule(inner)
+    values = weight * v[:, None] ** 2 * deeper**inner.power
+    tails = tail_values(deeper, inner.end, inner.tail_terms, inner.root_tail)
+    within = np.einsum("iq,iqk->ik", values, tails)
+    matrix[tail:, tail:] = (basis * (weights * d**panels.power)[:, None]).T @ within
+    return matrix
+
+
+def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
+    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent."""
+
+    def made() -> Array:
+        deeper = inner_moments(panels, other)
+        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
+
+    return _OUTER.get((panels, other, sign), made)
+
+
+def unit_masses(panels: LogPanels, degrees: tuple[int, ...]) -> tuple[Array, Array]:
+    """Return ``int phi psi dd`` and ``int phi psi d dd`` of functions, on a part of unit extent."""
+    columns = panels.functions(degrees)
+    return _MASSES.get(
+        (panels, degrees), lambda: (panels.mass(columns, 1.0, 0.0), panels.mass(columns, 0.0, 1.0))
+    )
+
+
+def _panel_rule(panels: LogPanels) -> tuple[Array, Array, Array]:
+    """Return offsets and ``dx`` weights on the first panel, and the polynomials there."""
+    g, w = gauss_rule(panels.degree + 14)
+    h = panels.width
+    return h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree)
+
+
+def tail_rule(panels: LogPanels) -> tuple[Array, Array, Array]:
+    """Return distances and ``dd`` weights on the tail, and the polynomials there."""
+    g, w = gauss_rule(_TAIL_POINTS)
+    v = (1.0 + g) / 2.0
+    d = panels.end * v**2
+    values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
+    return d, w * v * panels.end, values
