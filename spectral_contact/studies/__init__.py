@@ -11,6 +11,7 @@ from spectral_contact.studies.files import load
 from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
 from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
+from spectral_contact.studies.sensitivity import Derivative, Sensitivity, sensitivity
 from spectral_contact.studies.solvers import OwnSolver, named_solver
 from spectral_contact.studies.study import convergence, work_precision
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
@@ -21,11 +22,13 @@ __all__ = [
     "Agreement",
     "Comparison",
     "Convergence",
+    "Derivative",
     "Line",
     "Machine",
     "OwnSolver",
     "Point",
     "Rate",
+    "Sensitivity",
     "Stopwatch",
     "Study",
     "Times",
@@ -38,6 +41,7 @@ __all__ = [
     "fit_rate",
     "load",
     "named_solver",
+    "sensitivity",
     "this_machine",
     "truth_of",
     "work_precision",
