@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spectral_contact.interior import Inside
-    from spectral_contact.studies.sensitivity import Sensitivity
+    from spectral_contact.studies.derivatives import Sensitivity
     from spectral_contact.view.physical import PhysicalSolution
 
 __all__ = [
@@ -346,7 +346,7 @@ class Solution:
             Out of ``"normal_compliance"``, ``"tangential_compliance"``, ``"friction"`` and
             ``"poisson_ratio"``, dimensionless; by default all.
         progress : bool, optional
-            Whether to show a line of progress; by default on a terminal and in notebooks.
+            Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
         Returns
         -------
@@ -360,7 +360,7 @@ class Solution:
         NotComputedError
             With elastic coupling.
         """
-        study = _above("studies.sensitivity")
+        study = _above("studies.derivatives")
         found: Sensitivity = study.sensitivity(self, parameters, progress=progress)
         return found
 

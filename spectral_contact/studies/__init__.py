@@ -7,11 +7,11 @@ of a scene and a resolution: your own boundary or finite elements, or this libra
 """
 
 from spectral_contact.studies.comparison import Agreement, Comparison, compare
+from spectral_contact.studies.derivatives import Derivative, Sensitivity, sensitivity
 from spectral_contact.studies.files import load
 from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
 from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
-from spectral_contact.studies.sensitivity import Derivative, Sensitivity, sensitivity
 from spectral_contact.studies.solvers import OwnSolver, named_solver
 from spectral_contact.studies.study import convergence, work_precision
 from spectral_contact.studies.timing import Stopwatch, Times, Timing

@@ -15,7 +15,7 @@ import math
 import sys
 
 from spectral_contact import Scene, reference, solve
-from spectral_contact.studies.sensitivity import PARAMETERS, QUANTITIES, sensitivity
+from spectral_contact.studies.derivatives import PARAMETERS, QUANTITIES, sensitivity
 
 SCENES = (
     Scene(0.3, 0.5, 0.5, math.inf),

@@ -35,7 +35,7 @@ PARAMETERS: Final = ("normal_compliance", "tangential_compliance", "friction", "
 _RTOL: Final = 1e-12
 _POINTS: Final = 10
 #: Half-widths of the interval, in the logarithm of the parameter, and when one is good enough.
-_WIDTHS: Final = (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4)
+_WIDTHS: Final = (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
 _ENOUGH: Final = 1e-10
 _MOST_UNKNOWNS: Final = 20_000
 _ALL_STICKS: Final = "everything sticks"
