@@ -65,7 +65,7 @@ def fit(
     max_evaluations : int
         How often the data may be predicted, derivatives not counted.
     progress : bool, optional
-        Whether to show a line of progress; by default on a terminal and in notebooks.
+        Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
     Returns
     -------

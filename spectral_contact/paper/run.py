@@ -66,8 +66,8 @@ def reproduce(
     pictures : bool
         Whether to draw, which needs matplotlib.
     progress : bool or callable, optional
-        Whether to show a line of progress; by default on a terminal and in notebooks. A callable
-        is told every step and the share in [0, 1] that is done.
+        Whether to show progress (extra: progress); by default on a terminal and in notebooks. A
+        callable is told every step and the share in [0, 1] that is done.
 
     Returns
     -------

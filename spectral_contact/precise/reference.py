@@ -47,7 +47,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     digits : int
         Relative accuracy of everything, from 15 to 60. Unknowns grow like its square.
     progress : bool, optional
-        Whether to show a line of progress; by default on a terminal and in notebooks.
+        Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
     Returns
     -------

@@ -7,6 +7,7 @@ of a scene and a resolution: your own boundary or finite elements, or this libra
 """
 
 from spectral_contact.studies.comparison import Agreement, Comparison, compare
+from spectral_contact.studies.derivatives import Derivative, Sensitivity, sensitivity
 from spectral_contact.studies.files import load
 from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
 from spectral_contact.studies.machine import Machine, this_machine
@@ -21,11 +22,13 @@ __all__ = [
     "Agreement",
     "Comparison",
     "Convergence",
+    "Derivative",
     "Line",
     "Machine",
     "OwnSolver",
     "Point",
     "Rate",
+    "Sensitivity",
     "Stopwatch",
     "Study",
     "Times",
@@ -38,6 +41,7 @@ __all__ = [
     "fit_rate",
     "load",
     "named_solver",
+    "sensitivity",
     "this_machine",
     "truth_of",
     "work_precision",

@@ -65,7 +65,7 @@ def convergence(
         A file that keeps every point as it is done, so that the same call goes on after it was
         stopped. It knows solvers by name: take another file when the solver has changed.
     progress : bool, optional
-        Whether to show a line of progress; by default on a terminal and in notebooks.
+        Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
     Returns
     -------

@@ -87,7 +87,7 @@ def sweep(
     chunk : int, optional
         Scenes that are solved and stored together.
     progress : bool, optional
-        Whether to show a line of progress with rate and time left; by default on a terminal and in
+        Whether to show rate and time left (extra: progress); by default on a terminal and in
         notebooks.
 
     Returns

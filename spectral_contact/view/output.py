@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, overload
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spectral_contact.solution import Solution
+    from spectral_contact.studies.derivatives import Sensitivity
     from spectral_contact.view.physical import PhysicalSolution
 
 __all__ = ["Output"]
@@ -124,6 +125,38 @@ class Output:
         """
         dataset: xarray.Dataset = _above("sweeps.dataset").of_solution(self, s, from_edge)
         return dataset
+
+    def sensitivity(
+        self, parameters: Iterable[str] | None = None, *, progress: bool | None = None
+    ) -> Sensitivity:
+        """Return derivatives of approach, total shear and stick radius by the parameters.
+
+        By closed forms where there are any, else by polynomials through ten to thirty solves a
+        parameter, which takes seconds. Where one is not finite, or one-sided, its note says so.
+
+        Parameters
+        ----------
+        parameters : iterable of str, optional
+            Out of ``"normal_compliance"``, ``"tangential_compliance"``, ``"friction"`` and
+            ``"poisson_ratio"``, dimensionless; by default all.
+        progress : bool, optional
+            Whether to show progress (extra: progress); by default on a terminal and in notebooks.
+
+        Returns
+        -------
+        Sensitivity
+            ``found["stick_radius", "friction"]`` has value, estimated relative error, and a note.
+
+        Raises
+        ------
+        SceneError
+            For another parameter.
+        NotComputedError
+            With elastic coupling.
+        """
+        study = _above("studies.derivatives")
+        found: Sensitivity = study.sensitivity(self, parameters, progress=progress)
+        return found
 
     def _repr_html_(self) -> str:
         return str(_above("view.html").of_solution(self))

@@ -1,0 +1,253 @@
+"""How approach, total shear and stick radius change with the parameters of a scene.
+
+Where there is no closed form, a polynomial goes through solves at Chebyshev points of the logarithm
+of the parameter, as far from the scene as its zones stay what they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from spectral_contact.equations.residuals import load as moment
+from spectral_contact.errors import NotComputedError
+from spectral_contact.inputs.choices import instance, names
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution
+from spectral_contact.solving.solver import Continuation
+from spectral_contact.view.html import table_html
+from spectral_contact.view.progress import ProgressLine
+from spectral_contact.view.report import table
+
+__all__ = ["PARAMETERS", "Derivative", "Sensitivity", "sensitivity"]
+
+Array = NDArray[np.float64]
+
+#: What can be differentiated, and by what.
+QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
+PARAMETERS: Final = ("normal_compliance", "tangential_compliance", "friction", "poisson_ratio")
+_RTOL: Final = 1e-12
+_POINTS: Final = 10
+#: Half-widths of the interval, in the logarithm of the parameter, and when one is good enough.
+_WIDTHS: Final = (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
+_ENOUGH: Final = 1e-10
+_MOST_UNKNOWNS: Final = 20_000
+_ALL_STICKS: Final = "everything sticks"
+_AT_ZERO: Final = "not finite at 0, where it grows like the logarithm"
+
+
+@dataclass(frozen=True, slots=True)
+class Derivative:
+    """One derivative.
+
+    Attributes
+    ----------
+    value : float
+        Dimensionless as the quantity and the parameter are; NaN where it is not finite.
+    error : float
+        Estimate of its relative error; infinite where no digit is known.
+    note : str
+        What is to be said of it: where it is not finite, or one-sided.
+    """
+
+    value: float
+    error: float
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Sensitivity:
+    """Derivatives of a scene's quantities; prints as a table.
+
+    Attributes
+    ----------
+    scene : Scene
+    derivatives : dict
+        By quantity and parameter: ``derivatives["stick_radius", "friction"]``.
+    """
+
+    scene: Scene
+    derivatives: dict[tuple[str, str], Derivative]
+
+    def __getitem__(self, pair: tuple[str, str]) -> Derivative:
+        return self.derivatives[pair]
+
+    def __str__(self) -> str:
+        return table(self._cells())
+
+    def _repr_html_(self) -> str:
+        return table_html(self._cells())
+
+    def _cells(self) -> list[tuple[str, ...]]:
+        cells: list[tuple[str, ...]] = [("derivative of", "by", "value", "error estimate", "")]
+        for (quantity, parameter), one in self.derivatives.items():
+            words = (quantity.replace("_", " "), parameter.replace("_", " "))
+            error = "exact" if one.error == 0.0 else f"{one.error:.1e}"
+            cells.append((*words, f"{one.value:.12g}", error, one.note))
+        return cells
+
+
+def sensitivity(
+    solution: Solution, parameters: Iterable[str] | None = None, *, progress: bool | None = None
+) -> Sensitivity:
+    """Return the derivatives of approach, total shear and stick radius; see `Solution.sensitivity`.
+
+    Raises
+    ------
+    SceneError
+        If it is no solution, or for a parameter that is not known.
+    NotComputedError
+        With elastic coupling.
+    """
+    asked = PARAMETERS if parameters is None else names("parameters", parameters, PARAMETERS)
+    scene = instance("solution", solution, Solution).scene
+    if scene.couples:
+        raise NotComputedError("the sensitivity", "with elastic coupling there is none yet")
+    with ProgressLine(progress) as tell:
+        return Sensitivity(scene, _Problem(scene, tell).derivatives(asked))
+
+
+class _Problem:
+    """A scene and those around it."""
+
+    def __init__(self, scene: Scene, tell: ProgressLine) -> None:
+        self._tell = tell
+        self.scene = scene.replace(physical=None)
+        self.friction = scene.friction if scene.kappa else None
+        wanted = (*QUANTITIES, "zones")
+        self._path = Continuation(_RTOL, wanted, _MOST_UNKNOWNS)
+        self.own = Continuation(_RTOL, (*wanted, "pressure"), _MOST_UNKNOWNS).solve(self.scene)
+        self.kinds = _kinds(self.own)
+
+    def derivatives(self, parameters: Iterable[str]) -> dict[tuple[str, str], Derivative]:
+        """Return all there are, by quantity and parameter."""
+        found: dict[tuple[str, str], Derivative] = {}
+        for name in parameters:
+            approach = Derivative(0.0, 0.0)
+            if name == "normal_compliance":
+                approach = self._approach()
+            found["approach", name] = approach
+            if self.friction is not None:
+                by = self._by_poisson_ratio() if name == "poisson_ratio" else self._by(name)
+                found |= {(quantity, name): one for quantity, one in by.items()}
+        return found
+
+    def _approach(self) -> Derivative:
+        """Return ``2 pi int p**2 s ds``."""
+        if self.scene.normal_compliance == 0.0:
+            return Derivative(math.nan, math.inf, _AT_ZERO)
+        value = moment(lambda d: np.square(self.own.pressure(from_edge=d)))
+        return Derivative(2.0 * math.pi * value, 2.0 * (self.own.error.pressure or 0.0) + 1e-14)
+
+    def _by(self, name: str) -> dict[str, Derivative]:
+        """Return the derivatives of shear and stick radius by one parameter."""
+        value = getattr(self.scene, name)
+        if name == "friction" and value == 0.0:
+            # near the centre beta q = kappa s p / 2, which is f p at the rim
+            slope = 2.0 * self.scene.tangential_compliance / self.scene.kappa
+            return {
+                "total_shear": Derivative(1.0, 0.0, "one-sided"),
+                "stick_radius": Derivative(slope, 0.0, "one-sided"),
+            }
+        if name == "friction" and (value == math.inf or self.kinds == ("stick",)):
+            still = Derivative(0.0, 0.0, _ALL_STICKS)
+            return {"total_shear": still, "stick_radius": still}
+        if self.scene.friction == 0.0:
+            return {q: Derivative(0.0, 0.0, "everything slips") for q in QUANTITIES[1:]}
+        if value == 0.0:
+            found = {
+                "total_shear": Derivative(math.nan, math.inf, "not computed at 0"),
+                "stick_radius": Derivative(math.nan, math.inf, _AT_ZERO),
+            }
+        else:
+            found = self._interpolated(name, value)
+        if self.kinds == ("stick",):
+            found["stick_radius"] = Derivative(0.0, 0.0, _ALL_STICKS)
+        return found
+
+    def _by_poisson_ratio(self) -> dict[str, Derivative]:
+        """Return those by nu, which enters by kappa alone, and friction as f/kappa."""
+        kappa, f = self.scene.kappa, self.friction or 0.0
+        slope = -0.25 / (1.0 - self.scene.poisson_ratio) ** 2  # of kappa
+        by = self._by("friction")
+        factor = f if math.isfinite(f) else 0.0
+        radius, shear = by["stick_radius"], by["total_shear"]
+        whole, part = self.own.total_shear, factor * shear.value
+        rest = whole - part
+        known = abs(whole) * (self.own.error.total_shear or 0.0) + abs(part) * shear.error
+        error = known / abs(rest) if rest else 0.0
+        return {
+            "total_shear": Derivative(slope * rest / kappa + 0.0, error, shear.note),
+            "stick_radius": Derivative(
+                -slope * factor / kappa * radius.value + 0.0, radius.error, radius.note
+            ),
+        }
+
+    def _interpolated(self, name: str, value: float) -> dict[str, Derivative]:
+        """Return the derivatives from scenes around this one, or on one side of it."""
+        best: dict[str, Derivative] = {}
+        for side, note in ((0, ""), (1, "one-sided, upwards"), (-1, "one-sided, downwards")):
+            for width in _WIDTHS:
+                interval = self._interval(name, value, width, side)
+                if interval is None:
+                    continue
+                settled = True
+                for quantity in QUANTITIES[1:]:
+                    one, rough = interval.derivative(quantity, note)
+                    settled = settled and (one.error <= _ENOUGH or not rough)
+                    if quantity not in best or one.error < best[quantity].error:
+                        best[quantity] = one
+                if settled:  # narrower ones have but more noise
+                    return best
+            if best:
+                return best
+        unknown = Derivative(math.nan, math.inf, "the zones change here")
+        return dict.fromkeys(QUANTITIES[1:], unknown)
+
+    def _interval(self, name: str, value: float, width: float, side: int) -> _Interval | None:
+        """Return the solutions in one interval; None if the zones change within it."""
+        points = np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
+        middle, half = (0.0, width) if side == 0 else (0.5 * side * width, 0.5 * width)
+        factors, rows = np.exp(middle + half * points), dict[int, Solution]()
+        for i in np.argsort(-np.abs(points)).tolist():  # the ends show soonest that zones change
+            self._tell(f"by {name.replace('_', ' ')}")
+            changed = self.scene.replace(**{name: value * float(factors[i])})
+            rows[i] = self._path.solve(changed)
+            if _kinds(rows[i]) != self.kinds:
+                return None
+        return _Interval(points, half * value, -float(side), [rows[i] for i in range(_POINTS)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Interval:
+    """Solutions at Chebyshev points, and where between -1 and 1 the derivative is taken."""
+
+    points: Array
+    scale: float
+    place: float
+    solutions: list[Solution]
+
+    def derivative(self, quantity: str, note: str) -> tuple[Derivative, bool]:
+        """Return a derivative, and whether what the polynomial lacks is more than noise."""
+        values = np.array([float(getattr(one, quantity)) for one in self.solutions])
+        errors = np.array([float(getattr(one.error, quantity)) for one in self.solutions])
+        own = [chebyshev.chebval(self.place, chebyshev.chebder(row)) for row in np.eye(_POINTS)]
+        matrix = np.linalg.inv(chebyshev.chebvander(self.points, _POINTS - 1))
+        weights = np.array(own) @ matrix / self.scale
+        value = float(weights @ values)
+        last = np.abs((matrix @ values)[-2:] / self.scale)
+        # of the slopes of the last two, the largest there are
+        lacking = float(last @ np.arange(_POINTS - 2, _POINTS) ** (2.0 if self.place else 1.0))
+        noise = float(np.abs(weights) @ (errors * np.abs(values)))
+        error = (lacking + noise) / abs(value) if value else math.inf
+        return Derivative(value, error, note), lacking > noise
+
+
+def _kinds(solution: Solution) -> tuple[str, ...]:
+    return tuple(zone.kind for zone in solution.zones)
