@@ -30,7 +30,7 @@ from spectral_contact.interior import rings
 RESULTS = Path(__file__).parents[1] / "results"
 SEED, POINTS = 20, 10
 #: How many rows each group has, but the random scenes.
-SIZES = {"rings": 100, "sneddon": 20, "sticking": 50}
+SIZES = {"rings": 80, "sneddon": 20, "sticking": 50}
 #: What ring kernels may miss by, relative to the largest of the five, or one over the distance.
 RING_BOUND = 1e-13
 #: Largest error of the quadrature that is compared with, for a point to count.
