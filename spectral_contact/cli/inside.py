@@ -17,7 +17,6 @@ from spectral_contact.io.documents import netcdf, read_file, replace_file, repor
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
-from spectral_contact.view.inside import plot_inside
 from spectral_contact.view.report import table
 
 __all__ = ["OUTPUTS", "add_options", "run"]
@@ -80,7 +79,7 @@ def run(arguments: argparse.Namespace) -> str:
         with reported(output, "cannot be written"):
             replace_file(output, content)
     if arguments.plot is not None:
-        plotting.save(plot_inside(body, arguments.quantity), arguments.plot)
+        plotting.save(plotting.plot_inside(body, arguments.quantity), arguments.plot)
     return _summary(body, solution)
 
 

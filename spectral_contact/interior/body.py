@@ -23,6 +23,7 @@ from spectral_contact.interior.sampling import (
     Sampler,
     displacement_error,
     stress_error,
+    stresses,
 )
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.solution import Solution
@@ -203,14 +204,10 @@ class Inside:
                 "at least 1e-16 of the radius away from the edge, where stresses have no limit",
             )
         sums = self._sampler.stress(points, _tolerance(rtol))
-        zz, rz, hoop, harmonic = sums.values
-        rz = np.where(points.r > AXIS, rz, 0.0)
-        tt = hoop - 2.0 * self._nu * harmonic
-        # the divergence of u less its axial part is -2 (1 - nu) e - zz, over 2 G
-        rr = -2.0 * harmonic - zz - hoop
+        four = stresses(sums.values, self._nu)
+        four[3] = np.where(points.r > AXIS, four[3], 0.0)
         error = stress_error(sums.values, self._errors(sums), self._nu)
-        four = np.stack([rr, tt, zz, rz]) * self._units.stress
-        return Stress(*_shaped(shape, *four, error))
+        return Stress(*_shaped(shape, *(four * self._units.stress), error))
 
     def surface(
         self,

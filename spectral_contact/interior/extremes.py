@@ -37,6 +37,8 @@ _AT_EDGE = 1e-15
 #: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.
 _LINE, _NET = 241, (61, 41)
 _FARTHEST, _CLOSEST = 1e-3, 35.0
+#: What the net is accurate to.
+_COARSE = 1e-6
 #: A bracket is narrowed to this share of its place.
 _NARROW = 1e-9
 
@@ -69,8 +71,7 @@ def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
     def measure(tau: Array, sigma: Array, rtol: float | None = None) -> Array:
         return MEASURES[name](stress(from_toroidal(tau, sigma), rtol))
 
-    lines = [0.0, np.pi] if tension else [np.pi]
-    found = [_on_line(measure, sigma) for sigma in lines]
+    found = [_on_line(measure, sigma) for sigma in (0.0, np.pi)]
     if not tension:
         found += [_on_axis(measure), *_in_body(measure)]
     top = max(one.value for one in found)
@@ -114,24 +115,32 @@ def _tension_grows(solution: Solution) -> str:
 def _on_line(measure: Callable[..., Array], sigma: float) -> _Found:
     """Return the largest value on the free surface (sigma 0) or on the contact (pi)."""
     taus = np.geomspace(_FARTHEST, _CLOSEST, _LINE)
-    return _along(lambda tau: measure(tau, np.full_like(tau, sigma)), taus, fixed=sigma, axis=0)
+
+    def of(tau: Array, rtol: float | None = None) -> Array:
+        return measure(tau, np.full_like(tau, sigma), rtol)
+
+    return _along(of, taus, fixed=sigma, axis=0)
 
 
 def _on_axis(measure: Callable[..., Array]) -> _Found:
     """Return the largest value on the axis."""
     sigmas = np.linspace(_FARTHEST, np.pi, _LINE)
-    return _along(lambda sigma: measure(np.zeros_like(sigma), sigma), sigmas, fixed=0.0, axis=1)
+
+    def of(sigma: Array, rtol: float | None = None) -> Array:
+        return measure(np.zeros_like(sigma), sigma, rtol)
+
+    return _along(of, sigmas, fixed=0.0, axis=1)
 
 
 def _along(of: Callable[..., Array], grid: Array, fixed: float, axis: int) -> _Found:
-    values = of(grid)
-    k = int(np.argmax(values))
+    k = int(np.argmax(of(grid, _COARSE)))
     low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
     narrow = {"xatol": _NARROW * high}
     best = minimize_scalar(
         lambda x: -of(np.array([x]))[0], bounds=(low, high), method="bounded", options=narrow
     )
-    value, at = max((-float(best.fun), float(best.x)), (float(values[k]), float(grid[k])))
+    node = float(of(grid[k : k + 1])[0])
+    value, at = max((-float(best.fun), float(best.x)), (node, float(grid[k])))
     step = 1e-3 * (high - low)
     fall = _fall(value, of(np.clip(np.array([at - step, at + step]), grid[0], grid[-1])), step)
     tau, sigma = (at, fixed) if axis == 0 else (fixed, at)
@@ -144,7 +153,7 @@ def _in_body(measure: Callable[..., Array]) -> list[_Found]:
     taus = np.concatenate([np.linspace(0.0, 3.0, _NET[0]), taus[taus > 3.0]])
     sigmas = np.linspace(0.0, np.pi, _NET[1])[1:-1]
     tau, sigma = (one.ravel() for one in np.meshgrid(taus, sigmas, indexing="ij"))
-    values = measure(tau, sigma, 1e-6).reshape(len(taus), len(sigmas))
+    values = measure(tau, sigma, _COARSE).reshape(len(taus), len(sigmas))
     peaks = _peaks(values)
 
     def reflected(x: Array) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.interior.mesh import Mesh, Points
+from spectral_contact.interior.mesh import Mesh, Nodes, Points
 from spectral_contact.interior.rings import Geometry, geometry
 
 __all__ = ["Integrals", "Kernels", "integrate"]
@@ -55,19 +55,25 @@ def _sums(mesh: Mesh, points: Points, kernels: Kernels, nu: float) -> tuple[Arra
     """Return the integrals, and for each load those of the moduli."""
     depth = np.where(points.on_surface, 0.0, points.z)
     values, sizes = np.zeros((4, len(depth))), np.zeros((2, 4, len(depth)))
-    for block, nodes in mesh.rows(points):
-        owner, some = nodes.owner, points[block]
-        r, z = some.r[owner, None], depth[block][owner, None]
-        rings = geometry(r, z, nodes.s, nodes.ahead)
-        count = len(some.r)
-        for kernel, load, moduli in zip(
-            kernels, (nodes.pressure, nodes.traction), sizes, strict=False
-        ):
+    for block, parts in mesh.rows(points):
+        some, lengths = points[block], np.concatenate([_lengths(part) for part in parts])
+        owner = np.concatenate([part.owner for part in parts])
+        s, ahead, *loads = (np.concatenate([np.ravel(p[k]) for p in parts]) for k in range(1, 5))
+        r, z = (np.repeat(one[owner], lengths) for one in (some.r, depth[block]))
+        starts, count = np.cumsum(lengths) - lengths, len(some.r)
+        rings = geometry(r, z, s, ahead)
+        for kernel, load, moduli in zip(kernels, loads, sizes, strict=False):
             for row, size, share in zip(values, moduli, kernel(rings, nu), strict=False):
                 terms = share * load
-                row[block] += np.bincount(owner, terms.sum(axis=1), minlength=count)
-                size[block] += np.bincount(owner, np.abs(terms).sum(axis=1), minlength=count)
+                row[block] += np.bincount(owner, np.add.reduceat(terms, starts), minlength=count)
+                terms = np.add.reduceat(np.abs(terms), starts)
+                size[block] += np.bincount(owner, terms, minlength=count)
     return values, sizes
+
+
+def _lengths(rows: Nodes) -> NDArray[np.intp]:
+    """Return how many nodes each row has."""
+    return np.full(len(rows.owner), rows.s.shape[-1])
 
 
 def integrate(meshes: tuple[Mesh, Mesh], points: Points, kernels: Kernels, nu: float) -> Integrals:

@@ -245,8 +245,8 @@ class Mesh:
         before = np.cumsum(self._rings[0].sum(axis=1)) - self._rings[0].sum(axis=1)
         return np.asarray((before[:, None] + own).ravel())
 
-    def rows(self, points: Points) -> Iterator[tuple[slice, Nodes]]:
-        """Yield blocks of points, each with all of its rows of nodes."""
+    def rows(self, points: Points) -> Iterator[tuple[slice, list[Nodes]]]:
+        """Yield blocks of points, each with all of its rows of nodes, of several lengths."""
         for start in range(0, len(points.r), _BLOCK):
             block = slice(start, start + _BLOCK)
             some = points[block]
@@ -255,10 +255,10 @@ class Mesh:
             left = np.ones(apart.shape, dtype=bool)
             tails = [self._tail(some, at, left) for at in range(len(self._tails))]
             near = left & (apart < _NEAR * self._lengths)
-            yield block, _joined(tails)
-            yield block, self._whole(some, left & ~near)
+            rows = [*tails, self._whole(some, left & ~near)]
             if near.any():
-                yield block, self._cut(some, near, low, high)
+                rows.append(self._cut(some, near, low, high))
+            yield block, rows
 
     def _tail(self, points: Points, at: int, left: NDArray[np.bool_]) -> Nodes:
         """Return the rows of tails of a run, and strike the panels that they stand for."""

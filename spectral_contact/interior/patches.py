@@ -31,6 +31,9 @@ _ORDER = 12
 _FEWEST = 170
 #: Size of the cells that are tried first.
 _WIDTH = np.array([3.0, np.pi / 2.0])
+#: A cell is not cut below this share of the first ones: it holds a boundary of zones, or one point
+#: many times.
+_SMALLEST = 2.0**-9
 #: Cells whose nodes are evaluated together, which bounds the memory.
 _TOGETHER = 64
 
@@ -154,6 +157,6 @@ def interpolate(
             out.values[:, good] = fit.values[:, ~bad]
             out.quadrature[:, good] = fit.quadrature[:, None]
             out.of_pressure[:, good], out.of_traction[:, good] = fit.sizes[:, :, None]
-            if bad.any():
+            if bad.any() and np.all(cell.size > _SMALLEST * _WIDTH):
                 cells += _halves(cell, at, which[bad], fit.tails)
     return left

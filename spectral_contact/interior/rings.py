@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ellipe
 
 from spectral_contact.interior.elliptic import Elliptic, elliptic, solid_angle
 
@@ -36,7 +37,7 @@ class Geometry(NamedTuple):
     Attributes
     ----------
     r, z, s : ndarray
-        Radius and depth of the points, radius of the rings; those of the points broadcast.
+        Radius and depth of the points, radius of the rings.
     ahead : ndarray
         ``r - s``, to relative accuracy.
     a2, b2 : ndarray
@@ -58,7 +59,7 @@ class Geometry(NamedTuple):
 
 
 def geometry(r: Array, z: Array, s: Array, ahead: Array) -> Geometry:
-    """Return the distances; `r` and `z` broadcast to the others, no ring touches its point."""
+    """Return the distances; all arguments have one shape, and no ring touches its point."""
     a2 = (r + s) ** 2 + z**2
     b2 = ahead**2 + z**2
     return Geometry(r, z, s, ahead, a2, b2, np.sqrt(a2), elliptic(4.0 * r * s / a2, b2 / a2))
@@ -79,25 +80,22 @@ def _mean_flux(g: Geometry) -> Array:
     """Return ``I(0, 1; 0) / r``: the part of a ring's load that flows through a disk below it."""
     near_axis = g.r**2 < 0.04 * (g.s**2 + g.z**2)
     result = np.empty(g.s.shape)
-    r, z = np.broadcast_to(g.r, g.s.shape), np.broadcast_to(g.z, g.s.shape)
     if near_axis.any():
-        result[near_axis] = _flux_near_axis(r[near_axis], z[near_axis], g.s[near_axis])
+        result[near_axis] = _flux_near_axis(g.r[near_axis], g.z[near_axis], g.s[near_axis])
     far = ~near_axis
     if far.any():
-        own = Elliptic(*(part[far] for part in g.own))
-        angle = solid_angle(own, z[far], g.a[far], g.ahead[far], r[far] + g.s[far])
-        result[far] = angle / r[far] ** 2
+        own, r = Elliptic(*(part[far] for part in g.own)), g.r[far]
+        result[far] = solid_angle(own, g.z[far], g.a[far], g.ahead[far], r + g.s[far]) / r**2
     return result
 
 
 def _flux_near_axis(r: Array, z: Array, s: Array) -> Array:
     """Return the mean over the disk of half the stress, which is smooth there."""
-    result = np.zeros(r.shape)
-    for node, weight in zip(_FEW_NODES, _FEW_WEIGHTS, strict=True):
-        radius = r * np.sqrt(0.5 + node / 2.0)
-        g = geometry(radius, z, s, radius - s)
-        result += weight / 4.0 * _TWO_OVER_PI * z * g.own.e / (g.a * g.b2)
-    return result
+    radius = r[:, None] * np.sqrt(0.5 + _FEW_NODES / 2.0)
+    s, z = s[:, None], z[:, None]
+    a2, b2 = (radius + s) ** 2 + z**2, (radius - s) ** 2 + z**2
+    flux = z * ellipe(4.0 * radius * s / a2) / (np.sqrt(a2) * b2)
+    return np.asarray(_TWO_OVER_PI * (flux @ (_FEW_WEIGHTS / 4.0)))
 
 
 def normal_stress(g: Geometry, nu: float) -> tuple[Array, ...]:

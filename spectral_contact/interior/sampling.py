@@ -14,7 +14,7 @@ from spectral_contact.interior.mesh import FAST, TIGHT, Evaluator, Mesh, Points,
 from spectral_contact.interior.patches import Direct, Relative, interpolate
 from spectral_contact.threads import cached_property
 
-__all__ = ["AXIS", "Sampler", "displacement_error", "stress_error", "stress_norm"]
+__all__ = ["AXIS", "Sampler", "displacement_error", "stress_error", "stresses"]
 
 Array = NDArray[np.float64]
 
@@ -24,26 +24,23 @@ _FAST_FROM = 1e-9
 AXIS = 1e-30
 
 
-def stress_norm(values: Array, nu: float) -> Array:
-    """Return the root of the sum of the squares of the nine stresses, from the integrals."""
+def stresses(values: Array, nu: float) -> Array:
+    """Return rr, tt, zz and rz from the integrals."""
     zz, rz, hoop, harmonic = values
-    tt = hoop - 2.0 * nu * harmonic
-    rr = -2.0 * harmonic - zz - hoop
-    return np.asarray(np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2))
+    # the divergence of u less its axial part is -2 (1 - nu) e - zz, over 2 G
+    return np.stack([-2.0 * harmonic - zz - hoop, hoop - 2.0 * nu * harmonic, zz, rz])
 
 
 def stress_error(values: Array, errors: Array, nu: float) -> Array:
     """Return the relative error of stresses from absolute ones of the integrals."""
     worst = errors[0] + errors[2] + 2.0 * errors[3] + errors[1]
-    return _relative(worst, stress_norm(values, nu))
+    rr, tt, zz, rz = stresses(values, nu)
+    return _relative(worst, np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2))
 
 
 def displacement_error(values: Array, errors: Array, r: Array) -> Array:
     """Return the relative error of displacements from absolute ones of the integrals."""
-    return _relative(
-        np.hypot(errors[0], r * errors[1]),
-        np.hypot(values[0], r * values[1]),
-    )
+    return _relative(np.hypot(errors[0], r * errors[1]), np.hypot(values[0], r * values[1]))
 
 
 def _relative(error: Array, size: Array) -> Array:

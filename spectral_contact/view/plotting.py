@@ -29,6 +29,7 @@ from spectral_contact.view.figures import (
     scene_title,
     style,
 )
+from spectral_contact.view.inside import plot_inside
 from spectral_contact.view.radii import Radii, graded_radii, known_zones, layer_depth
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ __all__ = [
     "check",
     "graded_radii",
     "plot_coefficients",
+    "plot_inside",
     "plot_solution",
     "require",
     "save",

@@ -202,7 +202,7 @@ def over_rings(solution, from_edge, z, count=1500):
     inner = {zone.outer_from_edge for zone in solution.zones}
     ends = sorted({0.0, 1.0, *(one for one in (*inner, from_edge) if 0.0 < one < 1.0)})
     t = np.linspace(-3.9, 3.9, 2 * count + 1)
-    step = t[1] - t[0]
+    step = 3.9 / count
     low, high = (1.0 / (1.0 + np.exp(sign * np.pi * np.sinh(t))) for sign in (-1.0, 1.0))
     slope = np.pi * np.cosh(t) * low * high
     sums = np.zeros((2, 5))
@@ -212,12 +212,14 @@ def over_rings(solution, from_edge, z, count=1500):
         s = length * high if last == 1.0 else 1.0 - d
         ahead = d - from_edge
         ahead = length * low if first == from_edge else ahead
-        ahead = -length * high if last == from_edge else ahead
+        if last == from_edge:
+            ahead = -length * high
+            s = r - ahead
         near = np.where((s > 0.0) & (d > 0.0), 1.0, 0.0)
         s, d = np.maximum(s, 1e-300), np.maximum(d, 1e-300)
-        g = rings.geometry(np.array([[r]]), np.array([[z]]), s[None], ahead[None])
+        g = rings.geometry(np.full_like(s, r), np.full_like(s, z), s, ahead)
         five = [
-            np.array([*(one[0] for one in of_stress(g, nu)), of_displacement(g, nu)[0][0]])
+            np.array([*of_stress(g, nu), of_displacement(g, nu)[0]])
             for of_stress, of_displacement in (
                 (rings.normal_stress, rings.normal_displacement),
                 (rings.radial_stress, rings.radial_displacement),

@@ -238,6 +238,20 @@ def test_from_many_points_on_the_surface_tractions_are_the_fields(solutions):
     assert np.all(stress.rz[: -len(under)] == 0.0)
 
 
+def test_one_point_many_times_where_no_polynomial_serves(solutions):
+    solution = solutions["slip"]
+    from_edge = np.full(400, 1.0 - solution.stick_radius)
+    many = solution.inside.stress(from_edge=from_edge, z=1e-12, rtol=1e-8)
+    one = solution.inside.stress(from_edge=from_edge[0], z=1e-12)
+    assert np.all(np.abs(many.rr - one.rr) <= 1e-8 * one.norm)
+
+
+@pytest.mark.parametrize("rtol", [0.0, 1.0, math.nan, "tight"])
+def test_bad_tolerances_are_refused_by_name(rtol):
+    with pytest.raises(SceneError, match="rtol"):
+        solve(Scene(0.3)).inside.stress(0.5, 0.5, rtol=rtol)
+
+
 @pytest.mark.parametrize(
     "scene",
     [

@@ -121,7 +121,7 @@ def main():
         f"{COUNT} points of stress with rtol 1e-8, times in U, the load of the machine was "
         f"{load:.1f}; and one point of 100, and one alone, with all digits.",
         "",
-        "| scene | points | all | largest error | largest estimate | MB | one of 100 | alone |",
+        "| scene | points | all | true error | estimate | MB | one of 100 | alone |",
         "|---|---|---|---|---|---|---|---|",
     ]
     lines += [

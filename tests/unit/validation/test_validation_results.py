@@ -43,6 +43,7 @@ def record(study):
         ("honesty_thresholds", "scenes", 40),
         ("honesty", "scenes", 10_000),
         ("honesty_coupled", "scenes", 1_000),
+        ("interior", "scenes", 200),
         ("mutants", "mutants", 50),
         ("naive", "count", 60),
         ("projections", "count", 300),
@@ -64,6 +65,12 @@ def test_results_are_fresh_and_of_full_size(study, counted, least):
 def test_no_estimate_of_coupled_slip_was_too_small(study):
     rows = record(study)["rows"]
     assert max(ratio for row in rows for ratio in row.get("ratios", {}).values()) <= 1.0
+
+
+def test_no_estimate_inside_the_body_was_too_small():
+    found = record("interior")
+    assert found["exceeded"] == 0
+    assert len(found["rows"]["sticking"]) >= 50  # in mpmath
 
 
 def test_no_scene_at_a_threshold_was_wrong():

@@ -6,7 +6,7 @@ import pytest
 from spectral_contact import Scene, SceneError, solve
 
 pytest.importorskip("matplotlib", reason="part of the extra: plot")
-from spectral_contact.view.inside import plot_inside
+from spectral_contact.view.plotting import plot_inside
 
 
 def test_the_largest_von_mises_stress_is_marked_where_it_is():
