@@ -16,6 +16,7 @@ from spectral_contact.inputs import checks
 from spectral_contact.records import (
     COUPLING,
     FULL_STICK,
+    GROWTH,
     NORMAL,
     PARTIAL_SLIP,
     PROFILE_QUANTITIES,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 __all__ = [
     "COUPLING",
     "FULL_STICK",
+    "GROWTH",
     "NORMAL",
     "PARTIAL_SLIP",
     "PROFILE_QUANTITIES",
