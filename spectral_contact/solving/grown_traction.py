@@ -116,6 +116,10 @@ class _Rule:
     weights: Array
 
 
+#: What is smooth takes few points.
+_PLAIN = _Rule((1.0 + gauss_rule(16)[0]) / 2.0, gauss_rule(16)[1] / 2.0)
+
+
 def _graded(panels: int) -> _Rule:
     g, w = gauss_rule(_POINTS)
     ends = np.append(_RATIO ** np.arange(panels), 0.0)
@@ -149,9 +153,11 @@ class _History:
         stuck = self.when_stuck(log_r)
         total = np.zeros(len(log_r))
         for panel in self.growth.panels:
-            inside = np.maximum(stuck, panel.low) < panel.high
-            if inside.any():
-                total[inside] += self.while_stuck(panel, log_r[inside], stuck[inside])
+            # what stuck long before has a smooth integrand
+            near = panel.low - stuck < panel.high - panel.low
+            for rows, rule in ((near & (stuck < panel.high), self.rule), (~near, _PLAIN)):
+                if rows.any():
+                    total[rows] += self.while_stuck(panel, log_r[rows], stuck[rows], rule)
             if panel.slips:
                 begin, end = np.maximum(log_r, panel.low), np.minimum(stuck, panel.high)
                 slid = begin < end
@@ -174,11 +180,11 @@ class _History:
             stuck[beyond] = last.high
         return stuck
 
-    def while_stuck(self, panel: Panel, log_r: Array, stuck: Array) -> Array:
+    def while_stuck(self, panel: Panel, log_r: Array, stuck: Array, rule: _Rule) -> Array:
         """Return what the increments of one panel add to radii that stick."""
         begin = np.maximum(stuck, panel.low)
         extent = (panel.high - begin)[:, None]
-        ahead = extent * self.rule.points
+        ahead = extent * rule.points
         u = begin[:, None] + ahead
         t = panel.local(u).ravel()
         start = panel.log_stick(panel.local(begin))
@@ -187,7 +193,7 @@ class _History:
         grown = panel.log_stick(t).reshape(u.shape) - start[:, None]
         d = np.clip(-np.expm1(-2.0 * (since[:, None] + ahead + grown)), 0.0, 1.0)
         values = panel.traction(t, d.ravel()) * panel.increment(t) * np.exp(-2.0 * u.ravel())
-        return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ self.rule.weights))
+        return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ rule.weights))
 
     def while_slipping(self, panel: Panel, log_r: Array, begin: Array, end: Array) -> Array:
         """Return by how much the pressure grew while these radii slipped."""
