@@ -12,6 +12,7 @@ from spectral_contact.inputs.choices import instance, one_of
 __all__ = [
     "COUPLING",
     "FULL_STICK",
+    "GROWTH",
     "NORMAL",
     "PARTIAL_SLIP",
     "PROFILE_QUANTITIES",
@@ -49,6 +50,7 @@ PROFILE_QUANTITIES = ("contact_radius", "load", "stiffness", "indentation_work")
 COUPLING = "elastic coupling"
 NORMAL = "normal contact"
 FULL_STICK = "full stick"
+GROWTH = "growing contact"
 PARTIAL_SLIP = "partial slip"
 ZONE_SEARCH = "zone search"
 SLIP_FIELD = "slip displacement"
@@ -168,7 +170,8 @@ class ErrorEstimates:
     the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
     the largest slip, whichever is larger. With a profile, `pressure` is relative to the pressure
     or its mean, whichever is larger; where a smooth surface has it infinite, at a tip or corner,
-    it is that of places farther off than some 1e-17 of the square of the contact radius.
+    it is that of places farther off than some 1e-17 of the square of the contact radius;
+    `traction` is then relative to its largest value.
     """
 
     approach: float | None = None

@@ -15,6 +15,7 @@ from spectral_contact.inputs import checks
 from spectral_contact.records import (
     COUPLING,
     FULL_STICK,
+    GROWTH,
     NORMAL,
     PARTIAL_SLIP,
     PROFILE_QUANTITIES,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 __all__ = [
     "COUPLING",
     "FULL_STICK",
+    "GROWTH",
     "NORMAL",
     "PARTIAL_SLIP",
     "PROFILE_QUANTITIES",

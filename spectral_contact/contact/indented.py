@@ -48,6 +48,8 @@ _SLOPE = 1e-4
 _EDGE = 1.0
 #: Panels and degree whose nodes integrate a known half-integral.
 _NODES = 20, 20
+#: What breaks add to the expected error of the pressure, measured over random profiles.
+_BROKEN = 2.0
 #: Roundings of the shift, and of what follows from it, measured over random profiles.
 _ROUNDINGS = 3.0
 #: Rounding of the pressure deep in a thin layer, where it is what the layer's equation leaves.
@@ -217,6 +219,8 @@ class _IndentationProblem:
             for (p, _), c, size in zip(used, _split(used, change.coefficients), ends, strict=True)
         ]
         indicators = expected_error(np.concatenate(shares), rates)
+        if len(used) > 1:  # a change next to a break says less about the one after it
+            indicators = _BROKEN * indicators
         errors = self._integral_errors(solved, change, used[-1][0], rates)
         shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
         pressure_error = float(indicators.max()) + 20.0 * _ROUNDINGS * ROUNDING

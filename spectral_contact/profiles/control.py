@@ -63,9 +63,13 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     if type(profile) not in KINDS.values():
         raise SceneError("profile", profile, f"None or one of profiles: {', '.join(KINDS)}")
     assert isinstance(profile, Profile)
-    for name in ("friction", "physical"):
-        if scene[name] is not None:
-            raise SceneError(name, scene[name], "None with a profile")
+    if scene["physical"] is not None:
+        raise SceneError("physical", scene["physical"], "None with a profile")
+    if scene["coupling"]:
+        raise SceneError("coupling", True, "False with a profile")
+    if scene["friction"] and profile.breaks:
+        told = "None or 0 with a profile that has breaks, as a flat part is one"
+        raise SceneError("friction", scene["friction"], told)
     if len(given) != 1:
         told = "one value and two None: give one of them with a profile"
         raise SceneError(", ".join(CONTROLS), tuple(values.values()), told)

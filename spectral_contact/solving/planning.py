@@ -10,6 +10,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
+    GROWTH,
     NORMAL,
     PARTIAL_SLIP,
     PROFILE_QUANTITIES,
@@ -74,7 +75,13 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     if scene.friction is None:
         for name in ("slip", *sorted(_STICK_ONLY)):
             missing[name] = _NO_FRICTION
+    elif scene.profile is not None:
+        for name in ("slip", *sorted(_STICK_ONLY)):
+            missing[name] = "it is not computed of growing contacts"
     present = tuple(name for name in _present(scene) if name not in missing)
+    if scene.profile is not None:
+        both = _normal(scene, present), _growth(scene, present)
+        return Plan(present, both, tuple(sorted(missing.items())))
     steps = (
         *_coupling(scene, present),
         _normal(scene, present),
@@ -147,6 +154,17 @@ def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
     if {"approach", *PROFILE_QUANTITIES}.intersection(present):
         return PlannedStep(NORMAL, StepState.RUN, "the approach alone, at low degree" + smooth)
     return PlannedStep(NORMAL, StepState.SKIPPED, "nothing asked for depends on the pressure")
+
+
+def _growth(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
+    if scene.friction is None:
+        return PlannedStep(GROWTH, StepState.SKIPPED, _NO_FRICTION)
+    if scene.friction == 0.0:
+        return PlannedStep(GROWTH, StepState.SKIPPED, "at friction 0 everything slips")
+    if not _needs_tangential(scene, present):
+        return PlannedStep(GROWTH, StepState.SKIPPED, "nothing asked for depends on the traction")
+    reason = "the traction is a superposition of flat punches over the contact radius"
+    return PlannedStep(GROWTH, StepState.RUN, reason)
 
 
 def _full_stick(scene: Scene, present: tuple[str, ...]) -> PlannedStep:

@@ -1,37 +1,58 @@
-"""The run of a scene with a profile: its normal contact, found with what else it has."""
+"""The run of a scene with a profile: normal contact, then friction as the contact has grown."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from time import perf_counter
+
+from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import find_radius
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.solution import NORMAL, PROFILE_QUANTITIES, StepState
+from spectral_contact.fields.series import Radius
+from spectral_contact.scene import Scene
+from spectral_contact.solution import GROWTH, NORMAL, PROFILE_QUANTITIES, Solution, StepState
+from spectral_contact.solving.grown_traction import grown_traction
+from spectral_contact.solving.growth import Growth, grown
+from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
+from spectral_contact.solving.sharing import Shared
 
 __all__ = ["ProfileRun"]
 
-#: Compliances in units of the contact radius.
-_LEAST, _MOST = 1e-14, 1e14
+#: What the flat punches of a history are solved for.
+_FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
+#: Their tolerance, of that asked for, and the least.
+_TIGHTER, _TIGHTEST = 0.1, 1e-12
+#: Share of the tolerance of the load or traction that is not looked for in the history.
+_NEGLIGIBLE = 0.01
+#: Tolerances of the critical friction and of the radius at which slip begins.
+_CRITICAL, _ONSET = 1e-10, 1e-12
 
 
 class ProfileRun(Run):
     """The steps of a plan for a scene with a profile."""
 
-    bounded = (*Run.bounded, *PROFILE_QUANTITIES)
+    #: the traction is as certain as the flat punches of the history are
+    bounded = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
 
     def run_steps(self, states: dict[str, StepState]) -> None:
-        """Run normal contact; without friction there is nothing else."""
-        if states[NORMAL] is StepState.RUN:
-            self._indent()
+        """Run normal contact, and friction if there is any."""
+        if StepState.RUN in (states[NORMAL], states[GROWTH]):
+            self._indent(pointwise="pressure" in self.plan.quantities or self._grows(states))
         self.tangential(states, None)
+        if self._grows(states):
+            self._grow()
 
-    def _indent(self) -> None:
+    def _grows(self, states: dict[str, StepState]) -> bool:
+        return states[GROWTH] is StepState.RUN
+
+    def _indent(self, *, pointwise: bool) -> None:
         scene, begin = self.scene, perf_counter()
         profile, alpha = scene.profile, scene.normal_compliance
         assert profile is not None
-        pointwise = "pressure" in self.plan.quantities
         error = 0.0
         solved: Indentation | Refinement[Indentation]
         if scene.contact_radius is not None:
@@ -70,3 +91,113 @@ class ProfileRun(Run):
             indentation_work=found.work_error + 5.0 * error,
             pressure=found.pressure_error + error,
         )
+
+    def _grow(self) -> None:
+        """Add up the flat punches of the history."""
+        begin = perf_counter()
+        history = _Stages(self.scene, self.rtol, self.max_unknowns)
+        radius = self.values["contact_radius"]
+        growth = history.growth(radius)
+        today, friction = history.flat(radius), self.scene.friction
+        assert friction is not None
+        assert self.pressure is not None
+        self.values.update(
+            zones=today.zones, stick_radius=today.stick_radius, total_shear=growth.total_shear
+        )
+        moved = self.errors["contact_radius"]
+        self.errors.update(
+            zones=(today.error.zones or 0.0) + moved,
+            stick_radius=(today.error.stick_radius or 0.0) + moved,
+            total_shear=growth.shear_error + 5.0 * moved + self.errors["load"],
+        )
+        if "traction" in self.plan.quantities:
+            outer = today.zones[0]
+            stick = Radius(outer.outer, outer.outer_from_edge)
+            smooth = 0.0 in (self.scene.normal_compliance, self.scene.tangential_compliance)
+            found = grown_traction(growth, stick, friction, self.pressure, smooth=smooth)
+            self.traction = found.field
+            self.errors["traction"] = growth.error + found.error + self.errors["pressure"]
+        self.record(GROWTH, growth, begin)
+
+
+class _Stages:
+    """The loads and flat punches of a history."""
+
+    def __init__(self, scene: Scene, rtol: float, max_unknowns: int) -> None:
+        assert scene.profile is not None
+        self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
+        self.profile = scene.profile
+        self._tight = max(_TIGHTER * rtol, _TIGHTEST)
+        self._flat = replace(scene, profile=None, contact_radius=None, load=None, approach=None)
+        self._shared = Shared()
+
+    def load(self, radius: float) -> float:
+        """Return the load of a contact radius."""
+        found = solve_indentation(
+            self.profile,
+            radius,
+            self.scene.normal_compliance,
+            self._tight,
+            self.max_unknowns,
+            pointwise=False,
+        )
+        return (found.best.value if isinstance(found, Refinement) else found).load
+
+    def _scene(self, radius: float) -> Scene:
+        flat = self._flat
+        return replace(
+            flat,
+            normal_compliance=flat.normal_compliance / radius,
+            tangential_compliance=flat.tangential_compliance / radius,
+        )
+
+    def flat(self, radius: float) -> Solution:
+        """Return the solution of a flat punch."""
+        scene = self._scene(radius)
+        run = Run(scene, plan(scene, _FLAT), self._tight, self.max_unknowns, self._shared)
+        return run.solution()
+
+    def critical(self, radius: float) -> float:
+        """Return the critical friction of a flat punch."""
+        scene = self._scene(radius)
+        todo = plan(scene, ("critical_friction",))
+        run = Run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
+        return run.solution().critical_friction
+
+    def growth(self, radius: float) -> Growth:
+        """Return the history up to a contact radius."""
+        least = self._least(radius)
+
+        def stage(at: float) -> tuple[float, Solution]:
+            return self.load(at), self.flat(at)
+
+        return grown(stage, radius, least, self._onset(least, radius), self.rtol)
+
+    def _least(self, radius: float) -> float:
+        """Return a radius at which load and traction are negligible."""
+        whole, share, at = self.load(radius), 1.0, radius
+        while share > _NEGLIGIBLE * self.rtol:
+            at /= 2.0
+            share = self.load(at) / whole * (radius / at) ** 2
+            if share * (radius / at) > 1.0 and at < 1e-9 * radius:
+                break
+        return at
+
+    def _onset(self, least: float, radius: float) -> float | None:
+        """Return the radius at which slip begins; 0 if it is always there, None if never."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction == math.inf:
+            return None
+        if self.scene.tangential_compliance == 0.0:
+            return 0.0
+
+        def excess(log_radius: float) -> float:
+            return math.log(self.critical(math.exp(log_radius)) / friction)
+
+        low, high = math.log(least), math.log(radius)
+        if excess(high) <= 0.0:
+            return None
+        if excess(low) >= 0.0:
+            return 0.0
+        return math.exp(float(brentq(excess, low, high, xtol=_ONSET)))

@@ -1,0 +1,146 @@
+"""Friction under a growing contact: an incremental march, closed forms, the law, identities."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from oracles.indentation_march import march
+
+from spectral_contact import NotComputedError, Scene, SceneError, Solution, plan, profiles, solve
+
+NU = 0.3
+KAPPA = Scene(NU).kappa
+PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
+
+
+@functools.cache
+def solved(profile, alpha, beta, friction, rtol=1e-4, radius=1.0):
+    scene = Scene(NU, alpha, beta, friction, profile=profile, contact_radius=radius)
+    return solve(scene, rtol)
+
+
+CASES = [(0.2, 0.2, math.inf), (0.2, 0.2, 0.05), (0.2, 0.1, 0.1)]
+
+
+@pytest.mark.parametrize(("alpha", "beta", "friction"), CASES)
+def test_an_incremental_march_converges_to_it_at_first_order(alpha, beta, friction):
+    """Which knows no superposition: rings that enter, stick where they are, and slip by the law."""
+    solution = solved(PARABOLA, alpha, beta, friction)
+    law = 1e9 if friction == math.inf else friction
+    steps = [march(PARABOLA.height, alpha, beta, KAPPA, law, n) for n in (40, 80, 160)]
+    off = np.array([one.shear / solution.total_shear - 1.0 for one in steps])
+    assert np.abs(off[:-1] / off[1:] - 2.0).max() < 0.05
+    assert 2.0 * steps[2].shear - steps[1].shear == pytest.approx(solution.total_shear, rel=1e-4)
+    assert steps[2].stick_radius == pytest.approx(solution.stick_radius, abs=1.01 / 160)
+    # one ring in ten, but for those at the edges of zones and of the contact
+    some = np.arange(5, 150, 10)
+    found = solution.traction(steps[2].middles[some])
+    extrapolated = 1.5 * np.abs(found).max() * np.abs(off[2])
+    assert np.abs(steps[2].traction[some] - found).max() < 4.0 * extrapolated
+
+
+@pytest.mark.parametrize(
+    ("profile", "friction"),
+    [(PARABOLA, 0.2), (CONE, math.inf), (profiles.PowerLaw(0.4, 3.0), math.inf)],
+)
+def test_a_smooth_surface_keeps_the_stick_radius_of_the_flat_punch(profile, friction):
+    """Spence: c/a is the same for every profile, and so is the shear over the load."""
+    flat = solve(Scene(NU, friction=friction), 1e-12)
+    solution = solved(profile, 0.0, 0.0, friction)
+    assert solution.stick_radius == pytest.approx(flat.stick_radius, rel=1e-10)
+    assert solution.total_shear == pytest.approx(flat.total_shear * solution.load, rel=1e-7)
+    off = abs(solution.total_shear / (flat.total_shear * solution.load) - 1.0)
+    assert off <= solution.error.total_shear
+
+
+def test_the_traction_under_a_smooth_parabola_is_an_integral_of_elementary_functions():
+    """Full stick: int q*(r/b) dP/b^2 with q* = -kappa ln(1 - s^2)/(pi^2 s sqrt(1 - s^2))."""
+    solution = solved(PARABOLA, 0.0, 0.0, math.inf)
+    x, w = np.polynomial.legendre.leggauss(200)
+    for s in (0.2, 0.6, 0.95):
+        # b = s/sqrt(1 - y), y = top v^8, so that the root is gone and the logarithm is weak
+        top = 1.0 - s**2
+        v = (1.0 + x) / 2.0
+        y = top * v**8
+        inside, b = np.sqrt(1.0 - y), s / np.sqrt(1.0 - y)
+        flat = -KAPPA / math.pi**2 * np.log(y) / (inside * np.sqrt(y))
+        growth = 16.0 * b**2 / b**2 * s / (2.0 * (1.0 - y) ** 1.5) * 8.0 * top * v**7
+        truth = float(w @ (flat * growth)) / 2.0
+        found = float(solution.traction(s))
+        assert found == pytest.approx(truth, rel=1e-6)
+        # relative to the largest
+        assert abs(found - truth) <= solution.error.traction * solution.traction(0.7)
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta", "friction", "profile"),
+    [(*CASES[1], PARABOLA), (*CASES[2], PARABOLA), (*CASES[1], CONE)],
+)
+def test_the_law_holds_everywhere_and_the_shear_is_the_integral(alpha, beta, friction, profile):
+    solution = solved(profile, alpha, beta, friction)
+    c = solution.stick_radius
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
+    s = np.concatenate([np.linspace(0.0, 1.0, 201), c * (1.0 - 10.0 ** -np.arange(2.0, 9.0))])
+    q, limit = solution.traction(s), friction * solution.pressure(s)
+    size = float(q.max())
+    assert (np.abs(q) <= limit + solution.error.traction * size).all()
+    assert np.abs(q - limit)[s > c].max() <= 1e-15
+    assert np.abs(solution.traction(c * (1 - 1e-9)) - solution.traction(c * (1 + 1e-9))) < 1e-7
+    x, w = np.polynomial.legendre.leggauss(300)
+    total = 0.0
+    for low, high in ((0.0, c), (c, 1.0)):  # Gauss's rule, denser at the ends
+        phi = math.pi / 4.0 * (1.0 + x)
+        at, share = low + (high - low) * np.sin(phi) ** 2, np.sin(2.0 * phi) * math.pi / 4.0
+        total += 2.0 * math.pi * (high - low) * float(w @ (share * at * solution.traction(at)))
+    assert solution.total_shear == pytest.approx(total, rel=1e-6)
+
+
+def test_true_errors_are_within_their_estimates():
+    s = np.linspace(0.0, 1.0, 101)
+    for case in CASES[:2]:
+        best, rough = (solved(PARABOLA, *case, rtol) for rtol in (1e-6, 1e-3))
+        truth = best.traction(s)
+        off = np.abs(rough.traction(s) - truth).max() / truth.max()
+        assert off <= rough.error.traction + best.error.traction
+        off = abs(rough.total_shear / best.total_shear - 1.0)
+        assert off <= rough.error.total_shear + best.error.total_shear
+        assert rough.error.total_shear <= 1e-3
+
+
+def test_solutions_with_friction_round_trip():
+    solution = solved(PARABOLA, 0.2, 0.2, 0.05)
+    assert Solution.from_json(solution.to_json()) == solution
+
+
+def test_where_superposition_fails_it_says_at_which_radius():
+    scene = Scene(NU, 0.0, 0.2, 0.1, profile=PARABOLA, contact_radius=1.0)
+    with pytest.raises(NotComputedError, match=r"at the contact radius 0\.\d+ slip does not"):
+        solve(scene, 1e-3)
+
+
+def test_what_is_not_solved_with_friction_is_refused():
+    flat_ended = profiles.RoundedFlat(0.5, 1.0)
+    with pytest.raises(SceneError, match=r"friction = 0\.1: must be None or 0 with a profile"):
+        Scene(NU, friction=0.1, profile=flat_ended, load=1.0)
+    with pytest.raises(SceneError, match="coupling = True: must be False with a profile"):
+        Scene(NU, friction=0.1, coupling=True, profile=PARABOLA, load=1.0)
+    sliding = solve(Scene(NU, 0.2, friction=0.0, profile=flat_ended, load=1.0), 1e-6)
+    assert sliding.total_shear == 0.0
+    assert [zone.kind for zone in sliding.zones] == ["slip"]
+    with pytest.raises(NotComputedError, match="not computed of growing contacts"):
+        sliding.slip(0.5)
+
+
+def test_an_incompressible_body_has_no_traction():
+    solution = solve(Scene(0.5, 0.2, 0.2, 0.1, profile=PARABOLA, contact_radius=1.0), 1e-6)
+    assert solution.total_shear == 0.0
+    assert solution.traction(0.5) == 0.0
+
+
+def test_the_plan_runs_the_history_for_what_needs_it_only():
+    scene = Scene(NU, 0.2, 0.2, 0.05, profile=PARABOLA, contact_radius=1.0)
+    states = {step.name: step.state.value for step in plan(scene, ["load"]).steps}
+    assert states == {"normal contact": "run", "growing contact": "skipped"}
+    assert plan(scene, ["zones"]).steps[1].state.value == "run"
+    assert solve(scene, 1e-6, ["load"]).load > 0.0
