@@ -16,6 +16,12 @@ TRUE = {
         ("total_shear", "normal_compliance"): 0.006227950184019,
         ("total_shear", "tangential_compliance"): -0.09815458636193,
     },
+    SLIPPING: {
+        ("total_shear", "normal_compliance"): -0.0001765529820296,
+        ("stick_radius", "normal_compliance"): -0.06222036514647,
+        ("total_shear", "tangential_compliance"): -0.04137496628317,
+        ("stick_radius", "tangential_compliance"): 1.009630197142,
+    },
 }
 
 
