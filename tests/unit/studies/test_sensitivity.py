@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import pytest
 
 from spectral_contact import NotComputedError, Scene, SceneError, solve
@@ -15,6 +16,14 @@ TRUE = {
         ("approach", "normal_compliance"): 0.3204650850035,
         ("total_shear", "normal_compliance"): 0.006227950184019,
         ("total_shear", "tangential_compliance"): -0.09815458636193,
+    },
+    SLIPPING: {
+        ("total_shear", "normal_compliance"): -0.0001765529820296,
+        ("stick_radius", "normal_compliance"): -0.06222036514647,
+        ("total_shear", "tangential_compliance"): -0.04137496628317,
+        ("stick_radius", "tangential_compliance"): 1.009630197142,
+        ("total_shear", "friction"): 0.5718240986127,
+        ("stick_radius", "friction"): 6.909246738154,
     },
 }
 
@@ -31,6 +40,24 @@ def test_derivatives_are_right_and_their_errors_honest(scene):
         assert error <= own[pair].error + 1e-12, pair  # the differences have 12 digits
         if pair != ("total_shear", "normal_compliance"):
             assert own[pair].error < 1e-10, pair
+
+
+@pytest.mark.parametrize("ratio", [0.4, 1.2, 3.5])
+def test_the_stick_radius_of_a_smooth_surface(ratio):
+    scene = Scene(0.3)
+    scene = scene.replace(friction=ratio * scene.kappa)
+    one = solve(scene, 1e-6, ["approach"]).sensitivity(["friction"])["stick_radius", "friction"]
+    with mpmath.workdps(40):
+        # the root of 2 artanh(c)/c - (f/kappa) K(1 - c**2), in c
+        factor = mpmath.mpf(scene.friction) / scene.kappa
+
+        def mismatch(c):
+            return 2 * mpmath.atanh(c) / c - factor * mpmath.ellipk(1 - c**2)
+
+        near = mpmath.mpf(solve(scene, 1e-12).stick_radius)
+        c = mpmath.findroot(mismatch, (near * (1 - mpmath.mpf(10) ** -9), near))
+        slope = mpmath.ellipk(1 - c**2) / mpmath.diff(mismatch, c) / scene.kappa
+    assert abs(one.value / float(slope) - 1.0) <= one.error < 1e-10
 
 
 def test_poisson_ratio_enters_by_the_coupling_constant():
