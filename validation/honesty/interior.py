@@ -5,9 +5,10 @@
 Points lie at every distance from edge and surface (1e-12 to 30). Groups: rings of load against
 point forces added up in mpmath; Sneddon's punch against its closed form; smooth contacts that
 stick against complex integrals in mpmath; random scenes, with slip and coupling, against doubly
-exponential quadrature over the rings, with all digits and with rtol 1e-8. Writes
-validation/results/interior.json and .md; what is there is not measured again, so a run that was
-stopped, or ran out of its seconds, goes on. Fails if a true error is above its estimate.
+exponential quadrature over the rings, with all digits and with rtol 1e-8; many points at once, to
+a tolerance, against one by one. Writes validation/results/interior.json and .md; what is there is
+not measured again, so a run that was stopped, or ran out of its seconds, goes on. Fails if a true
+error is above its estimate.
 """
 
 import argparse
@@ -30,11 +31,11 @@ from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_st
 from spectral_contact.interior import rings
 
 RESULTS = Path(__file__).parents[1] / "results"
-SEED, POINTS = 20, 10
+SEED, POINTS, MANY = 20, 10, 6000
 #: Seconds for a solve.
-PATIENCE = 10
+PATIENCE = 5
 #: How many rows each group has, but the random scenes.
-SIZES = {"rings": 80, "sneddon": 20, "sticking": 50}
+SIZES = {"rings": 80, "sneddon": 20, "sticking": 50, "many": 40}
 #: What ring kernels may miss by, relative to the largest of the five, or one over the distance.
 RING_BOUND = 1e-13
 #: Largest error of the quadrature that is compared with, for a point to count.
@@ -156,7 +157,33 @@ def of_scene(rng):
     return row_of(pairs) | {"scene": repr(scene)} if pairs else {"values": 0, "scene": repr(scene)}
 
 
-GROUPS = {"rings": of_ring, "sneddon": of_sneddon, "sticking": of_sticking, "scenes": of_scene}
+def of_many(rng):
+    """Compare many points at once, to a tolerance, with some of them one by one."""
+    scene = draw(rng)
+    try:
+        with patience():
+            body = solve(scene, rtol=1e-10).inside
+    except (SpectralContactError, ArithmeticError, TimeoutError) as error:
+        return {"values": 0, "scene": repr(scene), "why": repr(error)}
+    from_edge, z = points(rng, MANY)
+    some, rtol = rng.choice(MANY, 30, replace=False), float(10.0 ** rng.uniform(-9.0, -4.0))
+    pairs = []
+    for method, parts in (("stress", ("rr", "tt", "zz", "rz")), ("displacement", ("r", "z"))):
+        many = getattr(body, method)(from_edge=from_edge, z=z, rtol=rtol)
+        one = getattr(body, method)(from_edge=from_edge[some], z=z[some])
+        apart = [np.abs(getattr(many, part)[some] - getattr(one, part)) for part in parts]
+        size = one.norm if method == "stress" else one.modulus
+        pairs.append((np.max(apart, axis=0) / size, many.error[some]))
+    return row_of(pairs) | {"scene": repr(scene), "rtol": rtol}
+
+
+GROUPS = {
+    "rings": of_ring,
+    "sneddon": of_sneddon,
+    "sticking": of_sticking,
+    "scenes": of_scene,
+    "many": of_many,
+}
 
 
 def text_of(rows):
@@ -183,7 +210,7 @@ def text_of(rows):
 
 
 def write(rows):
-    """Write the results; returns how many estimates were exceeded."""
+    """Write the results; return how many estimates were exceeded."""
     counted = sum(row["values"] > 0 for row in rows["scenes"].values())
     worse = sum(row.get("worse", 0) for found in rows.values() for row in found.values())
     record = {
