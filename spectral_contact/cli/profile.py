@@ -30,7 +30,7 @@ _OWN: Final = {
     "coefficient": "of a power law",
     "exponent": "of a power law",
 }
-_SHARED: Final = ("radius", "load", "approach")
+_SHARED: Final[tuple[str, ...]] = ("radius", "load", "approach")
 _SI_ONLY: Final = ("youngs_modulus", "normal_compliance_si", "tangential_compliance_si")
 
 
@@ -73,25 +73,11 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
     given = vars(arguments)
     if "profile" not in given:
         raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of a profile")
-    mixed = [name for name in _SI_ONLY if name in given]
-    if mixed:
-        raise UsageError(f"{_flag(mixed[0])} is in SI units, which --profile does not take")
-    values: dict[str, float] = {
-        name: _plain(name, given[name]) for name in _SHARED if name in given
-    }
-    own = [name.replace("-", "_") for name in _OWN]
-    values |= {name: given[name] for name in own if name in given}
+    values = _numbers(given)
     kind = _NAMED[given["profile"]]
     needed = [one.name for one in fields(kind)]  # type: ignore[arg-type]
-    missing = [_flag(name) for name in needed if name not in values]
-    if missing:
-        raise UsageError(f"--profile {given['profile']} needs {' and '.join(missing)}")
-    alien = [_flag(name) for name in values if name not in (*needed, *CONTROLS)]
-    if alien:
-        raise UsageError(f"--profile {given['profile']} does not take {alien[0]}")
+    _check_complete(given["profile"], needed, values)
     controls: dict[str, Any] = {name: values.get(name) for name in CONTROLS}
-    if sum(value is not None for value in controls.values()) != 1:
-        raise UsageError(f"--profile needs one of {', '.join(map(_flag, CONTROLS))}")
     return Scene(
         given.get("poisson_ratio", 0.3),
         given.get("normal_compliance", 0.0),
@@ -101,6 +87,28 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
         profile=kind(**{name: values[name] for name in needed}),
         **controls,
     )
+
+
+def _numbers(given: dict[str, Any]) -> dict[str, float]:
+    """Return what is given of profile and contact, none of it in SI units."""
+    mixed = [name for name in _SI_ONLY if name in given]
+    if mixed:
+        raise UsageError(f"{_flag(mixed[0])} is in SI units, which --profile does not take")
+    values = {name: _plain(name, given[name]) for name in _SHARED if name in given}
+    own = [name.replace("-", "_") for name in _OWN]
+    return {**values, **{name: given[name] for name in own if name in given}}
+
+
+def _check_complete(profile: str, needed: list[str], values: dict[str, float]) -> None:
+    """Refuse what is missing, or of another profile."""
+    missing = [_flag(name) for name in needed if name not in values]
+    if missing:
+        raise UsageError(f"--profile {profile} needs {' and '.join(missing)}")
+    alien = [_flag(name) for name in values if name not in (*needed, *CONTROLS)]
+    if alien:
+        raise UsageError(f"--profile {profile} does not take {alien[0]}")
+    if len(values) != len(needed) + 1:
+        raise UsageError(f"--profile needs one of {', '.join(map(_flag, CONTROLS))}")
 
 
 def _plain(name: str, value: object) -> float:

@@ -40,26 +40,9 @@ def test_a_profile_and_a_load_make_a_scene(capsys, tmp_path, options, profile):
 
 def test_friction_and_a_picture(capsys, tmp_path):
     picture, table = tmp_path / "a.svg", tmp_path / "a.csv"
-    options = (
-        "--profile",
-        "parabola",
-        "--radius",
-        "1",
-        "--contact-radius",
-        "1",
-        "--friction",
-        "inf",
-    )
-    quick = (
-        "--friction",
-        "inf",
-        "--rtol",
-        "1e-3",
-        "--normal-compliance",
-        "0.2",
-        "--tangential-compliance",
-        "0.2",
-    )
+    options = ("--profile", "parabola", "--radius", "1", "--contact-radius", "1")
+    layer = ("--normal-compliance", "0.2", "--tangential-compliance", "0.2")
+    quick = (*layer, "--friction", "inf", "--rtol", "1e-3")
     status, out, _ = run(capsys, *options, *quick, "--plot", str(picture), "--output", str(table))
     assert status == 0
     assert "growing contact" in out
