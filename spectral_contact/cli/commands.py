@@ -23,6 +23,7 @@ from spectral_contact.cli import scene as cli_scene
 from spectral_contact.cli import study as cli_study
 from spectral_contact.cli import sweep as cli_sweep
 from spectral_contact.cli.options import UsageError, joined, number, whole
+from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
 from spectral_contact.errors import (
     ConvergenceError,
     SceneError,
@@ -114,6 +115,7 @@ def _parser() -> _Parser:
     )
     cli_scene.add_scene(command)
     cli_scene.add_physical(command)
+    add_profile(command)
     _add_request(command)
     command.set_defaults(run=_solve)
     _add_inside(commands)
@@ -269,9 +271,10 @@ def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
 
 def _solve(arguments: argparse.Namespace) -> None:
     """Check everything that can be checked, solve, write the files and print the report."""
-    scene = cli_scene.scene(arguments)
+    shaped = profile_given(arguments)
+    scene = profile_scene(arguments) if shaped else cli_scene.scene(arguments)
     quantities = arguments.quantities
-    if quantities is not None and "approach" in vars(arguments):
+    if quantities is not None and "approach" in vars(arguments) and not shaped:
         quantities = ("approach", *quantities)  # SI values hang on the load, hence on it
     _check_files(arguments, plan(scene, quantities))
     solution = solve(
@@ -284,7 +287,7 @@ def _solve(arguments: argparse.Namespace) -> None:
     try:
         _write(solution, arguments)
     finally:  # a full disk must not cost the user the result
-        print(report(solution, cli_scene.defaults(arguments)))
+        print(report(solution, [] if shaped else cli_scene.defaults(arguments)))
 
 
 def _inside(arguments: argparse.Namespace) -> None:

@@ -63,13 +63,7 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     if type(profile) not in KINDS.values():
         raise SceneError("profile", profile, f"None or one of profiles: {', '.join(KINDS)}")
     assert isinstance(profile, Profile)
-    if scene["physical"] is not None:
-        raise SceneError("physical", scene["physical"], "None with a profile")
-    if scene["coupling"]:
-        raise SceneError("coupling", True, "False with a profile")
-    if scene["friction"] and profile.breaks:
-        told = "None or 0 with a profile that has breaks, as a flat part is one"
-        raise SceneError("friction", scene["friction"], told)
+    _check_others(scene, profile)
     if len(given) != 1:
         told = "one value and two None: give one of them with a profile"
         raise SceneError(", ".join(CONTROLS), tuple(values.values()), told)
@@ -83,6 +77,17 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
         told = f"such that normal_compliance / contact_radius is in [{_LEAST:g}, {_MOST:g}]"
         raise SceneError(name, value, told)
     return {name: radius}
+
+
+def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
+    """Refuse what is not solved with this profile."""
+    if scene["physical"] is not None:
+        raise SceneError("physical", scene["physical"], "None with a profile")
+    if scene["coupling"]:
+        raise SceneError("coupling", True, "False with a profile")
+    if scene["friction"] and profile.breaks:
+        told = "None or 0 with a profile that has breaks, as a flat part is one"
+        raise SceneError("friction", scene["friction"], told)
 
 
 def refuse_profile(scene: Any, what: str) -> None:

@@ -152,7 +152,8 @@ def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
     if _needs_tangential(scene, present):
         return PlannedStep(NORMAL, StepState.RUN, "the pressure drives the traction" + smooth)
     if {"approach", *PROFILE_QUANTITIES}.intersection(present):
-        return PlannedStep(NORMAL, StepState.RUN, "the approach alone, at low degree" + smooth)
+        what = "the approach" if scene.profile is None else "integrals"
+        return PlannedStep(NORMAL, StepState.RUN, f"{what} alone, at low degree" + smooth)
     return PlannedStep(NORMAL, StepState.SKIPPED, "nothing asked for depends on the pressure")
 
 

@@ -7,7 +7,7 @@ are those of `blocks`. A disk in one part is `galerkin`'s own space.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from math import pi
 from typing import Any, Protocol
@@ -32,7 +32,6 @@ from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.graded import graded_nodes
-from spectral_contact.spectral.jacobi import legendre_projection_matrix
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.regularised import Regularised
 from spectral_contact.threads import cached_property
@@ -120,9 +119,6 @@ class PressureSpace(Protocol):
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
 
-    def load_of(self, density: Callable[[Array], Array]) -> Array:
-        """Return ``int basis density(1 - s**2) s ds``."""
-
 
 class DiskSpace:
     """A disk in one part.
@@ -135,7 +131,6 @@ class DiskSpace:
 
     def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
         disk = disk_operators(panels)
-        self._panels = panels
         self._space = disk.normal.space(degrees)
         self.t: Array = np.sqrt(disk.nodes.rest)
         self.y: Array = disk.nodes.d
@@ -154,11 +149,6 @@ class DiskSpace:
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
         return self._space.half_integral(coefficients)
-
-    def load_of(self, density: Callable[[Array], Array]) -> Array:
-        """Return ``int basis density(1 - s**2) s ds``."""
-        [family] = _families(Parts((), False), ((self._panels, ()),))
-        return _load(family, density)
 
 
 class PartedSpace:
@@ -270,10 +260,6 @@ class PartedSpace:
         """Factor the problem with a compliance."""
         return Regularised(self, compliance)
 
-    def load_of(self, density: Callable[[Array], Array]) -> Array:
-        """Return ``int basis density(1 - s**2) s ds``."""
-        return np.concatenate([_load(family, density) for family in self._families])
-
 
 def pressure_space(parts: Parts, used: tuple[Used, ...]) -> PressureSpace:
     """Return the space on these parts (cached)."""
@@ -285,19 +271,6 @@ def pressure_space(parts: Parts, used: tuple[Used, ...]) -> PressureSpace:
 def _families(parts: Parts, used: tuple[Used, ...]) -> list[Family]:
     pairs = zip(parts.ends, used, strict=True)
     return [Family(*end, panels) for end, (panels, _) in pairs]
-
-
-def _load(family: Family, density: Callable[[Array], Array]) -> Array:
-    """Return the integrals of one part's functions times a density."""
-    panels = family.panels
-    x, _ = panels.half_line_nodes()
-    points = x.shape[1]
-    values = density(family.points(np.exp(-x)).y) * np.exp(-x)
-    own = values @ legendre_projection_matrix(points, panels.degree) * (panels.width / 2.0)
-    tail = panels.tail_sampling()
-    on_tail = density(family.points(tail).y) * (panels.end / 2.0)
-    last = on_tail @ legendre_projection_matrix(len(tail), panels.tail_terms - 1)
-    return np.asarray(family.reach / 2.0 * np.concatenate([own.ravel(), last]))
 
 
 def _seen(source: Family, degrees: tuple[int, ...], target: Family, used: tuple[int, ...]) -> Array:

@@ -150,7 +150,11 @@ class _Units:
     @classmethod
     def of(cls, solution: Solution) -> _Units:
         """Return the units of the scene; dimensionless if the load is not known."""
-        data = solution.scene.physical
+        profile, data = solution.scene.profile, solution.scene.physical
+        if profile is not None:
+            radius = rf"$a = {math_number(solution.values['contact_radius'])}\,L$"
+            title = (f"{profile.brief},   {radius}",)
+            return cls(1.0, 1.0, stress_unit="$E'$", title=title)
         known = data is not None and (data.load or "approach" in solution.plan.quantities)
         if data is None or not known:
             return cls(1.0, 1.0)

@@ -1,0 +1,121 @@
+"""The profile of a command line: its options, and the scene that they stand for."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import fields
+from typing import Any, Final
+
+from spectral_contact.cli.options import UsageError, number
+from spectral_contact.profiles import Profile
+from spectral_contact.profiles.control import CONTROLS, KINDS
+from spectral_contact.scene import Scene
+
+__all__ = ["add_profile", "profile_given", "profile_scene"]
+
+#: Profiles that numbers describe, by the name on the command line.
+_NAMED: Final[dict[str, type[Profile]]] = {
+    "parabola": KINDS["Parabola"],
+    "sphere": KINDS["Sphere"],
+    "cone": KINDS["Cone"],
+    "power-law": KINDS["PowerLaw"],
+    "rounded-flat": KINDS["RoundedFlat"],
+    "truncated-cone": KINDS["TruncatedCone"],
+}
+#: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
+_OWN: Final = {
+    "contact-radius": "contact radius: this, --load or --approach",
+    "half-angle": "of a cone, between axis and side [rad]",
+    "flat-radius": "of the flat part",
+    "coefficient": "of a power law",
+    "exponent": "of a power law",
+}
+_SHARED: Final[tuple[str, ...]] = ("radius", "load", "approach")
+_SI_ONLY: Final = ("youngs_modulus", "normal_compliance_si", "tangential_compliance_si")
+
+
+def add_profile(command: argparse.ArgumentParser) -> None:
+    """Add the options of a scene with a profile; what is not given is no attribute."""
+    group = command.add_argument_group(
+        "scene with a profile",
+        "All lengths are in one length L, loads in E' L^2 with E' = E / (4 (1 - nu^2)), "
+        "compliances in L / E': --radius, --load and --approach are numbers then. Poisson's ratio "
+        "defaults to 0.3 and the compliances to 0; there is no friction unless it is given.",
+    )
+    group.add_argument(
+        "--profile",
+        choices=_NAMED,
+        default=argparse.SUPPRESS,
+        help="what the punch looks like (default: flat)",
+    )
+    for name, meaning in _OWN.items():
+        group.add_argument(
+            f"--{name}", type=number, metavar="X", default=argparse.SUPPRESS, help=meaning
+        )
+
+
+def profile_given(arguments: argparse.Namespace) -> bool:
+    """Return whether the scene has a profile, or at least an option of one."""
+    own = {name.replace("-", "_") for name in _OWN}
+    return not {"profile", *own}.isdisjoint(vars(arguments))
+
+
+def profile_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options.
+
+    Raises
+    ------
+    UsageError
+        If options are missing, or belong to another profile or to SI units.
+    SceneError
+        If a value is out of range.
+    """
+    given = vars(arguments)
+    if "profile" not in given:
+        raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of a profile")
+    values = _numbers(given)
+    kind = _NAMED[given["profile"]]
+    needed = [one.name for one in fields(kind)]  # type: ignore[arg-type]
+    _check_complete(given["profile"], needed, values)
+    controls: dict[str, Any] = {name: values.get(name) for name in CONTROLS}
+    return Scene(
+        given.get("poisson_ratio", 0.3),
+        given.get("normal_compliance", 0.0),
+        given.get("tangential_compliance", 0.0),
+        given.get("friction"),
+        coupling=arguments.coupling,
+        profile=kind(**{name: values[name] for name in needed}),
+        **controls,
+    )
+
+
+def _numbers(given: dict[str, Any]) -> dict[str, float]:
+    """Return what is given of profile and contact, none of it in SI units."""
+    mixed = [name for name in _SI_ONLY if name in given]
+    if mixed:
+        raise UsageError(f"{_flag(mixed[0])} is in SI units, which --profile does not take")
+    values = {name: _plain(name, given[name]) for name in _SHARED if name in given}
+    own = [name.replace("-", "_") for name in _OWN]
+    return {**values, **{name: given[name] for name in own if name in given}}
+
+
+def _check_complete(profile: str, needed: list[str], values: dict[str, float]) -> None:
+    """Refuse what is missing, or of another profile."""
+    missing = [_flag(name) for name in needed if name not in values]
+    if missing:
+        raise UsageError(f"--profile {profile} needs {' and '.join(missing)}")
+    alien = [_flag(name) for name in values if name not in (*needed, *CONTROLS)]
+    if alien:
+        raise UsageError(f"--profile {profile} does not take {alien[0]}")
+    if len(values) != len(needed) + 1:
+        raise UsageError(f"--profile needs one of {', '.join(map(_flag, CONTROLS))}")
+
+
+def _plain(name: str, value: object) -> float:
+    if not isinstance(value, float):
+        raise UsageError(f"{_flag(name)} {value}: must be a number without a unit with --profile")
+    return value
+
+
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")

@@ -1,0 +1,88 @@
+"""Profiles on the command line."""
+
+import math
+
+import pytest
+
+from spectral_contact import Scene, Solution, profiles
+from spectral_contact.cli import main
+
+
+def run(capsys, *options):
+    """Return the exit status, stdout and stderr of ``spectral-contact solve``."""
+    status = main(["solve", *options])
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+SHAPES = [
+    (("parabola", "--radius", "1"), profiles.Parabola(1.0)),
+    (("sphere", "--radius", "3"), profiles.Sphere(3.0)),
+    (("cone", "--half-angle", "1.2"), profiles.Cone(1.2)),
+    (("power-law", "--coefficient", "0.4", "--exponent", "4"), profiles.PowerLaw(0.4, 4.0)),
+    (("rounded-flat", "--flat-radius", "0.5", "--radius", "1"), profiles.RoundedFlat(0.5, 1.0)),
+    (
+        ("truncated-cone", "--flat-radius", "0.5", "--half-angle", "1"),
+        profiles.TruncatedCone(0.5, 1.0),
+    ),
+]
+
+
+@pytest.mark.parametrize(("options", "profile"), SHAPES, ids=[one[0][0] for one in SHAPES])
+def test_a_profile_and_a_load_make_a_scene(capsys, tmp_path, options, profile):
+    path = tmp_path / "solution.json"
+    more = ("--load", "2", "--normal-compliance", "0.5", "--rtol", "1e-4", "--output", str(path))
+    status, out, err = run(capsys, "--profile", *options, *more)
+    assert (status, err) == (0, "")
+    assert "contact radius" in out
+    assert Solution.load(path).scene == Scene(0.3, 0.5, profile=profile, load=2.0)
+
+
+def test_friction_and_a_picture(capsys, tmp_path):
+    picture, table = tmp_path / "a.svg", tmp_path / "a.csv"
+    options = ("--profile", "parabola", "--radius", "1", "--contact-radius", "1")
+    layer = ("--normal-compliance", "0.2", "--tangential-compliance", "0.2")
+    quick = (*layer, "--friction", "inf", "--rtol", "1e-3")
+    status, out, _ = run(capsys, *options, *quick, "--plot", str(picture), "--output", str(table))
+    assert status == 0
+    assert "growing contact" in out
+    assert "loads in E' L^2" in table.read_text()
+    assert picture.stat().st_size > 1000
+
+
+FAULTS = [
+    (("--profile", "cone", "--load", "2"), "--profile cone needs --half-angle"),
+    (("--load", "2", "--contact-radius", "1"), "give --profile"),
+    (
+        ("--profile", "cone", "--half-angle", "1", "--load", "2", "--radius", "1"),
+        "not take --radius",
+    ),
+    (("--profile", "cone", "--half-angle", "1"), "one of --contact-radius, --load, --approach"),
+    (
+        ("--profile", "cone", "--half-angle", "1", "--load", "1", "--approach", "1"),
+        "one of --contact-radius, --load, --approach",
+    ),
+    (("--profile", "cone", "--half-angle", "4", "--load", "2"), "--half-angle = 4.0: must be in"),
+    (("--profile", "cone", "--half-angle", "1", "--load", "2 N"), "without a unit"),
+    (
+        ("--profile", "cone", "--half-angle", "1", "--load", "2", "--youngs-modulus", "1"),
+        "--youngs-modulus is in SI units",
+    ),
+    (("--profile", "sphere", "--radius", "1", "--contact-radius", "2"), "--contact-radius = 2.0"),
+    (("--profile", "wedge"), "invalid choice: 'wedge'"),
+]
+
+
+@pytest.mark.parametrize(("options", "message"), FAULTS, ids=[one[1] for one in FAULTS])
+def test_what_does_not_fit_is_one_line(capsys, options, message):
+    status, out, err = run(capsys, *options)
+    assert (status, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1
+
+
+def test_without_a_profile_the_bare_command_is_as_ever(capsys):
+    status, out, _ = run(capsys, "--friction", "none", "--rtol", "1e-4")
+    assert status == 0
+    assert "contact radius" not in out
+    assert not math.isnan(float(out.split("approach")[1].split()[0]))
