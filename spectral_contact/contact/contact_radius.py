@@ -21,8 +21,8 @@ __all__ = ["find_radius"]
 
 Contact = Indentation | Refinement[Indentation]
 
-#: Tolerance of the poor spaces; steps in all; the longest.
-_POOR, _STEPS, _LONGEST = 1e-6, 60, 3.0
+#: Steps in all; the longest.
+_STEPS, _LONGEST = 60, 3.0
 #: Steps from which on a secant is taken for the slope.
 _CLOSE = 0.5
 #: Relative rounding of a value, at which a step ends the search.
@@ -91,8 +91,8 @@ def find_radius(
         )
 
     near = max(0.02 * tolerance, _ROUNDING)
-    # what is integrated is known far better in a poor space than the pressure, and says how well
-    search.run(solved(max(tolerance, _POOR), False), near, rough=True)
+    # a poor space knows what is integrated as well as a rich one knows the pressure
+    search.run(solved(tolerance, False), near, rough=True)
     search.run(solved(tolerance, pointwise), near)
     return search.found()
 

@@ -9,7 +9,7 @@ pressure vanish at the edge (docs/theory, profiles).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import ceil, inf, log, pi
+from math import ceil, inf, log, pi, sqrt
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -49,7 +49,7 @@ _EDGE = 1.0
 #: Panels and degree whose nodes integrate a known half-integral.
 _NODES = 20, 20
 #: What breaks add to the expected error of the pressure, measured over random profiles.
-_BROKEN = 2.0
+_BROKEN = 3.0
 #: Roundings of the shift, and of what follows from it, measured over random profiles.
 _ROUNDINGS = 3.0
 #: Rounding of the pressure deep in a thin layer, where it is what the layer's equation leaves.
@@ -144,7 +144,8 @@ class _IndentationProblem:
         self.profile, self.radius = profile, radius
         #: in units of the contact radius
         self.compliance = compliance / radius
-        self.tolerance, self.pointwise = tolerance, pointwise
+        # integrals superconverge: their errors are the squares of the pressure's
+        self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
         self.parts = _parts(profile, radius)
         self.spaces = [self._first(*end) for end in self.parts.ends]
         self.counts = [len(one.degrees) for one in self.spaces]
@@ -205,22 +206,8 @@ class _IndentationProblem:
         whole_height = float(self.profile._transform(np.asarray(a))) / (2.0 * a)
         approach = whole_height + solved.shift
 
-        change = solved.factored.change(solved.whole)
-        tables = [
-            panel_table(p, c) for (p, _), c in zip(used, _split(used, solved.whole), strict=True)
-        ]
-        rates = np.concatenate(
-            [table_rates(n, table) for (_, n), table in zip(used, tables, strict=True)]
-        )
-        mean = 4.0 / pi * moment
-        ends = [np.maximum(np.abs(one.at_ends()), mean) for one in series]
-        shares = [
-            share_of_change(p, c, size)
-            for (p, _), c, size in zip(used, _split(used, change.coefficients), ends, strict=True)
-        ]
-        indicators = expected_error(np.concatenate(shares), rates)
-        if len(used) > 1:  # a change next to a break says less about the one after it
-            indicators = _BROKEN * indicators
+        change, mean = solved.factored.change(solved.whole), 4.0 / pi * moment
+        indicators, rates = _pointwise(used, series, solved.whole, change, mean)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
         shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
         pressure_error = float(indicators.max()) + 20.0 * _ROUNDINGS * ROUNDING
@@ -241,7 +228,10 @@ class _IndentationProblem:
             pressure_error,
         )
         error = max(indentation.approach_error, indentation.load_error)
-        error = max(error, pressure_error) if self.pointwise else error
+        if self.pointwise:
+            error = max(error, pressure_error)
+        else:
+            indicators, rates = indicators**2, rates**2
         return Attempt(indentation, error, indicators, rates, space.unknowns)
 
     def _integral_errors(
@@ -263,6 +253,25 @@ class _IndentationProblem:
         """Return ``ddelta/da``, from how the pressure falls to the edge."""
         y = min(_SLOPE * min(self.compliance, 1.0), 0.5 * reach)
         return 2.0 * edge.value(y / reach) / y / flat_edge
+
+
+def _pointwise(
+    used: tuple[Used, ...], series: list[LogSeries], whole: Array, change: Change, mean: float
+) -> tuple[Array, Array]:
+    """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
+
+    They are relative to the pressure, or to its mean if that is larger.
+    """
+    rates, shares = [], []
+    parts = zip(used, series, _split(used, whole), _split(used, change.coefficients), strict=True)
+    for (panels, degrees), one, own, changed in parts:
+        rates.append(table_rates(degrees, panel_table(panels, own)))
+        size = np.maximum(np.abs(one.at_ends()), mean)
+        shares.append(share_of_change(panels, changed, size))
+    all_rates = np.concatenate(rates)
+    expected = expected_error(np.concatenate(shares), all_rates)
+    # a change next to a break says less about the one after it
+    return (_BROKEN * expected if len(used) > 1 else expected), all_rates
 
 
 def _series(used: tuple[Used, ...], coefficients: Array) -> list[LogSeries]:

@@ -27,7 +27,7 @@ from spectral_contact.solution import Solution
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.threads import cached_property
 
-__all__ = ["Growth", "Stage", "grown"]
+__all__ = ["Growth", "Panel", "Stage", "grown"]
 
 Array = NDArray[np.float64]
 #: Of a contact radius: the load, and the solution of a flat punch.
