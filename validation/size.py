@@ -36,10 +36,10 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 10_748, 6_500),
-    Gate("lines in all", 31_836, 23_000),
-    Gate("float literals of the core", 262, 90),
-    Gate("functions above 15", 9, 0),
+    Gate("lines of the core", 10_876, 6_500),
+    Gate("lines in all", 31_964, 23_000),
+    Gate("float literals of the core", 263, 90),
+    Gate("functions above 15", 5, 0),
     Gate("names that several classes bear", 21, 0),
     Gate("results of anonymous tuples of more than two", 36, 0),
     Gate("modules at the root", 9, 10),

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_parts import LEADING, ended
 from spectral_contact.contact.friction_law import (
-    Interval,
     known_share,
     missing_stick,
     obeys,
@@ -110,6 +109,11 @@ class Solved:
         """Ends of the zones, from the centre to the edge."""
         return CENTRE, *self.radii, EDGE
 
+    @property
+    def layout(self) -> Layout:
+        """The zones."""
+        return Layout(tuple(one.logit for one in self.radii), self.states)
+
 
 @dataclass(frozen=True, slots=True)
 class CoupledSlip:
@@ -182,11 +186,7 @@ def checked(
     """
     beta, friction = parameters.beta, parameters.friction
     pressure, traction = _fields(solved, parameters)
-    slipping, lost = [], 0.0
-    for state, (annulus, misfit) in zip(filter(None, solved.states), misfits, strict=True):
-        first, second = (np.ascontiguousarray(one[:, 0]) for one in misfit)
-        slipping.append(Slipping(annulus, state, (first, second)))
-        lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in misfit))
+    slipping, lost = _slipping(solved, misfits)
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, slipping, _InY(pressure), beta, friction
     )
@@ -194,9 +194,7 @@ def checked(
     values = [one(d) for one in solved.pressure]
     if not np.min(values) > 0.0:
         raise NoCoupledSlipError("the pressure is not positive")
-    ratios = (s * np.abs(u(DISTANCES)) / (friction * p(DISTANCES)) for s, p, u in sticking)
-    excess = max((float(one.max()) - 1.0 for one in ratios), default=0.0)
-    excess = max(excess, 0.0)
+    excess = max(_excess(sticking, friction), 0.0)
     if excess > _BROKEN:
         raise NoCoupledSlipError("the traction in stick exceeds friction")
     # beta f p is part of the displacement, as large as the rest of it or less
@@ -213,7 +211,9 @@ def checked(
         )
     )
     if wrong > max(_BROKEN, slip_error):  # where no digit of the slip is known its sense is not
-        raise NoCoupledSlipError("the surface slips with the traction", _further(solved, missing))
+        raise NoCoupledSlipError(
+            "the surface slips with the traction", solved.layout.mended(missing)
+        )
     slips = iter(fields)
     zones, pieces = [], []
     for state, (inner, outer) in zip(solved.states, pairwise(solved.bounds), strict=True):
@@ -231,11 +231,22 @@ def checked(
     )
 
 
-def _further(solved: Solved, missing: tuple[Interval, ...]) -> Layout | None:
-    """Return the zones with stick where slip has the wrong sense."""
-    zones = Layout(tuple(one.logit for one in solved.radii), solved.states)
-    layout = zones.with_stick(missing)
-    return layout if len(layout.states) > len(zones.states) else None
+def _slipping(
+    solved: Solved, misfits: list[tuple[Annulus, list[Array]]]
+) -> tuple[list[Slipping], float]:
+    """Return the slip zones with E, and the largest change of E."""
+    slipping, lost = [], 0.0
+    for state, (annulus, misfit) in zip(filter(None, solved.states), misfits, strict=True):
+        first, second = (np.ascontiguousarray(one[:, 0]) for one in misfit)
+        slipping.append(Slipping(annulus, state, (first, second)))
+        lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in misfit))
+    return slipping, lost
+
+
+def _excess(sticking: Iterable[tuple[Array, LogSeries, LogSeries]], friction: float) -> float:
+    """Return by how much the traction exceeds friction in stick, relative to it."""
+    ratios = (s * np.abs(u(DISTANCES)) / (friction * p(DISTANCES)) for s, p, u in sticking)
+    return max((float(one.max()) - 1.0 for one in ratios), default=0.0)
 
 
 def _fields(solved: Solved, parameters: Parameters) -> tuple[ZonalField, ZonalField]:

@@ -20,6 +20,7 @@ from spectral_contact.contact.boundaries import (
     longest,
     zones_error,
 )
+from spectral_contact.contact.corrections import LEFT, Move, Pace
 from spectral_contact.contact.coupled_errors import field_errors, shares_of, sizes_of
 from spectral_contact.contact.coupled_outcome import Solved
 from spectral_contact.contact.coupled_parts import (
@@ -68,13 +69,7 @@ _ENOUGH, _MEANT = 1e-13, 1e-8
 _STALE = 0.1
 #: Most corrections at given boundaries, and with boundaries that move.
 _CORRECTIONS, _STEPS = 10, 40
-#: The share of its step that a correction leaves at least, and from which share on it is the factor
-#: or rounding that is not good enough.
-_LEFT, _SLOW = 1e-2, 0.2
-#: Corrections of a solution from nothing, which do not tell how good the factors are; what is left
-#: by those of other boundaries, over their distance; and how far these may be, of a zone, in thick
-#: layers and in thin ones.
-_FIRST, _DRIFT = 2, 3.0
+#: How far the boundaries of factors may be, of a zone, in thick layers and in thin ones.
 _FAR, _FAR_THIN, _THICK = 0.03, 1e-4, 1e-2
 #: What of a step of the boundaries the fields may be off by, for that step and for its slopes.
 _SHARE, _KNOWN = 0.3, 0.03
@@ -104,15 +99,6 @@ class CoupledZones(Solved):
 
     system: System
     solution: Array
-
-
-@dataclass(frozen=True, slots=True)
-class _Move:
-    """A step of the boundaries, and what their conditions missed before it."""
-
-    step: Array
-    length: float
-    mismatch: Array
 
 
 class CoupledProblem:
@@ -228,7 +214,7 @@ class CoupledProblem:
         for _ in range(_CORRECTIONS):
             state, change = state.corrected()
             before, size = size, self._size(state, change)
-            if size * max(_LEFT, min(size / before, 1.0)) < aim or size > before:
+            if size * max(LEFT, min(size / before, 1.0)) < aim or size > before:
                 break
         return state
 
@@ -246,41 +232,40 @@ class CoupledProblem:
         factors = self._factored(self._system(spaces, self.logits))
         state, begin = CoupledState.begin(factors.system, factors), self.logits
         self.left = self.off = 0.0
-        moved: _Move | None = None
-        size, alike = 1.0, -_FIRST  # corrections with these factors at these boundaries
+        moved: Move | None = None
+        pace = Pace(self._thinnest)
         for _ in range(_STEPS):
             state, change = state.corrected()
-            before, size, alike = size, self._size(state, change), alike + 1
-            # factors of other boundaries are off by about their distance, in units of a layer: they
-            # make an error next to the boundaries first, which the next correction takes back
-            drift = float(np.abs(self.logits - begin).max(initial=0.0)) / self._narrowest
-            astray = drift > _LEFT / _DRIFT * self._thinnest
-            expected = max(_LEFT, _DRIFT * drift, size / before if alike > 1 + astray else 0.0)
-            self.left = size * (1.0 if astray and alike < 2 else min(expected, 1.0))
+            pace.add(self._size(state, change), self._drift(begin))
+            self.left = pace.left
             if moved is not None and self.left < _KNOWN * moved.length:
                 self._learn(moved, state.mismatch)
                 moved = None
             step: Array = -np.linalg.solve(self.slopes, state.mismatch).astype(float)
             self.off = float(np.abs(step).max(initial=0.0))
-            if self.left < aim and self.off < settle:
-                break
-            slow, own = (
-                alike > 1 + astray and size > _SLOW * before,
-                factors.system is state.system,
-            )
-            if slow and ((own and factors.exact) or (size < _ROUNDED and self.off < settle)):
+            own, slow = factors.system is state.system, pace.slow
+            best = own and factors.exact  # no other factors are better
+            rounded = slow and (best or (pace.size < _ROUNDED and self.off < settle))
+            if rounded or (self.left < aim and self.off < settle):
                 break
             if self.off > max(0.5 * settle, self.left / _SHARE):
                 step *= min(1.0, longest(self.logits, step))
-                moved = _Move(step, float(np.abs(step).max()), state.mismatch)
+                moved = Move(step, float(np.abs(step).max()), state.mismatch)
                 self.logits = self.logits + step
-                state, alike = state.at(self._system(spaces, self.logits)), 0
-                far = _FAR if self._thinnest > _THICK else _FAR_THIN
-                slow = float(np.abs(self.logits - begin).max()) > far * self._narrowest
+                state, pace.alike = state.at(self._system(spaces, self.logits)), 0
+                slow = self._drift(begin) > self._far
             if slow:
-                factors = factored(state.system, exact=factors.exact or (own and alike > 0))
-                state, begin, alike = state.by(factors), self.logits, 0
+                factors = factored(state.system, exact=factors.exact or (own and pace.alike > 0))
+                state, begin, pace.alike = state.by(factors), self.logits, 0
         return state
+
+    def _drift(self, begin: Array) -> float:
+        """Return how far boundaries are from others, of the narrowest zone."""
+        return float(np.abs(self.logits - begin).max(initial=0.0)) / self._narrowest
+
+    @property
+    def _far(self) -> float:
+        return _FAR if self._thinnest > _THICK else _FAR_THIN
 
     @property
     def _thinnest(self) -> float:
@@ -290,7 +275,7 @@ class CoupledProblem:
     def _narrowest(self) -> float:
         return float(min([1.0, *np.diff(self.logits)]))
 
-    def _learn(self, move: _Move, mismatch: Array) -> None:
+    def _learn(self, move: Move, mismatch: Array) -> None:
         """Take from a step what it shows of the slopes (Broyden)."""
         if move.length > _MEANT:
             missed = mismatch - move.mismatch - self.slopes @ move.step
@@ -335,16 +320,7 @@ class CoupledProblem:
         boundary_errors = tuple(
             boundary_error(float(d), r) for d, r in zip(shifts, system.radii, strict=True)
         )
-        stuck, stray = [], 0.0
-        if any(system.states):
-            stuck, lost = (
-                self._stuck(system, state.lacking(vector, approach, state.approach * lifts))
-                for vector, approach, lifts in (
-                    (whole, state.approach, state.lifts),
-                    (moved[0], 0.0, effects[0].lifts),
-                )
-            )
-            stray = SAFETY * self._largest_displacement(system, lost)
+        stuck, stray = self._displacements(state, moved[0], effects[0].lifts)
         pressure, shear = system.split(whole)
         value = CoupledZones(
             system.radii,
@@ -395,6 +371,17 @@ class CoupledProblem:
             return attempt
         error, indicators = max(value.approach_error, value.shear_error), raised + sheared
         return replace(attempt, error=error, indicators=indicators[:-1], rates=rates)
+
+    def _displacements(
+        self, state: CoupledState, change: Array, lifts: Array
+    ) -> tuple[list[Stuck], float]:
+        """Return what the slip zones see of E in stick, and the most that a change makes there."""
+        system, scale = state.system, state.approach
+        if not any(system.states):
+            return [], 0.0
+        whole = state.lacking(scale * state.solution, scale, scale * state.lifts)
+        lost = self._stuck(system, state.lacking(change, 0.0, scale * lifts))
+        return self._stuck(system, whole), SAFETY * self._largest_displacement(system, lost)
 
     def _missed(self, state: CoupledState, effects: list[Effect], noise: float) -> Array:
         """Return what the conditions of the boundaries may miss."""

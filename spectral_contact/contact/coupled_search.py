@@ -138,19 +138,22 @@ class CoupledSearch:
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
 
     def _layouts(self) -> Iterator[tuple[Layout, bool]]:
-        """Guess zones, of every kind once; the last ones are far from those without coupling.
-
-        Those on rings come first, then one disk with slip around it, then where full stick breaks
-        the law, then the zones without coupling.
-        """
+        """Guess zones, of every kind once; the last ones are far from those without coupling."""
         seen: set[tuple[int, ...]] = set()
-        for guess in (self._on_rings, self._disk, self._violated, self.plain):
-            layout = guess()
+        for layout in self._guesses():
             if self._possible(layout) and layout.states not in seen:
                 seen.add(layout.states)
                 yield layout, False
         if len(layout.states) > 2 and self._possible(layout):
             yield layout, True
+
+    def _guesses(self) -> Iterator[Layout]:
+        """Yield what rings, one disk, full stick and the contact without coupling tell."""
+        yield self._on_rings()
+        violated = self._violated()
+        yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
+        yield violated
+        yield self.plain()
 
     def _on_rings(self) -> Layout:
         """Return what an active set finds on rings."""
@@ -159,11 +162,6 @@ class CoupledSearch:
         if not (found.settled and found.positive) or found.centre_unseen:
             return _NOWHERE
         return Layout(tuple(one.logit for one in found.boundaries), found.states)
-
-    def _disk(self) -> Layout:
-        """Return one stick disk, from where full stick breaks the law inside."""
-        violated = self._violated()
-        return replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
 
     def _possible(self, layout: Layout) -> bool:
         """Return whether there is slip, and the edge may be as it is.

@@ -25,7 +25,6 @@ from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     all_slip,
-    mended,
     no_slip,
     one_disk_outcome,
     zones_outcome,
@@ -45,6 +44,8 @@ Record = Callable[[str, Any, float], Any]
 _SUPERCONVERGENCE = 0.8
 #: Narrower zones than this, in logits, are not handed on: their slopes change within their width.
 _NARROWEST = 1e-3
+#: Where the edge of a smooth surface sticks over less than this, in ``y``, it is one disk.
+_NO_EDGE = 1e-80
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 
@@ -118,30 +119,49 @@ class _Search:
         return best
 
     def _best(self) -> PartialSlip:
-        """Return the first outcome that satisfies the friction law."""
-        if self.near is not None and min(np.diff(self.near.logits), default=0.0) > _NARROWEST:
-            handed = self._handed_on(self.near)
-            if handed is not None:
-                return handed
-        found: list[PartialSlip] = []
-        # on a smooth surface with tangential compliance p is infinite at the edge and q is not:
-        # it sticks for y < (f beta/kappa)^2, as long as that is a number
-        smooth = self.drive.contact.compliance == 0.0 and self.beta > 0.0
+        """Return the first outcome that satisfies the friction law.
+
+        Zones of a like scene come first, then one stick disk, then a search.
+        """
+        handed = self._handed_on()
+        if handed is not None:
+            return handed
+        first = self._first()
+        if first is not None:
+            alone = first.layout is None or self.beta == 0.0 or self._smooth
+            if alone or first.settled:
+                return first
+        return self._least_wrong(first, self._searched(first))
+
+    @property
+    def _smooth(self) -> bool:
+        """Whether p is infinite at the edge and q is not.
+
+        It sticks there for ``y < (f beta/kappa)**2``, as long as that is a number.
+        """
+        return self.drive.contact.compliance == 0.0 and self.beta > 0.0
+
+    def _first(self) -> PartialSlip | None:
+        """Return one stick disk, or what is known to be there instead."""
+        if self._smooth and (self.friction * self.beta) ** 2 >= _NO_EDGE:
+            return None
         near = None
         if self.near is not None and self.near.states == (0, 1) and self.near.slopes is not None:
             near = self.near.logits[0], float(self.near.slopes[0, 0])
-        if not smooth or (self.friction * self.beta) ** 2 < 1e-80:
-            try:
-                found.append(self._one_disk(None, near))
-            except NoStickDiskError as missing:
-                if missing.at_centre:
-                    return all_slip(self.drive, self.beta, self.friction, self.tolerance)
-                if self.beta == 0.0:
-                    return no_slip(self.drive, self.stick, self.beta, self.friction)
-            if found and (found[0].settled or self.beta == 0.0 or smooth):
-                return found[0]
-        searched = self._searched(found[0] if found else None)
-        if found and found[0].consistent:  # but for the sense of slip, of which no digit is known
+        try:
+            return self._one_disk(None, near)
+        except NoStickDiskError as missing:
+            if missing.at_centre:
+                return all_slip(self.drive, self.beta, self.friction, self.tolerance)
+            if self.beta == 0.0:
+                return no_slip(self.drive, self.stick, self.beta, self.friction)
+            return None
+
+    def _least_wrong(self, first: PartialSlip | None, searched: list[PartialSlip]) -> PartialSlip:
+        """Return the outcome that violates the law least."""
+        found = [] if first is None else [first]
+        if first is not None and first.consistent:
+            # but for the sense of slip, of which no digit is known
             searched = [one for one in searched if one.consistent and one.slip_error < inf]
         found += searched
         if not found:  # slip about to start, thinner than its own conditioning
@@ -181,7 +201,7 @@ class _Search:
                     outcomes.append(outcome)
                     if outcome.settled:
                         return outcomes
-                    layout = mended(outcome)
+                    layout = outcome.mended
         return outcomes
 
     def _layouts(self, first: PartialSlip | None) -> Iterator[Layout | None]:
@@ -191,7 +211,7 @@ class _Search:
         seen: set[tuple[int, ...]] = set()
         if first is not None:
             seen.add((0, 1))
-            yield mended(first)
+            yield first.mended
         radius = None if first is None else first.zones[0].outer
         for layout in search_zones(self.drive, self.stick, self.beta, self.friction, radius):
             if layout.states not in seen:
@@ -237,11 +257,14 @@ class _Search:
         except NoBoundariesError:  # nothing better is found near by
             return loose
 
-    def _handed_on(self, layout: Layout) -> PartialSlip | None:
+    def _handed_on(self) -> PartialSlip | None:
         """Solve on the zones of a like scene, and return it if the friction law holds on them.
 
         There is one solution, so that it does not matter where these zones are from.
         """
+        layout = self.near
+        if layout is None or min(np.diff(layout.logits), default=0.0) <= _NARROWEST:
+            return None
         begin = perf_counter()
         try:
             refinement = self._zones(layout)

@@ -45,7 +45,7 @@ from spectral_contact.spectral.annulus import Annulus
 if TYPE_CHECKING:
     from spectral_contact.contact.zones import ZonesSolution
 
-__all__ = ["PartialSlip", "all_slip", "mended", "no_slip", "one_disk_outcome", "zones_outcome"]
+__all__ = ["PartialSlip", "all_slip", "no_slip", "one_disk_outcome", "zones_outcome"]
 
 Array = NDArray[np.float64]
 
@@ -97,13 +97,10 @@ class PartialSlip:
         known = self.slip_error < inf or self.violation <= _DOUBTFUL
         return self.consistent and known and not self.missing
 
-
-def mended(outcome: PartialSlip) -> Layout | None:
-    """Return the zones of a solution with the stick that is missing, if any is."""
-    if outcome.layout is None or not outcome.missing:
-        return None
-    layout = outcome.layout.with_stick(outcome.missing)
-    return layout if len(layout.states) > len(outcome.layout.states) else None
+    @property
+    def mended(self) -> Layout | None:
+        """The zones with the stick that is missing, if any is."""
+        return None if self.layout is None else self.layout.mended(self.missing)
 
 
 def no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> PartialSlip:

@@ -34,6 +34,7 @@ RINGS = {"active_set", "ring_law", "zone_search"}
 ANY_ZONES = ONE_DISK | ONSET | RINGS | {"boundaries", "stick_annuli", "zone_system", "zones"}
 COUPLED_STICK = NORMAL | {
     "boundaries",
+    "corrections",
     "coupled_errors",
     "coupled_outcome",
     "coupled_parts",
