@@ -36,8 +36,8 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 11_902, 6_500),
-    Gate("lines in all", 35_474, 23_000),
+    Gate("lines of the core", 11_911, 6_500),
+    Gate("lines in all", 35_483, 23_000),
     Gate("float literals of the core", 288, 90),
     Gate("functions above 15", 9, 0),
     Gate("names that several classes bear", 21, 0),
