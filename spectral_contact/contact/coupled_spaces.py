@@ -26,7 +26,7 @@ __all__ = ["first_spaces"]
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
 #: The same at a bend where all sticks, and how far before the layer that is; and further degrees
-#: there, on the first panel, the second and the others: of 294 scenes and tolerances four need a
+#: there, on the first panel, the second and the others: of 294 scenes and tolerances none needs a
 #: second space. At the centre, where q/s is weakly determined, degrees that tolerances ask for
 #: would be rounding.
 _STUCK_BEND, _BEFORE, _STUCK_SPARE = 0.2, 3.0, (4, 2, 1)
