@@ -106,10 +106,11 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct) -> Iterator[_Fit]:
 
 
 def _tail(moduli: Array) -> Array:
-    """Return what a series lacks, from its last two coefficients and how fast they fall."""
+    """Return eight times what a series lacks if it goes on falling as its last coefficients do."""
     size = moduli.sum(axis=2)
     last, before = size[:, -2:].sum(axis=1), size[:, -4:-2].sum(axis=1)
-    return np.asarray(last * np.minimum(1.0, 4.0 * last / np.maximum(before, 1e-300)))
+    ratio = np.minimum(last / np.maximum(before, 1e-300), 0.95)
+    return np.asarray(8.0 * last * ratio / (1.0 - ratio))
 
 
 def _halves(cell: _Cell, at: Array, bad: NDArray[np.intp], tails: Array) -> list[_Cell]:

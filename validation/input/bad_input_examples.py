@@ -169,6 +169,7 @@ class Examples:
         self._arguments = {
             **ARGUMENTS,
             "solution": bench.solutions[0],
+            "body": bench.solutions[0].inside,
             "plan": bench.solutions[0].plan,
             "figure": Figure(),
             "setting": Setting.of(SCENE, 1e-3),
