@@ -37,6 +37,10 @@ Array = NDArray[np.float64]
 
 #: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
 _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
+#: How far points may be, in radii of the punch; seventh powers of distances are formed.
+_FARTHEST = 1e30
+#: What is closer to the edge, or to the surface, is at it.
+_NEAREST = 1e-100
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +122,8 @@ class Inside:
             raise SceneError(name, shapes, "of shapes that broadcast") from None
         shape = radius.shape
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
+        # squares of what is nearer to the edge or the surface would underflow
+        distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
         return Points(np.maximum(radius, AXIS), distance, depth), shape
 
     def displacement(
@@ -389,12 +395,12 @@ def _boundaries(*fields: object) -> list[Radius]:
     return [CENTRE, *(inner[value] for value in sorted(inner)), EDGE]
 
 
-def _length(name: str, values: Any, unit: float, high: float = np.inf) -> Array:
-    """Return lengths over the radius of the punch; from below, only `from_edge` has no bound."""
-    low = -np.inf if name == "from_edge" else 0.0
-    allowed = "finite and at least 0" if low == 0.0 else f"finite and at most {high * unit:.17g}"
+def _length(name: str, values: Any, unit: float, high: float = _FARTHEST) -> Array:
+    """Return lengths over the radius of the punch; only `from_edge` may be negative."""
+    low = -_FARTHEST if name == "from_edge" else 0.0
+    allowed = f"in [{low * unit:.17g}, {high * unit:.17g}]"
     given = np.asarray(checks.reals(name, values, allowed), dtype=np.float64)
-    bad = ~(np.isfinite(given) & (given >= low) & (given <= high * unit))
+    bad = ~((given >= low * unit) & (given <= high * unit))
     if bad.any():
         raise SceneError(name, given[bad].flat[0], allowed)
     return np.asarray(given / unit + 0.0)

@@ -190,6 +190,8 @@ def test_physical_units_are_those_of_the_solution():
         ({"r": [0.1, 0.2], "z": [0.1, 0.2, 0.3]}, "r, z"),
         ({"r": 0.5, "from_edge": 0.5, "z": 0.1}, "r, from_edge"),
         ({"z": 0.1}, "r, from_edge"),
+        ({"r": 1e308, "z": 0.1}, "r"),
+        ({"from_edge": -1e60, "z": 0.1}, "from_edge"),
         ({"r": 1.0, "z": 0.0}, "r, z"),
     ],
 )
@@ -197,6 +199,14 @@ def test_bad_points_are_refused_by_name(points, name):
     with pytest.raises(SceneError) as caught:
         solve(Scene(0.3)).inside.stress(**points)
     assert caught.value.parameter == name
+
+
+def test_the_farthest_and_the_nearest_points_have_values():
+    body = solve(Scene(0.3, 0.2, 0.2, 0.1)).inside
+    assert body.stress(0.0, 1e30).zz == pytest.approx(-1.5 / math.pi * 1e-60, rel=1e-10)
+    edge = body.displacement(1.0)
+    for near in (1e-300, 1e-120, 1e-60):
+        assert body.displacement(from_edge=near, z=near).z == pytest.approx(edge.z, rel=1e-12)
 
 
 def test_at_the_edge_the_displacement_has_a_value():

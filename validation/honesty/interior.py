@@ -35,7 +35,7 @@ SEED, POINTS, MANY = 20, 10, 6000
 #: Seconds for a solve.
 PATIENCE = 5
 #: How many rows each group has, but the random scenes.
-SIZES = {"rings": 80, "sneddon": 20, "sticking": 50, "many": 40}
+SIZES = {"rings": 100, "sneddon": 20, "sticking": 50, "many": 40}
 #: What ring kernels may miss by, relative to the largest of the five, or one over the distance.
 RING_BOUND = 1e-13
 #: Largest error of the quadrature that is compared with, for a point to count.

@@ -43,7 +43,7 @@ def record(study):
         ("honesty_thresholds", "scenes", 40),
         ("honesty", "scenes", 10_000),
         ("honesty_coupled", "scenes", 1_000),
-        ("interior", "scenes", 200),
+        ("interior", "scenes", 300),
         ("mutants", "mutants", 50),
         ("naive", "count", 60),
         ("projections", "count", 300),
