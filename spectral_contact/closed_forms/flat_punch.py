@@ -21,6 +21,11 @@ __all__ = [
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 
+#: At the edge z / rho is 0 / 0, and next to it powers of rho are 0.
+_QUIET = np.errstate(divide="ignore", invalid="ignore", over="ignore")
+#: Farther away cubes of the distance overflow.
+_FAR = 1e100
+
 
 class PunchStress(NamedTuple):
     """Stresses below the punch, tension positive, dimensionless: ``a**2 sigma / P``."""
@@ -53,7 +58,7 @@ def _place(r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None) -> _P
         radius = _lengths("r", r)
         edge = 1.0 - radius
     else:
-        edge = _lengths("from_edge", from_edge, low=-np.inf, high=1.0)
+        edge = _lengths("from_edge", from_edge, low=-_FAR, high=1.0)
         radius = 1.0 - edge
     try:
         np.broadcast_shapes(radius.shape, depth.shape)
@@ -65,8 +70,8 @@ def _place(r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None) -> _P
     return _Place(radius, depth, depth + 1j, np.sqrt(square))
 
 
-def _lengths(name: str, values: Any, low: float = 0.0, high: float = np.inf) -> Array:
-    allowed = "finite and >= 0" if low == 0.0 else "finite and <= 1"
+def _lengths(name: str, values: Any, low: float = 0.0, high: float = _FAR) -> Array:
+    allowed = f"in [{low:g}, {high:g}]"
     given = real_numbers(name, values, allowed)
     bad = ~(np.isfinite(given) & (given >= low) & (given <= high))
     if np.any(bad):
@@ -78,6 +83,7 @@ def _source(values: Complex) -> Array:
     return np.asarray(-np.imag(values) / (2.0 * np.pi))
 
 
+@_QUIET
 def flat_punch_stress(
     poisson_ratio: float,
     r: ArrayLike | None = None,
@@ -85,7 +91,7 @@ def flat_punch_stress(
     *,
     from_edge: ArrayLike | None = None,
 ) -> PunchStress:
-    """Return the stress anywhere in the half-space, but at the edge.
+    """Return the stress anywhere in the half-space; infinite or NaN at the edge.
 
     Parameters
     ----------
@@ -98,8 +104,8 @@ def flat_punch_stress(
     Raises
     ------
     ValueError
-        For a point outside the half-space, both or neither of `r` and `from_edge`, or a Poisson's
-        ratio outside (-1, 1/2].
+        For a point outside the half-space or beyond 1e100 radii, both or neither of `r` and
+        `from_edge`, or a Poisson's ratio outside (-1, 1/2].
     """
     nu = check_poisson_ratio(poisson_ratio)
     r_, z_, zeta, rho = _place(r, z, from_edge)
@@ -111,6 +117,7 @@ def flat_punch_stress(
     return PunchStress(-2.0 * harmonic - zz - out, tt, zz, rz)
 
 
+@_QUIET
 def flat_punch_displacement(
     poisson_ratio: float,
     r: ArrayLike | None = None,
@@ -125,9 +132,8 @@ def flat_punch_displacement(
     nu = check_poisson_ratio(poisson_ratio)
     r_, z_, zeta, rho = _place(r, z, from_edge)
     shear = 4.0 * (1.0 - nu)
-    with np.errstate(divide="ignore", invalid="ignore"):  # at the edge z / rho is 0 / 0
-        sink = np.where(z_ > 0.0, _source(z_ / rho), 0.0)
-        across = np.where(z_ > 0.0, _source(z_ / (rho * (rho + zeta))), 0.0)
+    sink = np.where(z_ > 0.0, _source(z_ / rho), 0.0)
+    across = np.where(z_ > 0.0, _source(z_ / (rho * (rho + zeta))), 0.0)
     down = (1.0 - nu) / np.pi * np.angle(zeta + rho) + sink
     out = r_ * (across - (1.0 - 2.0 * nu) * _source(1.0 / (rho + zeta)))
     return PunchDisplacement(out / shear, down / shear)

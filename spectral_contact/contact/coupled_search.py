@@ -55,8 +55,8 @@ _PLACES, _DEPTH = 2000, 40.0
 _UNKNOWN = 0.1
 #: The first and the least step of the coupling by which zones are followed.
 _STEP, _LEAST_STEP = 0.25, 0.05
-#: What a guess of the zones ends in, if they do not fit.
-_MISFITS = (NoCoupledSlipError, NoBoundariesError, np.linalg.LinAlgError)
+#: What a guess of the zones ends in, if they do not fit, or one of them has no width.
+_MISFITS = (NoCoupledSlipError, NoBoundariesError, np.linalg.LinAlgError, ArithmeticError)
 
 
 @dataclass(slots=True)

@@ -323,3 +323,12 @@ def test_stress_without_bound_and_a_supremum_at_the_edge_are_named():
     assert "change sign" in inward.largest("surface_tension").remark
     with pytest.raises(SceneError, match="measure"):
         sneddon.largest("tresca")
+
+
+@pytest.mark.parametrize("field", [flat_punch_stress, flat_punch_displacement])
+def test_the_closed_form_at_its_ends(field):
+    """The edge and what is next to it raise no warning; what would overflow is refused."""
+    for r, z in ((1.0, 0.0), (1.0, 1e-300), (1e100, 0.0), (0.0, 1e100)):
+        field(0.3, r, z)
+    with pytest.raises(ValueError, match=r"r = 1e\+101.*in \[0, 1e\+100\]"):
+        field(0.3, 1e101)

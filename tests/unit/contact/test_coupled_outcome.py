@@ -43,6 +43,17 @@ def test_pressure_that_pulls_is_refused(part):
         slip_in_annuli(replace(disk(), pressure=pressure), PARAMETERS)
 
 
+def test_zones_without_width_are_no_zones(monkeypatch):
+    own = coupled_search.CoupledSearch._layouts
+
+    def layouts(search):
+        yield Layout((1.0, 1.0), (0, 1, 0)), False
+        yield from own(search)
+
+    monkeypatch.setattr(coupled_search.CoupledSearch, "_layouts", layouts)
+    assert len(solve(Scene(0.3, 0.3, 0.2, 0.1, coupling=True), 1e-4).zones) == 2
+
+
 def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(monkeypatch):
     own = coupled_search.CoupledSearch.outcome
     monkeypatch.setattr(
