@@ -52,6 +52,9 @@ Array = NDArray[np.float64]
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
 #: by 1, and zones that follow from less are made of noise.
 _DOUBTFUL = 0.5
+#: A relative error of slip from which on it may be as wrong as its zone is wide: at the onset of
+#: slip inside, where an ulp of friction moves the ends by 1e-4 of the width, both fail together.
+_HARDLY_KNOWN = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +200,15 @@ def one_disk_outcome(
     )
 
 
+def _unknown_width(slip_error: float, zones: list[Zone]) -> float:
+    """Return the relative error of the ends of zones inside whose slip has hardly a digit."""
+    if slip_error < _HARDLY_KNOWN:
+        return 0.0
+    inside = (z for z in zones if z.kind == "slip" and z.outer_from_edge > 0.0)
+    widths = ((z.inner_from_edge - z.outer_from_edge) / z.outer_from_edge for z in inside)
+    return min(slip_error, 1.0) * max(widths, default=0.0)
+
+
 def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: float) -> PartialSlip:
     """Add displacement and checks to the solution on any zones."""
     pressure = drive.pressure
@@ -225,7 +237,7 @@ def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: fl
     stray, loose = solved.stray + unresolved, solved.loose_ends
     slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
     wrong = max(float(v.max()) for v in samples)
-    zones_error = solved.zones_error
+    slip_share = max(known_share(slip_error + loose), unknown_slip(solved.zones_error))
     return PartialSlip(
         tuple(zones),
         ZonalField(tuple(traction)),
@@ -234,8 +246,8 @@ def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: fl
         error,
         solved.shear_error,
         solved.boundary_errors[0][0],
-        zones_error,
-        max(known_share(slip_error + loose), unknown_slip(zones_error)),
+        max(solved.zones_error, _unknown_width(slip_share, zones)),
+        slip_share,
         max(excess, wrong / largest, 0.0),
         # zones whose ends say nothing of the sense are not taken for granted
         obeys(excess, error, wrong / largest, slip_error + min(loose, 0.5)),

@@ -50,7 +50,7 @@ def search_zones(
     if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
         centre = 2.0 * beta * friction if radius is None else radius
         yield Layout((Radius(centre, 1.0 - centre).logit, *logits), (0, *found.states))
-    else:
+    elif found.states[-1] == 0 or not alpha == 0.0 < beta:  # a smooth edge sticks, if below rings
         yield Layout(logits, found.states)
     if not narrow:
         yield _layout(violated)
