@@ -20,6 +20,9 @@ __all__ = ["Profile"]
 
 Array = NDArray[np.float64]
 
+#: Radii beyond have squares that overflow.
+_FAR = 1e100
+
 
 class Profile(ABC):
     """A convex axisymmetric punch. Immutable, comparable, hashable and picklable."""
@@ -57,19 +60,21 @@ class Profile(ABC):
         Parameters
         ----------
         r : array_like
-            Radii from 0 to the reach, any shape.
+            Radii from 0 to the reach, and to 1e100 at most, any shape.
 
         Returns
         -------
         float or ndarray
+            Infinite beyond the range of a double.
 
         Raises
         ------
         SceneError
             If a radius is another.
         """
-        radii = lengths("r", r, self.reach).astype(float)
-        return self._height(radii)[()]
+        radii = lengths("r", r, min(self.reach, _FAR)).astype(float)
+        with np.errstate(over="ignore"):
+            return self._height(radii)[()]
 
     # the methods below are the solver's: arrays of doubles as they are
 
