@@ -27,6 +27,8 @@ _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
 _SLACK, _ALIKE = 1e-11, 1e-9
 #: Where the slope of a piece is looked at.
 _LOOKS = 257
+#: Radii at once, so that what is made of them stays in a cache.
+_BLOCK = 2048
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +198,7 @@ class Sampled(Profile):
     def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
         t = np.asarray(t, dtype=float)
-        return np.asarray(2.0 * t * self._mean(t, 0))
+        return np.asarray(2.0 * t * self._mean(t))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""
@@ -215,7 +217,8 @@ class Sampled(Profile):
     def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
         t = np.asarray(t, dtype=float)
-        rate = 2.0 * self._mean(t, 0) + 2.0 * t * self._mean(t, 1)
+        mean, bent = self._means(t)
+        rate = 2.0 * mean + 2.0 * t * bent
         rows, edges = [row for _, row in self._pieces()], self.edges
         for k in range(1, len(rows)):
             jump = float(chebyshev.chebval(-1.0, rows[k]) - chebyshev.chebval(1.0, rows[k - 1]))
@@ -227,26 +230,35 @@ class Sampled(Profile):
             rate += np.where(outside, 2.0 * jump * edges[k] / root, 0.0)
         return np.asarray(rate)
 
-    def _mean(self, t: Array, order: int) -> Array:
-        """Return ``int_0^(pi/2) h' (t sin phi) dphi``, or with h'' sin phi instead of h'."""
-        total = np.zeros(np.shape(t))
-        safe = np.where(t > 0.0, t, 1.0)
+    def _mean(self, t: Array) -> Array:
+        """Return ``int_0^(pi/2) h' (t sin phi) dphi``."""
+        return self._means(t, False)[0]
+
+    def _means(self, t: Array, both: bool = True) -> tuple[Array, Array]:
+        """Return the integral of `_mean`, and if wanted that of h'' sin phi."""
+        shape, t = np.shape(t), np.ravel(t)
+        total, bent = np.zeros(len(t)), np.zeros(len(t))
+        for start in range(0, len(t), _BLOCK):
+            block = slice(start, start + _BLOCK)
+            self._add_means(t[block], total[block], bent[block] if both else None)
+        return total.reshape(shape), bent.reshape(shape)
+
+    def _add_means(self, t: Array, total: Array, bent: Array | None) -> None:
         for (low, high), row in self._pieces():
-            g, w = np.polynomial.legendre.leggauss(len(row) + 16)
+            reached = np.flatnonzero((t > low) | (low == 0.0))
+            at = t[reached]
+            safe = np.where(at > 0.0, at, 1.0)
+            # a polynomial of the sine, over a quarter of a turn at most
+            g, w = np.polynomial.legendre.leggauss(len(row) + min(len(row) + 6, 16))
             begin = np.arcsin(np.minimum(low / safe, 1.0))
-            end = np.where(t > 0.0, np.arcsin(np.minimum(high / safe, 1.0)), np.pi / 2.0)
-            half = ((end - begin) / 2.0)[..., None]
-            sine = np.sin(begin[..., None] + half * (1.0 + g))
-            local = np.clip(
-                2.0 * (np.asarray(t)[..., None] * sine - low) / (high - low) - 1.0, -1.0, 1.0
-            )
-            if order:
-                values = chebyshev.chebval(local, chebyshev.chebder(row)) * sine
-                values *= 2.0 / (high - low)
-            else:
-                values = chebyshev.chebval(local, np.array(row))
-            total = total + half[..., 0] * (values @ w)
-        return total
+            end = np.where(at > 0.0, np.arcsin(np.minimum(high / safe, 1.0)), np.pi / 2.0)
+            half = (end - begin) / 2.0
+            sine = np.sin(begin + half * (1.0 + g)[:, None])
+            local = np.clip(2.0 * (at * sine - low) / (high - low) - 1.0, -1.0, 1.0)
+            total[reached] += half * (w @ chebyshev.chebval(local, row))
+            if bent is not None:
+                slopes = 2.0 / (high - low) * chebyshev.chebder(row)
+                bent[reached] += half * (w @ (chebyshev.chebval(local, slopes) * sine))
 
     def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
         """Return the ends and the series of every piece."""
