@@ -96,7 +96,9 @@ class Sensitivity:
 def sensitivity(
     solution: Solution, parameters: Iterable[str] | None = None, *, progress: bool | None = None
 ) -> Sensitivity:
-    """Return the derivatives of approach, total shear and stick radius; see `Solution.sensitivity`.
+    """Return the derivatives of approach, total shear and stick radius.
+
+    As ``solution.sensitivity`` does.
 
     Raises
     ------

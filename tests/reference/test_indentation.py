@@ -213,7 +213,8 @@ def test_a_punch_is_never_pinned_at_a_corner():
     """However small the load, the contact goes past the flat part; then it is flat punch's."""
     for profile in (SHAPES["rounded flat"], SHAPES["truncated cone"]):
         loads = [
-            solve(Scene(0.3, 0.5, profile=profile, contact_radius=0.5 + step), 1e-10).load
+            # a millionth past it, roundings count half a million times
+            solve(Scene(0.3, 0.5, profile=profile, contact_radius=0.5 + step), 1e-8).load
             for step in (1e-2, 1e-4, 1e-6)
         ]
         assert loads[0] > 10.0 * loads[1] > 100.0 * loads[2] > 0.0

@@ -170,8 +170,8 @@ def test_the_same_call_does_nothing_twice(tmp_path):
 
 def test_a_stored_point_keeps_its_times(tmp_path):
     store = tmp_path / "points.jsonl"
-    one = study(store=store, stopwatch=QUICK)
-    assert study(store=store, stopwatch=QUICK) == one
+    one = study(resolutions=[8], store=store, stopwatch=QUICK)
+    assert study(resolutions=[8], store=store, stopwatch=QUICK) == one
     assert one.points[0].times is not None
 
 
