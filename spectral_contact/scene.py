@@ -313,9 +313,13 @@ class Scene:
 
 
 def same_problem(one: Scene, other: Scene) -> bool:
-    """Return whether two scenes have one solution by definition: without friction, by alpha."""
+    """Return whether two scenes have one solution by definition.
+
+    Without friction normal contact decides: the compliance, the profile and how far it is pressed.
+    """
     if one.friction is None and other.friction is None:
-        return one.normal_compliance == other.normal_compliance
+        normal = ("normal_compliance", "profile", *CONTROLS)
+        return all(getattr(one, name) == getattr(other, name) for name in normal)
     return one.replace(physical=None) == other.replace(physical=None)
 
 

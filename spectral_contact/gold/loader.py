@@ -210,7 +210,8 @@ def tables() -> tuple[GoldTable, ...]:
 def find(scene: Scene) -> GoldSolution | None:
     """Return the gold solution of a scene that ships with the library; None if there is none.
 
-    Without friction the normal compliance alone decides; SI data do not matter.
+    Without friction the normal compliance alone decides; SI data do not matter. There are none with
+    a profile.
 
     Parameters
     ----------

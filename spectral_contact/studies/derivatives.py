@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from spectral_contact.equations.residuals import load as moment
 from spectral_contact.errors import NotComputedError
 from spectral_contact.inputs.choices import instance, names
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import Continuation
@@ -103,12 +104,13 @@ def sensitivity(
     Raises
     ------
     SceneError
-        If it is no solution, or for a parameter that is not known.
+        If it is no solution, or one under a profile; for a parameter that is not known.
     NotComputedError
         With elastic coupling.
     """
     asked = PARAMETERS if parameters is None else names("parameters", parameters, PARAMETERS)
     scene = instance("solution", solution, Solution).scene
+    refuse_profile(scene, "sensitivity")
     if scene.couples:
         raise NotComputedError("the sensitivity", "with elastic coupling there is none yet")
     with ProgressLine(progress) as tell:

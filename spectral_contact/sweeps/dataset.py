@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import spectral_contact
 from spectral_contact.errors import MissingDependencyError
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.chunk import Outcome, outcome_of
 from spectral_contact.sweeps.parameters import PARAMETERS, Indices, Parameters, row
@@ -126,6 +127,7 @@ def of_solution(
     solution: Solution, s: ArrayLike | None = None, from_edge: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Return the dataset of one solution; see `Solution.to_xarray`."""
+    refuse_profile(solution.scene, "a dataset")
     needed()
     quantities, radii = solution.plan.quantities, None
     if s is None and from_edge is None and not set(FIELDS).isdisjoint(quantities):

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any, Final
 
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import Plan, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -32,6 +33,7 @@ _SYMBOLS: Final = {
     "radius": ("radius", "a", "m"),
     "load": ("load", "P", "N"),
     "approach": ("approach", "δ", "m"),
+    "contact_radius": ("contact radius", "a", "m"),
 }
 _WIDTH, _HEIGHT = 360.0, 26.0
 #: A zone is drawn no narrower, so that it is seen.
@@ -43,7 +45,7 @@ def of_scene(scene: Scene) -> str:
     rows: list[tuple[str, ...]] = [("scene", "", "")]
     physical = scene.physical
     for name, (words, symbol, unit) in _SYMBOLS.items():
-        star = "*" if unit else ""
+        star = "*" if unit and name not in CONTROLS else ""
         value = getattr(scene, name, None)
         if name == "friction":
             rows.append((words, symbol, _friction(scene.friction)))
@@ -52,6 +54,8 @@ def of_scene(scene: Scene) -> str:
         si = getattr(physical, name, None)
         if si is not None:
             rows.append((words, symbol, f"{si:.6g} {unit}"))
+    if scene.profile is not None:
+        rows.append(("profile", "", scene.profile.brief))
     if scene.coupling:
         rows.append(("elastic coupling", "", "yes"))
     return table_html(rows)

@@ -119,7 +119,7 @@ class Output:
         Raises
         ------
         SceneError
-            For both arguments, or a radius outside [0, 1].
+            For both arguments, or a radius outside [0, 1]; for a scene with a profile.
         MissingDependencyError
             If xarray is not installed (extra: sweep).
         """
@@ -150,7 +150,7 @@ class Output:
         Raises
         ------
         SceneError
-            For another parameter.
+            For another parameter, or a scene with a profile.
         NotComputedError
             With elastic coupling.
         """

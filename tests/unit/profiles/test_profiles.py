@@ -8,7 +8,18 @@ import mpmath
 import numpy as np
 import pytest
 
-from spectral_contact import NotComputedError, Scene, SceneError, plan, profiles, reference, solve
+from spectral_contact import (
+    NotComputedError,
+    Scene,
+    SceneError,
+    gold,
+    plan,
+    profiles,
+    reference,
+    solve,
+)
+from spectral_contact.scene import same_problem
+from spectral_contact.studies.truth import truth_of
 from spectral_contact.sweeps import sweep
 from spectral_contact.testing import check_solution
 from spectral_contact.view.report import report
@@ -205,12 +216,40 @@ SCENE = Scene(0.3, 0.5, profile=profiles.Parabola(1.0), contact_radius=1.0)
         lambda scene: sweep([scene]),
         lambda scene: solve(scene).inside,
         lambda scene: check_solution(solve(scene), scene, 1e-8),
+        lambda scene: solve(scene).sensitivity(),
+        lambda scene: solve(scene).to_xarray(),
+        lambda scene: truth_of(scene),
     ],
-    ids=["reference", "sweep", "sweep of a list", "inside", "check"],
+    ids=[
+        "reference",
+        "sweep",
+        "sweep of a list",
+        "inside",
+        "check",
+        "sensitivity",
+        "dataset",
+        "truth",
+    ],
 )
 def test_what_knows_flat_punches_only_says_so(use):
     with pytest.raises(SceneError, match="knows flat punches only"):
         use(SCENE)
+
+
+def test_the_gold_solution_of_a_flat_punch_is_none_of_a_profile():
+    """Without friction the compliance decides, but not alone."""
+    flat = Scene(0.3, 0.5)
+    assert gold.find(flat) is not None
+    shaped = [flat.replace(profile=profiles.Parabola(1.0), load=load) for load in (1.0, 2.0)]
+    assert [gold.find(one) for one in shaped] == [None, None]
+    assert not same_problem(*shaped)
+    assert same_problem(shaped[0], shaped[0].replace(poisson_ratio=0.1))
+
+
+def test_a_notebook_shows_the_profile():
+    text = SCENE._repr_html_()
+    assert SCENE.profile.brief in text
+    assert "contact radius" in text
 
 
 def test_flat_punches_have_no_contact_radius():
