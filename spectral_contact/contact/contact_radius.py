@@ -174,19 +174,25 @@ class _RadiusSearch:
         one = _value(self.last)
         of_value = one.load_error if self.approach is None else one.approach_error
         # errors of load and approach at this radius are those of a radius that is a little off
-        error = (of_value + abs(self.misfit)) / self.slope * self.at.slope(one.radius) / one.radius
-        growth = one.growth * one.radius
+        off = of_value + 2.0 * abs(self.misfit)  # the slope is not known to all digits
+        error = off / self.slope * self.at.slope(one.radius) / one.radius
+        # by how much the approach moves with the radius, and with it P = dW/ddelta
+        moved = one.growth * one.radius * error
+        of_load = one.stiffness * moved / one.load
+        best = replace(
+            one,
+            work_error=one.work_error + one.load * moved / one.work,
+            # grows like the radius on a smooth surface, like its square in a layer
+            stiffness_error=one.stiffness_error + 2.0 * error,
+            pressure_error=one.pressure_error + of_load,
+        )
         if self.approach is None:
             assert self.load is not None
-            moved = growth * error / one.approach
-            best = replace(
-                one, load=self.load, load_error=0.0, approach_error=one.approach_error + moved
-            )
+            of_approach = one.approach_error + moved / one.approach
+            best = replace(best, load=self.load, load_error=0.0, approach_error=of_approach)
         else:
-            moved = growth * one.stiffness * error / one.load
-            best = replace(
-                one, approach=self.approach, approach_error=0.0, load_error=one.load_error + moved
-            )
+            of_load += one.load_error
+            best = replace(best, approach=self.approach, approach_error=0.0, load_error=of_load)
         if isinstance(self.last, Refinement):
             return replace(self.last, best=replace(self.last.best, value=best)), error
         return best, error

@@ -87,9 +87,9 @@ class ProfileRun(Run):
             contact_radius=error,
             load=found.load_error,
             approach=found.approach_error,
-            stiffness=found.stiffness_error + error,
-            indentation_work=found.work_error + 5.0 * error,
-            pressure=found.pressure_error + error,
+            stiffness=found.stiffness_error,
+            indentation_work=found.work_error,
+            pressure=found.pressure_error,
         )
 
     def _grow(self) -> None:
@@ -97,7 +97,7 @@ class ProfileRun(Run):
         begin = perf_counter()
         history = _Stages(self.scene, self.rtol, self.max_unknowns)
         radius = self.values["contact_radius"]
-        growth = history.growth(radius)
+        growth = history.growth(radius, self.values["load"])
         today, friction = history.flat(radius), self.scene.friction
         assert friction is not None
         assert self.pressure is not None
@@ -105,10 +105,12 @@ class ProfileRun(Run):
             zones=today.zones, stick_radius=today.stick_radius, total_shear=growth.total_shear
         )
         moved = self.errors["contact_radius"]
+        of_stick = growth.stick_rate * moved
+        of_shear = growth.shear_rate * moved
         self.errors.update(
-            zones=(today.error.zones or 0.0) + moved,
-            stick_radius=(today.error.stick_radius or 0.0) + moved,
-            total_shear=growth.shear_error + 5.0 * moved + self.errors["load"],
+            zones=(today.error.zones or 0.0) + of_stick,
+            stick_radius=(today.error.stick_radius or 0.0) + of_stick,
+            total_shear=growth.shear_error + of_shear + self.errors["load"],
         )
         if "traction" in self.plan.quantities:
             outer = today.zones[0]
@@ -164,21 +166,21 @@ class _Stages:
         run = Run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
         return run.solution().critical_friction
 
-    def growth(self, radius: float) -> Growth:
+    def growth(self, radius: float, load: float) -> Growth:
         """Return the history up to a contact radius."""
-        least = self._least(radius)
+        least = self._least(radius, load)
 
         def stage(at: float) -> tuple[float, Solution]:
             return self.load(at), self.flat(at)
 
-        return grown(stage, radius, least, self._onset(least, radius), self.rtol)
+        return grown(stage, radius, load, least, self._onset(least, radius), self.rtol)
 
-    def _least(self, radius: float) -> float:
+    def _least(self, radius: float, load: float) -> float:
         """Return a radius at which load and traction are negligible."""
-        whole, share, at = self.load(radius), 1.0, radius
+        share, at = 1.0, radius
         while share > _NEGLIGIBLE * self.rtol:
             at /= 2.0
-            share = self.load(at) / whole * (radius / at) ** 2
+            share = self.load(at) / load * (radius / at) ** 2
             if share * (radius / at) > 1.0 and at < 1e-9 * radius:
                 break
         return at

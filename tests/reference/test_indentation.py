@@ -250,3 +250,19 @@ def test_true_errors_are_within_their_estimates(name, exponent, radius, digits):
     size = np.maximum(np.abs(truth), best.load / (math.pi * radius**2))
     off = np.abs(rough.pressure(from_edge=from_edge) - truth) / size
     assert off.max() <= rough.error.pressure + best.error.pressure
+
+
+@pytest.mark.parametrize("known", ["load", "approach"])
+@pytest.mark.parametrize("alpha", [1e-4, 4.0])
+def test_what_grows_steeply_with_the_radius_has_room_for_its_error(alpha, known):
+    # indentation work grows like the radius to the power of 17 here
+    punch = profiles.PowerLaw(1.0, 8.0)
+    truth, s = solve(Scene(0.3, alpha, profile=punch, contact_radius=1.1), RTOL), [0.1, 0.6, 0.99]
+    found = solve(Scene(0.3, alpha, profile=punch, **{known: getattr(truth, known)}), 1e-3)
+    assert found.converged
+    assert found.error.contact_radius > 1e-9  # or there is nothing to have room for
+    for name in ("contact_radius", "load", "approach", "stiffness", "indentation_work"):
+        off = abs(getattr(found, name) / getattr(truth, name) - 1.0)
+        assert off <= getattr(found.error, name) + 1e-12, name
+    off = np.abs(found.pressure(s) / truth.pressure(s) - 1.0).max()
+    assert off <= found.error.pressure
