@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -217,18 +217,29 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Measure errors against solutions to many digits, and times.",
         allow_abbrev=False,
     )
-    kinds = study.add_subparsers(dest="kind", metavar="kind", required=True)
-    for kind, about in cli_study.KINDS.items():
-        command = kinds.add_parser(
-            kind,
-            help=about,
-            description=f"{about.capitalize()}. A run that was stopped goes on from its --store.",
-            epilog="Exit status: 0 done, 1 no truth, 2 bad input or file, 130 interrupted.",
-            allow_abbrev=False,
-        )
+    resumed = " A run that was stopped goes on from its --store."
+    for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth,"):
         cli_scene.add_scene(command)
         cli_study.add_options(command, kind)
         command.set_defaults(run=_study)
+
+
+def _kinds(
+    parent: _Parser, kinds: Mapping[str, str], more: str = "", status: str = ""
+) -> Iterator[tuple[str, _Parser]]:
+    """Add the kinds of a command, and yield each with its parser."""
+    parsers = parent.add_subparsers(dest="kind", metavar="kind", required=True)
+    for kind, about in kinds.items():
+        yield (
+            kind,
+            parsers.add_parser(
+                kind,
+                help=about,
+                description=f"{about.capitalize()}.{more}",
+                epilog=f"Exit status: 0 done,{status} 2 bad input or file, 130 interrupted.",
+                allow_abbrev=False,
+            ),
+        )
 
 
 def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
@@ -253,15 +264,7 @@ def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Ten problems with numbers and fields to test other codes against.",
         allow_abbrev=False,
     )
-    kinds = benchmark.add_subparsers(dest="kind", metavar="kind", required=True)
-    for kind, about in cli_benchmark.KINDS.items():
-        command = kinds.add_parser(
-            kind,
-            help=about,
-            description=f"{about.capitalize()}.",
-            epilog="Exit status: 0 done, 2 bad input or file, 130 interrupted.",
-            allow_abbrev=False,
-        )
+    for kind, command in _kinds(benchmark, cli_benchmark.KINDS):
         cli_benchmark.add_options(command, kind)
         command.set_defaults(run=lambda arguments: print(cli_benchmark.run(arguments)))
 

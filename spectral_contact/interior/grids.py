@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.errors import MissingDependencyError
+from spectral_contact.errors import optional
 
 if TYPE_CHECKING:
     import xarray
@@ -81,18 +81,15 @@ def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Data
     MissingDependencyError
         If xarray is not installed.
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise MissingDependencyError("xarray", "sweep") from error
+    made = optional("xarray", "sweep").Dataset
     found = columns(body, *np.meshgrid(r, z), rtol)
     variables = {name: (("z", "r"), one, _about(name, body.si)) for name, one in found.items()}
     axes = {
         name: (name, one, {"long_name": about, "units": unit_of(name, body.si)})
         for name, one, about in (("r", r, "distance from the axis"), ("z", z, "depth"))
     }
-    made: xarray.Dataset = xarray.Dataset(variables, axes, {"title": "inside the body"})
-    return made
+    found_there: xarray.Dataset = made(variables, axes, {"title": "inside the body"})
+    return found_there
 
 
 def _about(name: str, si: bool) -> dict[str, Any]:

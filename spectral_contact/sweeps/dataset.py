@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import spectral_contact
-from spectral_contact.errors import MissingDependencyError
+from spectral_contact.errors import optional
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.chunk import Outcome, outcome_of
@@ -90,11 +90,7 @@ def needed() -> Any:
     MissingDependencyError
         If it is not installed.
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise MissingDependencyError("xarray", "sweep") from error
-    return xarray
+    return optional("xarray", "sweep")
 
 
 def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.Dataset:

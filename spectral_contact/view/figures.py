@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spectral_contact.errors import MissingDependencyError, SolutionFileError
+from spectral_contact.errors import SolutionFileError, optional
 from spectral_contact.inputs.choices import instance
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
@@ -65,11 +65,7 @@ def require() -> Any:
     MissingDependencyError
         If it is not installed.
     """
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise MissingDependencyError("matplotlib", "plot") from error
-    return matplotlib
+    return optional("matplotlib", "plot")
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
