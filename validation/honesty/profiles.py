@@ -2,8 +2,9 @@
 
 Run as ``python validation/honesty/profiles.py [scenes] [seed]``; writes
 validation/results/honesty_profiles.md. Scenes have random shapes, radii, compliances and
-tolerances; each is solved for its radius, then for its load and its approach. The truth is the same method with eight degrees more on every panel: that the method
-converges to the truth is tested against closed forms and by quadrature.
+tolerances; each is solved for its radius, then for its load and its approach. The truth is the same
+method with eight degrees more on every panel: that the method converges to the truth is tested
+against closed forms and by quadrature.
 """
 
 from __future__ import annotations
