@@ -108,7 +108,7 @@ def test_workers_end_with_their_parent(tmp_path, number, status, said):
         process.send_signal(number)
     out, err = process.communicate()
     assert (process.returncode, out) == (status, "")
-    assert said is None or err == said
+    assert said is None or err == said, err
     wait_until(lambda: not any(map(alive, own)))
 
 
