@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, Final
 
@@ -34,8 +35,11 @@ _SHARED: Final[tuple[str, ...]] = ("radius", "load", "approach")
 _SI_ONLY: Final = ("youngs_modulus", "normal_compliance_si", "tangential_compliance_si")
 
 
-def add_profile(command: argparse.ArgumentParser) -> None:
-    """Add the options of a scene with a profile; what is not given is no attribute."""
+def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] = number) -> None:
+    """Add the options of a scene with a profile; what is not given is no attribute.
+
+    What tells how far it is pressed in is read by `control`.
+    """
     group = command.add_argument_group(
         "scene with a profile",
         "All lengths are in one length L, loads in E' L^2 with E' = E / (4 (1 - nu^2)), "
@@ -49,8 +53,9 @@ def add_profile(command: argparse.ArgumentParser) -> None:
         help="what the punch looks like (default: flat)",
     )
     for name, meaning in _OWN.items():
+        kind = control if name == "contact-radius" else number
         group.add_argument(
-            f"--{name}", type=number, metavar="X", default=argparse.SUPPRESS, help=meaning
+            f"--{name}", type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
         )
 
 

@@ -67,6 +67,7 @@ def find_radius(
     load: float | None,
     approach: float | None,
     pointwise: bool,
+    near: float | None = None,
 ) -> tuple[Contact, float]:
     """Return the contact under a load or approach, and the relative error of its radius.
 
@@ -77,34 +78,39 @@ def find_radius(
         As of `solve_indentation`.
     load, approach : float or None
         One of them.
+    near : float or None
+        Where the radius may be.
 
     Raises
     ------
     SceneError
         If no contact smaller than the profile carries it.
     """
-    search = _RadiusSearch(profile, load, approach)
+    search = _RadiusSearch(profile, load, approach, near)
 
     def solved(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
         return lambda radius: solve_indentation(
             profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
         )
 
-    near = max(0.02 * tolerance, _ROUNDING)
+    off = max(0.02 * tolerance, _ROUNDING)
     # a poor space knows what is integrated as well as a rich one knows the pressure
-    search.run(solved(tolerance, False), near, rough=True)
-    search.run(solved(tolerance, pointwise), near)
+    search.run(solved(tolerance, False), off, rough=True)
+    search.run(solved(tolerance, pointwise), off)
     return search.found()
 
 
 class _RadiusSearch:
     """Newton's method, bracketed."""
 
-    def __init__(self, profile: Profile, load: float | None, approach: float | None) -> None:
+    def __init__(
+        self, profile: Profile, load: float | None, approach: float | None, near: float | None
+    ) -> None:
         self.profile, self.load, self.approach = profile, load, approach
         self.at = _RadiusScale(profile)
         size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
-        self.v = self.at.place(profile.flat_part + 0.5 * size)
+        known = near is not None and profile.flat_part < near < profile.reach
+        self.v = self.at.place(near if known and near else profile.flat_part + 0.5 * size)
         self.low, self.high = -inf, inf
         self.last: Contact | None = None
         self.misfit = inf

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from time import perf_counter
 
+from scipy.interpolate import barycentric_interpolate
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import find_radius
@@ -26,6 +27,8 @@ __all__ = ["ProfileRun"]
 _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
 #: Their tolerance, of that asked for, and the least.
 _TIGHTER, _TIGHTEST = 0.1, 1e-12
+#: Scenes that are extrapolated from, and how far in a logarithm.
+_POINTS, _FARTHEST = 4, 1.0
 #: Share of the tolerance of the load or traction that is not looked for in the history.
 _NEGLIGIBLE = 0.01
 #: Tolerances of the critical friction and of the radius at which slip begins.
@@ -65,6 +68,8 @@ class ProfileRun(Run):
                 pointwise=pointwise,
             )
         else:
+            by_load = scene.load is not None
+            path = self.shared.get(NORMAL, (profile, alpha, by_load), _RadiusPath)
             solved, error = find_radius(
                 profile,
                 alpha,
@@ -73,7 +78,10 @@ class ProfileRun(Run):
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
+                near=path.near(scene.load or scene.approach or 0.0),
             )
+            best = solved.best.value if isinstance(solved, Refinement) else solved
+            path.add(best.load if by_load else best.approach, best.radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         self.pressure = found.pressure
         self.values.update(
@@ -120,6 +128,26 @@ class ProfileRun(Run):
             self.traction = found.field
             self.errors["traction"] = growth.error + found.error + self.errors["pressure"]
         self.record(GROWTH, growth, begin)
+
+
+class _RadiusPath:
+    """Loads or approaches and their contact radii, from scene to scene."""
+
+    def __init__(self) -> None:
+        self._known: list[tuple[float, float]] = []
+
+    def add(self, value: float, radius: float) -> None:
+        """Keep what a scene has found."""
+        self._known = [*self._known[-_POINTS:], (math.log(value), math.log(radius))]
+
+    def near(self, value: float) -> float | None:
+        """Return where the radius may be: a polynomial in logarithms through the last scenes."""
+        at = math.log(value)
+        known = [one for one in self._known if 0.0 < abs(one[0] - at) < _FARTHEST]
+        places = {place: log_radius for place, log_radius in known}
+        if len(places) < 2:
+            return None
+        return math.exp(float(barycentric_interpolate(list(places), list(places.values()), at)))
 
 
 class _Stages:

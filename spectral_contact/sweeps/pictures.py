@@ -105,12 +105,13 @@ def _sliced(part: xarray.DataArray, at: Any) -> xarray.DataArray:
 
 def _held(part: xarray.DataArray) -> str:
     """Return what is the same in a whole picture, with its values."""
-    numbers = {name: float(part[name]) for name in part.coords if part[name].ndim == 0}
-    held = [
+    held = [one for one in part.coords if part[one].ndim == 0 and part[one].dtype.kind == "f"]
+    numbers = {name: float(part[name]) for name in held}
+    texts = [
         "no friction" if np.isnan(value) else f"{_SYMBOLS.get(str(name), name)} = {value:.4g}"
         for name, value in numbers.items()
     ]
-    return ", ".join(held).replace("= inf", r"= $\infty$")
+    return ", ".join(texts).replace("= inf", r"= $\infty$")
 
 
 def _places(at: Any, dims: list[str]) -> dict[str, float]:

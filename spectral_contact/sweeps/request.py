@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
-from spectral_contact.solution import QUANTITIES
+from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES
 from spectral_contact.solving.planning import asked_quantities
 from spectral_contact.solving.solver import checked_tolerance
 
@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: Quantities that are a number for each scene: what a sweep asks for by default.
 SCALARS: Final = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")
+#: The same with a profile.
+_PROFILE_SCALARS: Final = (*PROFILE_QUANTITIES, *SCALARS[:3])
 #: Quantities that are a function of the radius.
 FIELDS: Final = ("pressure", "traction", "slip")
 #: How a scene can end, by code: the endings of `solve` in small letters, and failure.
@@ -72,9 +74,15 @@ class Request:
 
 
 def requested(
-    quantities: Iterable[str] | None, rtol: float, max_unknowns: int, s: Any, from_edge: Any
+    quantities: Iterable[str] | None,
+    rtol: float,
+    max_unknowns: int,
+    s: Any,
+    from_edge: Any,
+    *,
+    shaped: bool = False,
 ) -> Request:
-    """Check what is asked.
+    """Check what is asked, of scenes with a profile if they are shaped.
 
     Raises
     ------
@@ -82,10 +90,13 @@ def requested(
         For a quantity that there is not, a field without places or places without a field, or
         a value out of its range.
     """
-    asked = frozenset(SCALARS) if quantities is None else asked_quantities(quantities)
+    if quantities is None:
+        asked = frozenset(_PROFILE_SCALARS if shaped else SCALARS)
+    else:
+        asked = asked_quantities(quantities, shaped=shaped)
     if not asked:
         raise SceneError("quantities", [], "at least one name")
-    chosen = tuple(name for name in QUANTITIES if name in asked)
+    chosen = tuple(name for name in (*PROFILE_QUANTITIES, *QUANTITIES) if name in asked)
     fields = [name for name in chosen if name in FIELDS]
     if s is None and from_edge is None:
         if fields:

@@ -119,7 +119,7 @@ class Output:
         Raises
         ------
         SceneError
-            For both arguments, or a radius outside [0, 1]; for a scene with a profile.
+            For both arguments, or a radius outside [0, 1].
         MissingDependencyError
             If xarray is not installed (extra: sweep).
         """
