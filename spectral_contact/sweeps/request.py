@@ -97,23 +97,26 @@ def requested(
     if not asked:
         raise SceneError("quantities", [], "at least one name")
     chosen = tuple(name for name in (*PROFILE_QUANTITIES, *QUANTITIES) if name in asked)
-    fields = [name for name in chosen if name in FIELDS]
-    if s is None and from_edge is None:
-        if fields:
-            raise SceneError("s, from_edge", (s, from_edge), f"given for the {fields[0]}: either")
-        places, radii, distances = "", np.empty(0), np.empty(0)
-    else:
-        radii, distances = checks.radii(s, from_edge)
-        places = "s" if from_edge is None else "from_edge"
-        if not fields:
-            raise SceneError(places, s if from_edge is None else from_edge, "None without a field")
-        if radii.ndim != 1 or radii.size == 0:
-            raise SceneError(places, s if from_edge is None else from_edge, "a list of radii")
+    places = "s" if from_edge is None else "from_edge"
     return Request(
         chosen,
         checked_tolerance(rtol, chosen),
         checks.whole("max_unknowns", max_unknowns, 1),
-        places,
-        radii,
-        distances,
+        "" if s is None and from_edge is None else places,
+        *_radii(places, [name for name in chosen if name in FIELDS], s, from_edge),
     )
+
+
+def _radii(places: str, fields: list[str], s: Any, from_edge: Any) -> tuple[Array, Array]:
+    """Return where the fields are taken: radii and distances from the edge."""
+    if s is None and from_edge is None:
+        if fields:
+            raise SceneError("s, from_edge", (s, from_edge), f"given for the {fields[0]}: either")
+        return np.empty(0), np.empty(0)
+    radii, distances = checks.radii(s, from_edge)
+    given = s if from_edge is None else from_edge
+    if not fields:
+        raise SceneError(places, given, "None without a field")
+    if radii.ndim != 1 or radii.size == 0:
+        raise SceneError(places, given, "a list of radii")
+    return radii, distances
