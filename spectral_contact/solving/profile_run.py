@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from time import perf_counter
+from typing import Any
 
 from scipy.interpolate import barycentric_interpolate
 from scipy.optimize import brentq
@@ -13,6 +14,7 @@ from spectral_contact.contact.contact_radius import find_radius
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.fields.series import Radius
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import GROWTH, NORMAL, PROFILE_QUANTITIES, Solution, StepState
 from spectral_contact.solving.grown_traction import grown_traction
@@ -158,7 +160,8 @@ class _Stages:
         self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
         self.profile = scene.profile
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
-        self._flat = replace(scene, profile=None, contact_radius=None, load=None, approach=None)
+        without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
+        self._flat = replace(scene, **without)
         self._shared = Shared()
 
     def load(self, radius: float) -> float:

@@ -151,28 +151,30 @@ class _Units:
     def of(cls, solution: Solution) -> _Units:
         """Return the units of the scene; dimensionless if the load is not known."""
         profile, data = solution.scene.profile, solution.scene.physical
-        if profile is not None:
+        if profile is not None and data is None:
             radius = rf"$a = {math_number(solution.values['contact_radius'])}\,L$"
             title = (f"{profile.brief},   {radius}",)
             return cls(1.0, 1.0, stress_unit="$E'$", title=title)
-        known = data is not None and (data.load or "approach" in solution.plan.quantities)
+        known = data is not None and (
+            profile or data.load or "approach" in solution.plan.quantities
+        )
         if data is None or not known:
             return cls(1.0, 1.0)
         physical = solution.physical
-        stress = data.pressure_scale(physical.load)
-        slip = data.displacement_scale(physical.load, solution.scene.poisson_ratio)
-        length_power, stress_power, slip_power = map(_prefix_power, (data.radius, stress, slip))
+        scales = physical.units
+        sizes = scales.length, scales.stress, scales.displacement
+        length_power, stress_power, slip_power = map(_prefix_power, sizes)
         modulus = rf"$E = {math_number(data.youngs_modulus)}$ Pa"
-        radius = rf"$a = {math_number(data.radius)}$ m"
+        radius = rf"$a = {math_number(physical.radius)}$ m"
         load = rf"$P = {math_number(physical.load)}$ N"
         return cls(
-            data.radius / 10.0**length_power,
-            stress / 10.0**stress_power,
-            slip / 10.0**slip_power,
+            scales.length / 10.0**length_power,
+            scales.stress / 10.0**stress_power,
+            scales.displacement / 10.0**slip_power,
             f"{_PREFIXES[length_power]}m",
             f"{_PREFIXES[stress_power]}Pa",
             f"{_PREFIXES[slip_power]}m",
-            (",   ".join([modulus, radius, load]),),
+            (",   ".join([*([profile.brief] if profile else []), modulus, radius, load]),),
         )
 
     @property
