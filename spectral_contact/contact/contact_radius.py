@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import exp, inf, isfinite, isinf, log
+from math import exp, inf, isfinite, isinf, log, pi
+
+import numpy as np
 
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
@@ -25,6 +27,10 @@ Contact = Indentation | Refinement[Indentation]
 _STEPS, _LONGEST = 60, 3.0
 #: Steps from which on a secant is taken for the slope.
 _CLOSE = 0.5
+#: Distances from edge and breaks between which the slope of the pressure is taken.
+_PLACES = np.geomspace(1e-10, 1.0, 61)
+#: Share of the tolerance that the pressure's error by that of the radius may have.
+_NEGLIGIBLE = 0.1
 #: Relative rounding of a value, at which a step ends the search.
 _ROUNDING = 2e-15
 
@@ -97,7 +103,13 @@ def find_radius(
     # a poor space knows what is integrated as well as a rich one knows the pressure
     search.run(solved(tolerance, False), off, rough=True)
     search.run(solved(tolerance, pointwise), off)
-    return search.found()
+    found, error = search.found()
+    if pointwise:
+        rate = _pressure_rate(_value(found), profile)
+        if rate * error > _NEGLIGIBLE * tolerance:  # next to a corner the pressure hangs on it
+            search.run(solved(tolerance, pointwise), max(off / rate, _ROUNDING))
+            return search.found()
+    return found, error
 
 
 class _RadiusSearch:
@@ -190,7 +202,8 @@ class _RadiusSearch:
             work_error=one.work_error + one.load * moved / one.work,
             # grows like the radius on a smooth surface, like its square in a layer
             stiffness_error=one.stiffness_error + 2.0 * error,
-            pressure_error=one.pressure_error + of_load,
+            pressure_error=one.pressure_error
+            + max(of_load, _pressure_rate(one, self.profile) * error),
         )
         if self.approach is None:
             assert self.load is not None
@@ -202,6 +215,25 @@ class _RadiusSearch:
         if isinstance(self.last, Refinement):
             return replace(self.last, best=replace(self.last.best, value=best)), error
         return best, error
+
+
+def _pressure_rate(one: Indentation, profile: Profile) -> float:
+    """Return the largest ``dp/dln a`` at a given ``s``, of the pressure or its mean.
+
+    It is ``flat ddelta/da + s dp/ds``, taken between places graded to the edge and to breaks.
+    """
+    if one.pressure is None or one.flat is None:
+        return 0.0
+    a, mean = one.radius, one.load / (pi * one.radius**2)
+    inside = [b / a for b in profile.breaks if b < a]
+    from_edge = np.concatenate([[1.0], _PLACES, *(1.0 - b + _PLACES for b in inside)])
+    from_edge = np.append(from_edge, [one for b in inside for one in 1.0 - b - _PLACES])
+    from_edge = np.unique(from_edge[(from_edge >= 0.0) & (from_edge <= 1.0)])
+    s = 1.0 - from_edge
+    p, flat = one.pressure(s, from_edge), one.flat(s, from_edge)
+    slope = -np.diff(p) / np.diff(from_edge)
+    moved = (one.growth * (flat[1:] + flat[:-1]) + (s[1:] + s[:-1]) * slope) / 2.0
+    return float((np.abs(moved) / np.maximum(np.minimum(p[1:], p[:-1]), mean)).max())
 
 
 def _value(solved: Contact) -> Indentation:

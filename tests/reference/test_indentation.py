@@ -266,3 +266,18 @@ def test_what_grows_steeply_with_the_radius_has_room_for_its_error(alpha, known)
         assert off <= getattr(found.error, name) + 1e-12, name
     off = np.abs(found.pressure(s) / truth.pressure(s) - 1.0).max()
     assert off <= found.error.pressure
+
+
+@pytest.mark.parametrize("known", ["load", "approach"])
+def test_the_pressure_next_to_a_corner_has_room_for_that_of_the_radius(known):
+    # at a given s the corner moves with the radius
+    punch, alpha, radius = profiles.TruncatedCone(0.15, 0.21), 8e-8, 0.1976
+    truth = solve(Scene(0.3, alpha, profile=punch, contact_radius=radius), RTOL, strict=False)
+    scene = Scene(0.3, alpha, profile=punch, **{known: getattr(truth, known)})
+    found = solve(scene, 1e-6)
+    shift = np.geomspace(1e-8, 1e-2, 40)
+    from_edge = 1.0 - 0.15 / radius + np.concatenate([-shift, shift])
+    exact, mean = truth.pressure(from_edge=from_edge), truth.load / (math.pi * radius**2)
+    off = np.abs(found.pressure(from_edge=from_edge) - exact) / np.maximum(exact, mean)
+    assert found.converged
+    assert off.max() <= found.error.pressure + truth.error.pressure
