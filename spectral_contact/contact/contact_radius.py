@@ -27,12 +27,12 @@ Contact = Indentation | Refinement[Indentation]
 _STEPS, _LONGEST = 60, 3.0
 #: Steps from which on a secant is taken for the slope.
 _CLOSE = 0.5
-#: Distances from edge and breaks between which the slope of the pressure is taken.
-_PLACES = np.geomspace(1e-10, 1.0, 61)
-#: Share of the tolerance that the pressure's error by that of the radius may have.
-_NEGLIGIBLE = 0.1
+#: Share of the tolerance that what was asked for, and what follows from the radius, may be off.
+_SHARE = 0.02
 #: Relative rounding of a value, at which a step ends the search.
 _ROUNDING = 2e-15
+#: Distances from edge and breaks between which the slope of the pressure is taken.
+_PLACES = np.geomspace(_ROUNDING, 1.0, 61)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,14 +99,14 @@ def find_radius(
             profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
         )
 
-    off = max(0.02 * tolerance, _ROUNDING)
+    off = max(_SHARE * tolerance, _ROUNDING)
     # a poor space knows what is integrated as well as a rich one knows the pressure
     search.run(solved(tolerance, False), off, rough=True)
     search.run(solved(tolerance, pointwise), off)
     found, error = search.found()
     if pointwise:
         rate = _pressure_rate(_value(found), profile)
-        if rate * error > _NEGLIGIBLE * tolerance:  # next to a corner the pressure hangs on it
+        if rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
             search.run(solved(tolerance, pointwise), max(off / rate, _ROUNDING))
             return search.found()
     return found, error
