@@ -52,44 +52,46 @@ class Integrals:
 
 
 def _sums(mesh: Mesh, points: Points, kernels: Kernels, nu: float) -> tuple[Array, Array]:
-    """Return the integrals, and for each load those of the moduli."""
+    """Return the integrals by each rule, and for each load those of the moduli by the first."""
     depth = np.where(points.on_surface, 0.0, points.z)
-    values, sizes = np.zeros((4, len(depth))), np.zeros((2, 4, len(depth)))
+    values, sizes = np.zeros((mesh.rules, 4, len(depth))), np.zeros((2, 4, len(depth)))
     for block, parts in mesh.rows(points):
         some, lengths = points[block], np.concatenate([_lengths(part) for part in parts])
         owner = np.concatenate([part.owner for part in parts])
-        s, ahead, *loads = (np.concatenate([np.ravel(p[k]) for p in parts]) for k in range(1, 5))
-        r, z = (np.repeat(one[owner], lengths) for one in (some.r, depth[block]))
+        s, ahead, *loads = (np.concatenate([np.ravel(p[k]) for p in parts]) for k in range(2, 6))
+        nodes = np.repeat(owner, lengths.reshape(-1, mesh.rules).sum(axis=1))
         starts, count = np.cumsum(lengths) - lengths, len(some.r)
-        rings = geometry(r, z, s, ahead)
+        rings = geometry(some.r[nodes], depth[block][nodes], s, ahead)
         for kernel, load, moduli in zip(kernels, loads, sizes, strict=False):
-            for row, size, share in zip(values, moduli, kernel(rings, nu), strict=False):
+            for k, (size, share) in enumerate(zip(moduli, kernel(rings, nu), strict=False)):
                 terms = share * load
-                row[block] += np.bincount(owner, np.add.reduceat(terms, starts), minlength=count)
-                terms = np.add.reduceat(np.abs(terms), starts)
-                size[block] += np.bincount(owner, terms, minlength=count)
+                each = np.add.reduceat(terms, starts).reshape(-1, mesh.rules).T
+                for row, rule in zip(values, each, strict=True):
+                    row[k, block] += np.bincount(owner, rule, minlength=count)
+                each = np.add.reduceat(np.abs(terms), starts)[:: mesh.rules]
+                size[block] += np.bincount(owner, each, minlength=count)
     return values, sizes
 
 
 def _lengths(rows: Nodes) -> NDArray[np.intp]:
-    """Return how many nodes each row has."""
-    return np.full(len(rows.owner), rows.s.shape[-1])
+    """Return how many nodes each row has of each rule."""
+    return np.tile(rows.counts, len(rows.owner))
 
 
-def integrate(meshes: tuple[Mesh, Mesh], points: Points, kernels: Kernels, nu: float) -> Integrals:
+def integrate(mesh: Mesh, points: Points, kernels: Kernels, nu: float) -> Integrals:
     """Integrate ring loads of pressure and of traction over the contact.
 
     Parameters
     ----------
-    meshes : tuple of Mesh
-        With the rule that is used and the one that it is compared with.
+    mesh : Mesh
+        With the rule that is used, and one that it is compared with; without, `quadrature` is
+        rounding alone.
     points : Points
     kernels : tuple of callable
         Of rings of pressure and of traction; the first alone for a contact without traction.
     nu : float
         Poisson's ratio.
     """
-    values, sizes = _sums(meshes[0], points, kernels, nu)
-    rough = _sums(meshes[1], points, kernels, nu)[0]
-    quadrature = np.abs(values - rough) + _ROUNDING * (sizes[0] + sizes[1])
-    return Integrals(values, sizes[0], sizes[1], quadrature)
+    values, sizes = _sums(mesh, points, kernels, nu)
+    quadrature = np.abs(values[0] - values[-1]) + _ROUNDING * (sizes[0] + sizes[1])
+    return Integrals(values[0], sizes[0], sizes[1], quadrature)
