@@ -19,6 +19,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.interior.tails import Panelled, Tails
 
 __all__ = [
+    "AXIS",
     "FAST",
     "TIGHT",
     "Evaluator",
@@ -34,10 +35,10 @@ __all__ = [
 Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]
 
+#: What stands for the axis, where ``u_r / r`` is the limit.
+AXIS = 1e-30
 #: A panel closer than this many times its length is cut.
 _NEAR = 1.0
-#: How close to the edge stresses are given: closer, the panels do not reach.
-_CLOSEST = 1e-16
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
 #: Points that are served at a time, which bounds the memory.
@@ -88,11 +89,6 @@ class Points:
         return np.asarray(np.hypot(self.from_edge, self.z))
 
     @property
-    def at_edge(self) -> NDArray[np.bool_]:
-        """Whether a point is closer to the edge than the panels reach."""
-        return np.asarray(self.to_edge < _CLOSEST)
-
-    @property
     def on_surface(self) -> NDArray[np.bool_]:
         """Whether a point is as good as on the surface."""
         return np.asarray(self.z <= 1e-16 * self.to_edge)
@@ -112,8 +108,8 @@ class Nodes(NamedTuple):
         Which point a row is for.
     s, ahead : ndarray
         Radius of the ring, and radius of the point minus it.
-    pressure, traction : ndarray
-        The loads of the rings: ``p s ds`` and ``q s ds``.
+    pressure, traction, area : ndarray
+        The loads of the rings: ``p s ds`` and ``q s ds``, and their ``s ds``.
     """
 
     counts: list[int]
@@ -122,6 +118,7 @@ class Nodes(NamedTuple):
     ahead: Array
     pressure: Array
     traction: Array
+    area: Array
 
 
 class Shrinking(NamedTuple):
@@ -140,30 +137,30 @@ class Grading(NamedTuple):
     runs: list[Shrinking]
 
 
-def _halves(inner: Radius, outer: Radius, folds: int) -> list[Grading]:
-    """Return the ends of the panels of an interval, graded to its two ends unless to the centre."""
+def _halves(inner: Radius, outer: Radius, below: int, above: int) -> list[Grading]:
+    """Return the ends of the panels of an interval, graded to its ends by so many e-folds."""
     square = (inner.square + outer.square) / 2.0
     middle = float(np.sqrt(square))
     rest = (inner.rest + outer.rest) / 2.0 / (1.0 + middle)
     sides = []
-    if inner.value == 0.0:
+    if below == 0:
         s = middle * np.array([0.0, 0.5])
         sides.append(Grading(s, 1.0 - s, []))
     else:
         reach = (square - inner.square) / (middle + inner.value)
         if inner.value > 0.5:
             reach = inner.from_edge - rest
-        steps = np.concatenate([[0.0], reach * np.exp(np.arange(-float(_FOLDS), 0.0))])
+        steps = np.concatenate([[0.0], reach * np.exp(np.arange(-float(below), 0.0))])
         run = Shrinking(0, len(steps), outward=False)
         sides.append(Grading(inner.value + steps, inner.from_edge - steps, [run]))
     reach = rest - outer.from_edge if outer.value > 0.5 else outer.value - middle
-    steps = reach * np.exp(-np.arange(float(folds + 1)))
+    steps = reach * np.exp(-np.arange(float(above + 1)))
     run = Shrinking(0, len(steps), outward=True)
     sides.append(Grading(outer.value - steps, outer.from_edge + steps, [run]))
     return sides
 
 
-def graded(boundaries: Sequence[Radius], edge_folds: int) -> Grading:
+def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0) -> Grading:
     """Return the ends of all panels from the centre to the edge.
 
     Parameters
@@ -172,10 +169,13 @@ def graded(boundaries: Sequence[Radius], edge_folds: int) -> Grading:
         From the centre to the edge, both included.
     edge_folds : int
         How many e-folds the panels go towards the edge.
+    centre_folds : int
+        The same towards the centre; 0 where the loads are smooth.
     """
     sides: list[Grading] = []
     for inner, outer in pairwise(boundaries):
-        sides += _halves(inner, outer, edge_folds if outer.from_edge == 0.0 else _FOLDS)
+        below = centre_folds if inner.value == 0.0 else _FOLDS
+        sides += _halves(inner, outer, below, edge_folds if outer.from_edge == 0.0 else _FOLDS)
     s = np.concatenate([side.s for side in sides] + [[1.0]])
     d = np.concatenate([side.d for side in sides] + [[0.0]])
     kept = np.concatenate([[True], (np.diff(s) > 0.0) | (np.diff(d) < 0.0)])
@@ -230,8 +230,9 @@ class Mesh:
         return Tails(self._ends.s[ends], self._ends.d[ends], run.outward, rules)
 
     def _measured(self, s: Array, d: Array, weight: Array) -> Array:
-        """Return what rings carry of pressure and of traction, stacked."""
-        return np.asarray([np.asarray(load(s, d)) * s * weight for load in self._loads])
+        """Return what rings carry of pressure and of traction, and their areas, stacked."""
+        area = s * weight
+        return np.asarray([*(np.asarray(load(s, d)) * area for load in self._loads), area])
 
     @property
     def rules(self) -> int:
@@ -240,9 +241,9 @@ class Mesh:
 
     @property
     def surface(self) -> tuple[Points, Array]:
-        """All nodes, as points of the surface, and what their rings carry, (2, nodes)."""
+        """All nodes, as points of the surface, and what their rings carry, (3, nodes)."""
         s, d = self._s.ravel(), self._d.ravel()
-        return Points(s, d, np.zeros_like(s)), self._rings.reshape(2, -1)
+        return Points(s, d, np.zeros_like(s)), self._rings.reshape(3, -1)
 
     def carried(self) -> Array:
         """Return what all rings within each node carry of pressure, ``int_0^s p s ds``."""

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from spectral_contact.interior.charts import from_toroidal
 from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import Points
 
-__all__ = ["Direct", "Relative", "from_toroidal", "interpolate"]
+__all__ = ["Direct", "Relative", "interpolate"]
 
 Array = NDArray[np.float64]
 Direct = Callable[[Points], Integrals]
@@ -66,15 +67,6 @@ def _toroidal(points: Points) -> Array:
     # no point is at the edge itself by more than 1e-30
     tau = np.log1p(4.0 * np.maximum(points.r, 0.0) / np.maximum(d**2 + z**2, 1e-60)) / 2.0
     return np.stack([tau, np.arctan2(2.0 * z, z**2 - d * (2.0 - d))])
-
-
-def from_toroidal(tau: Array, sigma: Array) -> Points:
-    """Return the points of coordinates; on the axis tau is 0, and at infinity both are."""
-    q = -tau + 1j * sigma
-    place = -2.0 * np.exp(q) / np.expm1(q)
-    d, z = -place.real, np.abs(place.imag)
-    z = np.where((sigma == 0.0) | (sigma == np.pi), 0.0, z)
-    return Points(np.maximum(1.0 - d, 1e-30), np.minimum(d, 1.0), z)
 
 
 def _first(at: Array) -> list[_Cell]:

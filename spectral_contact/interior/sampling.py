@@ -7,14 +7,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Radius
 from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
-from spectral_contact.interior.mesh import FAST, TIGHT, Evaluator, Mesh, Points, Rule, graded
+from spectral_contact.interior.mesh import AXIS, FAST, TIGHT, Evaluator, Grading, Mesh, Points, Rule
 from spectral_contact.interior.patches import Relative, interpolate
 from spectral_contact.threads import cached_property
 
-__all__ = ["AXIS", "Sampler", "displacement_error", "stress_error", "stresses"]
+__all__ = ["Sampler", "displacement_error", "stress_error", "stresses"]
 
 Array = NDArray[np.float64]
 
@@ -22,8 +21,6 @@ Array = NDArray[np.float64]
 _FAST_FROM = 1e-9
 #: At every so many nodes of a polynomial the rules are compared.
 _COMPARED = 5
-#: What stands for the axis, where ``u_r / r`` is the limit.
-AXIS = 1e-30
 
 
 def stresses(values: Array, nu: float) -> Array:
@@ -55,12 +52,12 @@ class Sampler:
 
     Parameters
     ----------
-    boundaries : sequence of Radius
-        Ends of all zones, from the centre to the edge.
-    edge_folds : int
-        How many e-folds the panels go towards the edge.
+    ends : Grading
+        Of the panels over the contact.
     pressure, traction : callable
         The loads at radii and distances from the edge.
+    floors : tuple of float
+        What their errors are relative to at least.
     sheared : bool
         Whether there is traction at all.
     nu : float
@@ -69,15 +66,15 @@ class Sampler:
 
     def __init__(
         self,
-        boundaries: Sequence[Radius],
-        edge_folds: int,
+        ends: Grading,
         pressure: Evaluator,
         traction: Evaluator,
+        floors: tuple[float, float],
         *,
         sheared: bool,
         nu: float,
     ) -> None:
-        self._ends = graded(boundaries, edge_folds)
+        self._ends, self._floors = ends, floors
         self._loads = pressure, traction
         self._sheared, self._nu = sheared, nu
 
@@ -106,7 +103,7 @@ class Sampler:
         kernels = (rings.normal_stress, rings.radial_stress)[: 1 + self._sheared]
 
         def direct(mesh: Mesh, some: Points) -> Integrals:
-            return self._limits(some, integrate(mesh, some, kernels, self._nu))
+            return self._limits(some, integrate(mesh, some, kernels, self._nu, self._floors))
 
         def measure(_points: Points, values: Array, errors: Array) -> Array:
             return stress_error(values, errors, self._nu)
@@ -122,7 +119,7 @@ class Sampler:
         kernels = (rings.normal_displacement, rings.radial_displacement)[: 1 + self._sheared]
 
         def direct(mesh: Mesh, some: Points) -> Integrals:
-            return integrate(mesh, some, kernels, self._nu)
+            return integrate(mesh, some, kernels, self._nu, self._floors)
 
         def measure(some: Points, values: Array, errors: Array) -> Array:
             return displacement_error(values, errors, some.r)
@@ -160,8 +157,8 @@ class Sampler:
         on = points.on_surface
         pressure, traction = self._surface(points[on])
         sums.values[3, on] += pressure
-        sums.of_pressure[0, on] += pressure
-        sums.of_traction[1, on] += np.abs(traction)
+        sums.of_pressure[0, on] += np.maximum(pressure, self._floors[0])
+        sums.of_traction[1, on] += np.maximum(np.abs(traction), self._floors[1])
         return sums
 
     def _surface(self, points: Points) -> tuple[Array, Array]:

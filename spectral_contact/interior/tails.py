@@ -22,7 +22,7 @@ class Panelled(NamedTuple):
     order : int
     s, d : ndarray, shape (panels, nodes)
         Nodes, from the centre and from the edge.
-    rings : ndarray, shape (2, panels, nodes)
+    rings : ndarray, shape (loads, panels, nodes)
         What their rings carry.
     """
 
@@ -57,7 +57,7 @@ class Tails:
     lengths : ndarray, shape (panels,)
     s, d : ndarray, shape (panels, nodes)
         Nodes of the tails, those of all rules side by side.
-    rings : ndarray, shape (2, panels, nodes)
+    rings : ndarray, shape (loads, panels, nodes)
         What the rings there carry.
     """
 
@@ -67,10 +67,11 @@ class Tails:
         self._sign = 1.0 if outward else -1.0
         self._s, self._d = s[-1], d[-1]
         self.lengths = self._sign * self._before(s[:-1], d[:-1])
-        parts = [self._handed(one) for one in rules]
-        self.s, self.d, self.rings = (np.concatenate(p, axis=-1) for p in zip(*parts, strict=True))
+        tails = [self._handed(one) for one in rules]
+        self.s, self.d = (np.hstack([getattr(one, k) for one in tails]) for k in ("s", "d"))
+        self.rings = np.concatenate([one.rings for one in tails], axis=-1)
 
-    def _handed(self, rule: Panelled) -> tuple[Array, Array, Array]:
+    def _handed(self, rule: Panelled) -> Panelled:
         """Return the nodes of the tails with one rule, and what is handed to them."""
         nodes, weights = legendre.leggauss(rule.order)
         size = self.lengths[:, None]
@@ -85,7 +86,8 @@ class Tails:
         rings = np.einsum("lpn,pnj->lpj", rule.rings, hand[0])
         for at in range(len(self.lengths) - 2, -1, -1):
             rings[:, at] += rings[:, at + 1] @ hand[1][at]
-        return self._s - self._sign * away, self._d + self._sign * away, rings
+        s, d = self._s - self._sign * away, self._d + self._sign * away
+        return Panelled(rule.order, s, d, rings)
 
     def _before(self, s: Array, d: Array) -> Array:
         """Return how far radii are before the boundary; negative beyond."""

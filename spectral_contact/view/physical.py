@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.evaluation import over_r
 from spectral_contact.inputs import checks, choices
-from spectral_contact.interior import Inside, Units
+from spectral_contact.interior import Inside
+from spectral_contact.interior.grids import si_units
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 
@@ -107,7 +108,7 @@ class PhysicalSolution:
     def inside(self) -> Inside:
         """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
         stress = float(self._data.pressure_scale(self.load))
-        return Inside(self.solution, Units(self.radius, stress, self._length))
+        return Inside(self.solution, si_units(self.radius, stress, self._length))
 
     @over_r
     def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
