@@ -175,6 +175,7 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
     )
     cli_scene.add_scene(command)
     cli_scene.add_physical(command)
+    add_profile(command)
     cli_inside.add_options(command)
     command.set_defaults(run=_inside)
 

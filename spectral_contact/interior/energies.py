@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.errors import NotComputedError
 from spectral_contact.interior.mesh import Mesh, Points
 from spectral_contact.interior.results import Displacement, Energies
 
@@ -27,8 +28,9 @@ _NEGLIGIBLE = 1e-17
 def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energies:
     """Return the energies of a solution.
 
-    The load grows in proportion, so that each is half of what the final tractions would do over
-    the final displacements.
+    Under a flat punch the load grows in proportion, so that each is half of what the final
+    tractions would do over the final displacements. Under a profile it does not; but without
+    friction that is still what body and layer store, and together it is the work of the load.
 
     Parameters
     ----------
@@ -39,19 +41,30 @@ def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energie
     move : callable
         Dimensionless displacements of the body at points.
     unit : float
-        What an energy is multiplied by.
+        What an energy is multiplied by, as is the square of the contact radius of a profile.
 
     Raises
     ------
     NotComputedError
-        If a quantity was not asked for.
+        If a quantity was not asked for, or is no function of the final state.
     """
-    external = solution.approach / 2.0
+    external, doubt = _external(solution)
     parts, missing = _parts(solution, mesh, move)
-    error = missing + abs(external - parts.sum()) + (solution.error.approach or 0.0) * external
+    error = missing + abs(external - parts.sum()) + doubt * external
     error += (solution.error.slip or 0.0) * abs(parts[2])
     strain, layer, friction, defect = (float(one) * unit for one in parts)
     return Energies(external * unit, strain, layer, friction, defect, float(error / external))
+
+
+def _external(solution: Solution) -> tuple[float, float]:
+    """Return the work of the load over the square of the contact radius, and its error."""
+    if solution.scene.profile is None:
+        return solution.approach / 2.0, solution.error.approach or 0.0
+    if solution.traction_field is not None:
+        told = "as a contact grows, friction dissipates what its final state does not know"
+        raise NotComputedError("energies", told)
+    work = solution.indentation_work / solution.contact_radius**2
+    return work, solution.error.indentation_work or 0.0
 
 
 def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
@@ -59,8 +72,9 @@ def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
     scene, error = solution.scene, solution.error
     points, rings = mesh.surface
     inside = mesh.carried()
-    counts = np.abs(rings).sum(axis=0) > _NEGLIGIBLE * np.abs(rings).sum()
-    points, (pressure, traction) = points[counts], rings[:, counts]
+    carried = np.abs(rings[:2]).sum(axis=0)
+    counts = carried > _NEGLIGIBLE * carried.sum()
+    points, (pressure, traction) = points[counts], rings[:2, counts]
     moved = move(points)
     at = {"from_edge": points.from_edge}
     p, q = solution.pressure(**at), solution.traction(**at)
@@ -75,7 +89,7 @@ def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
         defect = scene.kappa * traction * inside[counts] / points.r
     terms = np.pi * np.stack([strain, layer, friction, defect])
     loads = (error.pressure or 0.0) + (error.traction or 0.0)
-    missing = loads * np.abs(terms).sum() + np.pi * (
+    missing = 2.0 * loads * np.abs(terms).sum() + np.pi * (
         (np.abs(pressure) + np.abs(traction)) @ (moved.modulus * moved.error)
     )
     return terms.sum(axis=1), float(missing)

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.evaluation import over_r
 from spectral_contact.inputs import checks, choices
-from spectral_contact.interior import Inside, Units
+from spectral_contact.interior import Inside
+from spectral_contact.interior.grids import Units, si_units
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 
@@ -55,15 +56,17 @@ class PhysicalSolution:
         """Approach [m]."""
         if self._data.approach is not None:
             return float(self._data.approach)
+        if self._modulus is not None:
+            return self.solution.approach
         return self.solution.approach * self.units.displacement
 
     @property
     def units(self) -> Units:
         """What fields over ``s = r/a`` are multiplied by: a [m], stress [Pa], displacement [m]."""
         if self._modulus is not None:
-            return Units(self.radius, self._modulus, 1.0)
+            return si_units(self.radius, self._modulus, self.radius)
         stress, load = self._data.pressure_scale, self.load
-        return Units(self.radius, stress(load), self._data.displacement_scale(load, self._nu))
+        return si_units(self.radius, stress(load), self._data.displacement_scale(load, self._nu))
 
     @property
     def radius(self) -> float:

@@ -211,14 +211,12 @@ SCENE = Scene(0.3, 0.5, profile=profiles.Parabola(1.0), contact_radius=1.0)
     "use",
     [
         lambda scene: reference(scene),
-        lambda scene: solve(scene).inside,
         lambda scene: check_solution(solve(scene), scene, 1e-8),
         lambda scene: solve(scene).sensitivity(),
         lambda scene: truth_of(scene),
     ],
     ids=[
         "reference",
-        "inside",
         "check",
         "sensitivity",
         "truth",

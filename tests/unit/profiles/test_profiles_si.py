@@ -160,3 +160,13 @@ def test_the_command_line_takes_si(capsys):
     ):
         assert main(["solve", *options]) == 2
         assert said in capsys.readouterr().err
+
+
+def test_inside_the_body_it_is_huber_on_the_axis():
+    found = solve(made(), 1e-12).physical
+    a, z = found.contact_radius, 0.5 * found.contact_radius
+    largest = found.pressure(0.0)
+    stress = found.inside.stress(0.0, z)
+    assert stress.zz == pytest.approx(-largest / (1.0 + (z / a) ** 2), rel=1e-10)
+    moved = found.inside.displacement(0.0, 0.0)
+    assert moved.z == pytest.approx(found.approach, rel=1e-10)
