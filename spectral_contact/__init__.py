@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from spectral_contact.studies import compare as compare
     from spectral_contact.sweeps import sweep as sweep
     from spectral_contact.view import plotting as plotting
+    from spectral_contact.view.explorer import explore as explore
     from spectral_contact.view.physical import PhysicalSolution as PhysicalSolution
 
 __all__ = [
@@ -80,6 +81,7 @@ __all__ = [
     "clear_caches",
     "closed_forms",
     "compare",
+    "explore",
     "fit",
     "gold",
     "paper",
@@ -102,6 +104,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "calibration": ("spectral_contact.calibration", None),
     "closed_forms": ("spectral_contact.closed_forms", None),
     "compare": ("spectral_contact.studies", "compare"),
+    "explore": ("spectral_contact.view.explorer", "explore"),
     "fit": ("spectral_contact.calibration", "fit"),
     "gold": ("spectral_contact.gold", None),
     "paper": ("spectral_contact.paper", None),
