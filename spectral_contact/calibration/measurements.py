@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
-from spectral_contact.equations.residuals import load as moment
+from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import finite, real
 from spectral_contact.inputs.choices import instance, one_of
@@ -111,14 +111,14 @@ class ApproachData:
         )
 
     def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
-        """Return ∂δ/∂ln α, exactly, from dδ*/dα* = 2π∫p*²s ds."""
+        """Return ∂δ/∂ln α, exactly, by reciprocity."""
         _check(setting, layer)
         alpha = layer[one_of("name", name, self.depends_on)]
         assert alpha is not None
 
         def energy(a: float) -> float:
             pressure = setting.solve(a, layer, "pressure").pressure
-            return 2.0 * math.pi * moment(lambda d: np.square(pressure(from_edge=d)))
+            return approach_slope(lambda d: pressure(from_edge=d))
 
         unit = alpha * setting.stiffness
         return self._scaled(setting, energy, lambda a: unit / a**2)

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.equations.residuals import load as moment
+from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import NotComputedError
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import Continuation
+from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.view.html import table_html
 from spectral_contact.view.progress import ProgressLine
 from spectral_contact.view.report import table
@@ -35,6 +36,7 @@ QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
 PARAMETERS: Final = ("normal_compliance", "tangential_compliance", "friction", "poisson_ratio")
 _RTOL: Final = 1e-12
 _POINTS: Final = 10
+_NODES, _FIT = chebyshev_interpolation(_POINTS)
 #: Half-widths of the interval, in the logarithm of the parameter, and when one is good enough.
 _WIDTHS: Final = (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
 _ENOUGH: Final = 1e-10
@@ -143,11 +145,11 @@ class _Problem:
         return found
 
     def _approach(self) -> Derivative:
-        """Return ``2 pi int p**2 s ds``."""
+        """Return that by the normal compliance, by reciprocity."""
         if self.scene.normal_compliance == 0.0:
             return Derivative(math.nan, math.inf, _AT_ZERO)
-        value = moment(lambda d: np.square(self.own.pressure(from_edge=d)))
-        return Derivative(2.0 * math.pi * value, 2.0 * (self.own.error.pressure or 0.0) + 1e-14)
+        value = approach_slope(lambda d: self.own.pressure(from_edge=d))
+        return Derivative(value, 2.0 * (self.own.error.pressure or 0.0) + 1e-14)
 
     def _by(self, name: str) -> dict[str, Derivative]:
         """Return the derivatives of shear and stick radius by one parameter."""
@@ -216,23 +218,21 @@ class _Problem:
 
     def _interval(self, name: str, value: float, width: float, side: int) -> _Interval | None:
         """Return the solutions in one interval; None if the zones change within it."""
-        points = np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
         middle, half = (0.0, width) if side == 0 else (0.5 * side * width, 0.5 * width)
-        factors, rows = np.exp(middle + half * points), dict[int, Solution]()
-        for i in np.argsort(-np.abs(points)).tolist():  # the ends show soonest that zones change
+        factors, rows = np.exp(middle + half * _NODES), dict[int, Solution]()
+        for i in np.argsort(-np.abs(_NODES)).tolist():  # the ends show soonest that zones change
             self._tell(f"by {name.replace('_', ' ')}")
             changed = self.scene.replace(**{name: value * float(factors[i])})
             rows[i] = self._path.solve(changed)
             if _kinds(rows[i]) != self.kinds:
                 return None
-        return _Interval(points, half * value, -float(side), [rows[i] for i in range(_POINTS)])
+        return _Interval(half * value, -float(side), [rows[i] for i in range(_POINTS)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Interval:
     """Solutions at Chebyshev points, and where between -1 and 1 the derivative is taken."""
 
-    points: Array
     scale: float
     place: float
     solutions: list[Solution]
@@ -242,10 +242,9 @@ class _Interval:
         values = np.array([float(getattr(one, quantity)) for one in self.solutions])
         errors = np.array([float(getattr(one.error, quantity)) for one in self.solutions])
         own = [chebyshev.chebval(self.place, chebyshev.chebder(row)) for row in np.eye(_POINTS)]
-        matrix = np.linalg.inv(chebyshev.chebvander(self.points, _POINTS - 1))
-        weights = np.array(own) @ matrix / self.scale
+        weights = np.array(own) @ _FIT / self.scale
         value = float(weights @ values)
-        last = np.abs((matrix @ values)[-2:] / self.scale)
+        last = np.abs((_FIT @ values)[-2:] / self.scale)
         # of the slopes of the last two, the largest there are
         lacking = float(last @ np.arange(_POINTS - 2, _POINTS) ** (2.0 if self.place else 1.0))
         noise = float(np.abs(weights) @ (errors * np.abs(values)))
