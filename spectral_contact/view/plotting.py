@@ -24,6 +24,7 @@ from spectral_contact.view.figures import (
     SLIP_GREY,
     VERMILION,
     math_number,
+    new_figure,
     require,
     save,
     scene_title,
@@ -115,10 +116,8 @@ def plot_solution(solution: Solution) -> Figure:
     units = _Units.of(solution)
     rows = _field_rows(solution, radii, units)
     with style():
-        from matplotlib.figure import Figure
-
         heights = [2.5] * len(rows) + [0.5 + 0.22 * len(_estimates(solution))]
-        figure = Figure(figsize=(8.0, 0.9 + sum(heights)), layout="constrained")
+        figure = new_figure(figsize=(8.0, 0.9 + sum(heights)), layout="constrained")
         grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
         for i, (label, curves) in enumerate(rows):
             left, right = figure.add_subplot(grid[i, 0]), figure.add_subplot(grid[i, 1])
