@@ -27,6 +27,7 @@ from spectral_contact.interior.sampling import (
 )
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.solution import Solution
+from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     import xarray
@@ -344,10 +345,15 @@ class Inside:
         length = self._units.length
         return replace(found, value=value, r=found.r * length, z=found.z * length)
 
-    def energies(self) -> Energies:
+    def energies(self, *, progress: bool | None = None) -> Energies:
         """Return what the work of the load becomes: elastic energy, friction, and a defect.
 
         Takes some seconds.
+
+        Parameters
+        ----------
+        progress : bool, optional
+            Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
         Returns
         -------
@@ -360,12 +366,14 @@ class Inside:
         """
         own = Inside(self._solution)
         unit = self._units.stress * self._units.length**2 * self._units.displacement
-        return energies(
-            self._solution,
-            self._sampler.coarser,
-            lambda points: own.displacement(from_edge=points.from_edge),
-            unit,
-        )
+        with ProgressLine(progress) as tell:
+            return energies(
+                self._solution,
+                self._sampler.coarser,
+                lambda points: own.displacement(from_edge=points.from_edge),
+                unit,
+                tell,
+            )
 
     def _errors(self, sums: Integrals) -> Array:
         """Return absolute errors of the integrals."""

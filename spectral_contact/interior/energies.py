@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.interior.mesh import Mesh, Points
 from spectral_contact.interior.results import Displacement, Energies
+from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
@@ -22,9 +23,13 @@ Move = Callable[[Points], Displacement]
 
 #: A ring that carries less than this share changes no digit.
 _NEGLIGIBLE = 1e-17
+#: Of the rings, after each of which progress is told.
+_PORTIONS = 10
 
 
-def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energies:
+def energies(
+    solution: Solution, mesh: Mesh, move: Move, unit: float, tell: ProgressLine
+) -> Energies:
     """Return the energies of a solution.
 
     The load grows in proportion, so that each is half of what the final tractions would do over
@@ -40,6 +45,8 @@ def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energie
         Dimensionless displacements of the body at points.
     unit : float
         What an energy is multiplied by.
+    tell : ProgressLine
+        Is told how far it is.
 
     Raises
     ------
@@ -47,20 +54,32 @@ def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energie
         If a quantity was not asked for.
     """
     external = solution.approach / 2.0
-    parts, missing = _parts(solution, mesh, move)
+    parts, missing = _parts(solution, mesh, move, tell)
     error = missing + abs(external - parts.sum()) + (solution.error.approach or 0.0) * external
     error += (solution.error.slip or 0.0) * abs(parts[2])
     strain, layer, friction, defect = (float(one) * unit for one in parts)
     return Energies(external * unit, strain, layer, friction, defect, float(error / external))
 
 
-def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
+def _parts(solution: Solution, mesh: Mesh, move: Move, tell: ProgressLine) -> tuple[Array, float]:
     """Return strain energy, energy in the layer, friction and defect, and what they may miss by."""
-    scene, error = solution.scene, solution.error
     points, rings = mesh.surface
     inside = mesh.carried()
-    counts = np.abs(rings).sum(axis=0) > _NEGLIGIBLE * np.abs(rings).sum()
-    points, (pressure, traction) = points[counts], rings[:, counts]
+    counts = np.flatnonzero(np.abs(rings).sum(axis=0) > _NEGLIGIBLE * np.abs(rings).sum())
+    parts, missing = np.zeros(4), 0.0
+    for k, some in enumerate(np.array_split(counts, _PORTIONS)):
+        tell("energies", k / _PORTIONS)
+        more, less = _of_rings(solution, points[some], rings[:, some], inside[some], move)
+        parts, missing = parts + more, missing + less
+    tell("energies", 1.0)
+    return parts, missing
+
+
+def _of_rings(
+    solution: Solution, points: Points, rings: Array, inside: Array, move: Move
+) -> tuple[Array, float]:
+    """Return what some rings add to the parts, and to what these may miss by."""
+    scene, error, (pressure, traction) = solution.scene, solution.error, rings
     moved = move(points)
     at = {"from_edge": points.from_edge}
     p, q = solution.pressure(**at), solution.traction(**at)
@@ -72,7 +91,7 @@ def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
     friction = -traction * slip
     defect = np.zeros_like(strain)
     if not scene.couples:
-        defect = scene.kappa * traction * inside[counts] / points.r
+        defect = scene.kappa * traction * inside / points.r
     terms = np.pi * np.stack([strain, layer, friction, defect])
     loads = (error.pressure or 0.0) + (error.traction or 0.0)
     missing = loads * np.abs(terms).sum() + np.pi * (
