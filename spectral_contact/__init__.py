@@ -41,6 +41,7 @@ from spectral_contact.spectral.cache import cache_sizes, clear_caches
 
 if TYPE_CHECKING:
     from spectral_contact import asperities as asperities
+    from spectral_contact import benchmarks as benchmarks
     from spectral_contact import calibration as calibration
     from spectral_contact import closed_forms as closed_forms
     from spectral_contact import gold as gold
@@ -76,6 +77,7 @@ __all__ = [
     "Work",
     "Zone",
     "asperities",
+    "benchmarks",
     "cache_sizes",
     "calibration",
     "clear_caches",
@@ -101,6 +103,7 @@ __version__ = "0.2.0"
 _LAZY: dict[str, tuple[str, str | None]] = {
     "PhysicalSolution": ("spectral_contact.view.physical", "PhysicalSolution"),
     "asperities": ("spectral_contact.asperities", None),
+    "benchmarks": ("spectral_contact.benchmarks", None),
     "calibration": ("spectral_contact.calibration", None),
     "closed_forms": ("spectral_contact.closed_forms", None),
     "compare": ("spectral_contact.studies", "compare"),

@@ -1,8 +1,8 @@
 """Derivatives of `Solution.sensitivity` against differences of solutions to 24 digits.
 
 Run as ``python validation/honesty/sensitivity.py``. Takes some minutes a scene, and prints a line
-for each derivative, of fields at some radii: the value, its true error, and what was estimated. Exits with 1
-if an error exceeds its estimate.
+for each derivative, of fields at some radii: the value, its true error, and what was estimated.
+Exits with 1 if an error exceeds its estimate.
 """
 
 from __future__ import annotations
