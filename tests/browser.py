@@ -94,6 +94,17 @@ class Tab:
             "})(document.body || document)"
         )
 
+    async def click(self, words):
+        """Click the button that says so."""
+        await self.run(
+            "(function click(root) {"
+            " for (const one of root.querySelectorAll('*')) {"
+            f"  if (one.nodeName === 'BUTTON' && one.innerText.trim() === {json.dumps(words)})"
+            "    one.click();"
+            "  if (one.shadowRoot) click(one.shadowRoot); }"
+            "})(document)"
+        )
+
     async def picture(self, path, whole=True):
         """Write what is seen as a PNG file, or the whole page."""
         shot = await self.call("Page.captureScreenshot", captureBeyondViewport=whole)

@@ -224,7 +224,7 @@ class Page:
         panel = self._panel
         copy = panel.widgets.Button(label="copy Python", width=110)
         copy.js_on_click({"text": self._copied}, code="navigator.clipboard.writeText(text.value)")
-        buttons = [copy]
+        buttons = [self._copied, copy]  # what is on no page is unknown to its scripts
         if self._follow is not None:
             link = panel.widgets.Button(label="copy link", width=110)
             link.js_on_click(code="navigator.clipboard.writeText(window.location.href)")

@@ -268,6 +268,12 @@ async def uses_the_page(tab, address):
     c = sc.solve(Scene(0.1, 0.5, 0.5, 0.05), 1e-8).stick_radius
     assert f"{c:.9f}"[:-1] in text
 
+    await tab.run("navigator.clipboard.writeText = text => { window.copied = text; }")
+    await tab.click("copy Python")
+    await tab.until("window.copied?.includes('friction=0.05,')")
+    await tab.click("copy link")
+    await tab.until("window.copied === location.href")
+
     query = await tab.run("location.search")
     await tab.open(address.split("?")[0] + query.replace("poisson_ratio=0.1", "poisson_ratio=0.7"))
     await said(tab, "poisson_ratio = 0.7: must be in (-1, 0.5]")
