@@ -351,6 +351,25 @@ class _Problem:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Slope:
+    """Derivatives, and what the polynomial lacks and noise adds of each."""
+
+    value: Array
+    lacking: Array
+    noise: Array
+
+    @property
+    def error(self) -> Array:
+        """Estimates of absolute errors."""
+        return self.lacking + self.noise
+
+    @property
+    def rough(self) -> NDArray[np.bool_]:
+        """Whether what the polynomial lacks is more than noise."""
+        return self.lacking > self.noise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Interval:
     """Solutions at Chebyshev points, and where between -1 and 1 the derivative is taken."""
 
@@ -361,41 +380,44 @@ class _Interval:
     def derivative(self, quantity: str, note: str) -> tuple[Derivative, bool]:
         """Return a derivative, and whether what the polynomial lacks is more than noise."""
         values = np.array([float(getattr(one, quantity)) for one in self.solutions])
-        value, lacking, noise = self._slope(values, self._relative(quantity) * np.abs(values))
-        error = float((lacking + noise) / abs(value)) if value else math.inf
-        return Derivative(float(value), error, note), bool(lacking > noise)
+        found = self._slope(values, self._relative(quantity) * np.abs(values))
+        error = float(found.error / abs(found.value)) if found.value else math.inf
+        return Derivative(float(found.value), error, note), bool(found.rough)
 
     def field(
         self, quantity: str, places: tuple[Array, Array], note: str
-    ) -> tuple[FieldDerivative, Array]:
+    ) -> tuple[FieldDerivative, NDArray[np.bool_]]:
         """Return the derivative of a field, and where what the polynomial lacks is not noise."""
         s, from_edge = places
         values = np.array([getattr(one, quantity)(from_edge=from_edge) for one in self.solutions])
         finite = np.isfinite(values).all(axis=0)
         values = np.where(finite, values, 0.0)
         relative = self._relative(quantity).reshape(-1, *[1] * s.ndim)
-        value, lacking, noise = self._slope(values, relative * np.abs(values))
+        slope = self._slope(values, relative * np.abs(values))
         known = np.asarray(finite)
         if quantity == "traction":
             known = known & ~self._near_a_boundary(s)
         found = FieldDerivative(
-            np.where(known, value, math.nan), np.where(known, lacking + noise, math.inf), note
+            np.where(known, slope.value, math.nan), np.where(known, slope.error, math.inf), note
         )
-        return found, (lacking > noise) | ~known
+        return found, slope.rough | ~known
 
     def _relative(self, quantity: str) -> Array:
         """Return the estimates of relative errors."""
         return np.array([float(getattr(one.error, quantity) or 0.0) for one in self.solutions])
 
-    def _slope(self, values: Array, errors: Array) -> tuple[Array, Array, Array]:
-        """Return derivatives along the first axis, what the polynomial lacks, and the noise."""
+    def _slope(self, values: Array, errors: Array) -> _Slope:
+        """Return derivatives along the first axis."""
         own = [chebyshev.chebval(self.place, chebyshev.chebder(row)) for row in np.eye(_POINTS)]
         weights = np.array(own) @ _FIT / self.scale
         last = np.abs(np.tensordot(_FIT[-2:], values, 1) / self.scale)
         # of the slopes of the last two, the largest there are
         orders = np.arange(_POINTS - 2, _POINTS) ** (2.0 if self.place else 1.0)
-        lacking, noise = np.tensordot(orders, last, 1), np.tensordot(np.abs(weights), errors, 1)
-        return np.tensordot(weights, values, 1), lacking, noise
+        return _Slope(
+            np.tensordot(weights, values, 1),
+            np.tensordot(orders, last, 1),
+            np.tensordot(np.abs(weights), errors, 1),
+        )
 
     def _near_a_boundary(self, s: Array) -> NDArray[np.bool_]:
         """Return where a boundary of zones passes by, or nearly."""
