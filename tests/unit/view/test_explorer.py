@@ -2,12 +2,10 @@
 
 import asyncio
 import math
-import os
 import signal
 import socket
 import subprocess
 import sys
-from contextlib import contextmanager
 
 import browser
 import numpy as np
@@ -201,17 +199,16 @@ def test_a_page_begins_with_any_scene():
 # --- served, and in a browser ---------------------------------------------------------------------
 
 
-@contextmanager
-def served(*options):
-    """Yield the address of an explorer that runs in another process."""
-    command = [sys.executable, "-m", "spectral_contact", "explore", "--no-browser", *options]
+@pytest.fixture(scope="module")
+def address():
+    """Return the address of an explorer that runs in another process."""
+    pytest.importorskip("panel", reason="part of the extra: explore")
+    command = [sys.executable, "-m", "spectral_contact", "explore", "--no-browser"]
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
+        [*command, "--friction", "0.2"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     try:
-        address = process.stdout.readline().strip()
-        assert address.startswith("http://127.0.0.1:"), process.stderr.read()
-        yield address
+        yield process.stdout.readline().strip()
         process.send_signal(signal.SIGINT)
         assert process.wait(20) == 0
     finally:
@@ -219,23 +216,15 @@ def served(*options):
         process.communicate()
 
 
-def test_the_page_is_for_this_machine_and_in_a_browser_all_of_it_works():
-    pytest.importorskip("panel", reason="part of the extra: explore")
-    with served("--friction", "0.2") as address:
-        port = int(address.split(":")[2].split("/")[0])
-        refuses_others(port)
-        if browser.found() is None:
-            pytest.skip("no Chromium here: the page was not opened in a browser")
-        with browser.browser() as host:
-            asyncio.run(opens_the_page(host, address))
-
-
-def refuses_others(port):
+def test_the_page_is_for_this_machine_alone(address):
     """The socket is bound to 127.0.0.1 alone, and pages from elsewhere may not talk to it."""
     from tornado.httpclient import HTTPClientError, HTTPRequest
     from tornado.websocket import websocket_connect
 
-    with pytest.raises(OSError, match="refused"):
+    assert address.startswith("http://127.0.0.1:")
+    port = int(address.split(":")[2].split("/")[0])
+    socket.create_connection(("127.0.0.1", port), 5.0).close()
+    with pytest.raises(OSError):  # noqa: PT011 (refused, or no such place, as systems say)
         socket.create_connection(("127.0.0.2", port), 5.0)
 
     async def connect(origin):
@@ -244,6 +233,12 @@ def refuses_others(port):
 
     with pytest.raises(HTTPClientError, match="403"):
         asyncio.run(connect("http://elsewhere.example"))
+
+
+@pytest.mark.skipif(browser.found() is None, reason="no Chromium: not opened in a browser")
+def test_in_a_browser_all_of_it_works(address):
+    with browser.browser() as host:
+        asyncio.run(opens_the_page(host, address))
 
 
 MODELS = "[...Bokeh.documents[0]._all_models.values()]"
