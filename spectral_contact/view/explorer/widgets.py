@@ -159,7 +159,7 @@ class Figures:
             if (symbol, over) != ("slip", "d")
         }
         self._panes = {
-            key: panel.pane.Bokeh(one, sizing_mode="stretch_width")
+            key: panel.pane.Bokeh(one, sizing_mode="stretch_width", visible=False)
             for key, one in self._plots.items()
         }
         self.view = grid(panel, 340, self._panes.values())
