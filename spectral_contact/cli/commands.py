@@ -1,4 +1,4 @@
-"""The command line: ``spectral-contact solve``, ``inside``, ``sweep``, ``paper``, ``study`` ...
+"""The command line: ``spectral-contact solve``, ``inside``, ``sweep``, ``explore`` ...
 
 Also ``python -m spectral_contact``.
 
@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 
 import spectral_contact
 from spectral_contact.cli import benchmark as cli_benchmark
+from spectral_contact.cli import explore as cli_explore
 from spectral_contact.cli import inside as cli_inside
 from spectral_contact.cli import scene as cli_scene
 from spectral_contact.cli import study as cli_study
@@ -33,6 +34,7 @@ from spectral_contact.errors import (
 from spectral_contact.inputs.choices import suggestion
 from spectral_contact.paper import FIGURES, reproduce
 from spectral_contact.processes import PROGRAM, failed, guarded
+from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES, Plan, Solution
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
@@ -123,6 +125,7 @@ def _parser() -> _Parser:
     _add_studies(commands)
     _add_sweep(commands)
     _add_benchmarks(commands)
+    _add_explore(commands)
     return parser
 
 
@@ -270,13 +273,37 @@ def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
         command.set_defaults(run=lambda arguments: print(cli_benchmark.run(arguments)))
 
 
+def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "explore",
+        help="look at scenes while they are moved, in a browser",
+        description="Serve a page with sliders on this machine alone, until Ctrl-C (needs the "
+        "extra: explore). The scene is the one to begin with.",
+        epilog="Exit status: 0 ended by Ctrl-C, 2 bad input or no free port.",
+        allow_abbrev=False,
+    )
+    cli_scene.add_scene(command)
+    cli_scene.add_physical(command)
+    add_profile(command)
+    cli_explore.add_options(command)
+    command.set_defaults(
+        run=lambda arguments: cli_explore.run(
+            arguments, _scene(arguments), lambda address: print(address, flush=True)
+        )
+    )
+
+
 # --- from options to a solution -------------------------------------------------------------------
+
+
+def _scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options: under a profile, in SI units, or dimensionless."""
+    return profile_scene(arguments) if profile_given(arguments) else cli_scene.scene(arguments)
 
 
 def _solve(arguments: argparse.Namespace) -> None:
     """Check everything that can be checked, solve, write the files and print the report."""
-    shaped = profile_given(arguments)
-    scene = profile_scene(arguments) if shaped else cli_scene.scene(arguments)
+    shaped, scene = profile_given(arguments), _scene(arguments)
     quantities = arguments.quantities
     if quantities is not None and "approach" in vars(arguments) and not shaped:
         quantities = ("approach", *quantities)  # SI values hang on the load, hence on it

@@ -26,6 +26,7 @@ from spectral_contact.interior.sampling import (
 )
 from spectral_contact.solution import Solution
 from spectral_contact.threads import cached_property
+from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     import xarray
@@ -361,10 +362,15 @@ class Inside:
         length = self._units.length
         return replace(found, value=value, r=found.r * length, z=found.z * length)
 
-    def energies(self) -> Energies:
+    def energies(self, *, progress: bool | None = None) -> Energies:
         """Return what the work of the load becomes: elastic energy, friction, and a defect.
 
         Takes some seconds.
+
+        Parameters
+        ----------
+        progress : bool, optional
+            Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
         Returns
         -------
@@ -379,12 +385,14 @@ class Inside:
         own, units = self._unscaled, self._units
         size = 1.0 if self.flat else self._solution.contact_radius
         unit = units.stress * units.length**2 * units.displacement * size
-        return energies(
-            self._solution,
-            self._sampler.coarser,
-            lambda points: own.displacement(from_edge=points.from_edge),
-            unit,
-        )
+        with ProgressLine(progress) as tell:
+            return energies(
+                self._solution,
+                self._sampler.coarser,
+                lambda points: own.displacement(from_edge=points.from_edge),
+                unit,
+                tell,
+            )
 
     @cached_property
     def _unscaled(self) -> Inside:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import NotComputedError
 from spectral_contact.interior.mesh import Mesh, Points
 from spectral_contact.interior.results import Displacement, Energies
+from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
@@ -23,9 +24,13 @@ Move = Callable[[Points], Displacement]
 
 #: A ring that carries less than this share changes no digit.
 _NEGLIGIBLE = 1e-17
+#: Of the rings, after each of which progress is told.
+_PORTIONS = 10
 
 
-def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energies:
+def energies(
+    solution: Solution, mesh: Mesh, move: Move, unit: float, tell: ProgressLine
+) -> Energies:
     """Return the energies of a solution.
 
     Under a flat punch the load grows in proportion, so that each is half of what the final
@@ -42,6 +47,8 @@ def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energie
         Dimensionless displacements of the body at points.
     unit : float
         What an energy is multiplied by, as is the square of the contact radius of a profile.
+    tell : ProgressLine
+        Is told how far it is.
 
     Raises
     ------
@@ -49,7 +56,7 @@ def energies(solution: Solution, mesh: Mesh, move: Move, unit: float) -> Energie
         If a quantity was not asked for, or is no function of the final state.
     """
     external, doubt = _external(solution)
-    parts, missing = _parts(solution, mesh, move)
+    parts, missing = _parts(solution, mesh, move, tell)
     error = missing + abs(external - parts.sum()) + doubt * external
     error += (solution.error.slip or 0.0) * abs(parts[2])
     strain, layer, friction, defect = (float(one) * unit for one in parts)
@@ -67,14 +74,26 @@ def _external(solution: Solution) -> tuple[float, float]:
     return work, solution.error.indentation_work or 0.0
 
 
-def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
+def _parts(solution: Solution, mesh: Mesh, move: Move, tell: ProgressLine) -> tuple[Array, float]:
     """Return strain energy, energy in the layer, friction and defect, and what they may miss by."""
-    scene, error = solution.scene, solution.error
     points, rings = mesh.surface
     inside = mesh.carried()
     carried = np.abs(rings[:2]).sum(axis=0)
-    counts = carried > _NEGLIGIBLE * carried.sum()
-    points, (pressure, traction) = points[counts], rings[:2, counts]
+    counts = np.flatnonzero(carried > _NEGLIGIBLE * carried.sum())
+    parts, missing = np.zeros(4), 0.0
+    for k, some in enumerate(np.array_split(counts, _PORTIONS)):
+        tell("energies", k / _PORTIONS)
+        more, less = _of_rings(solution, points[some], rings[:2, some], inside[some], move)
+        parts, missing = parts + more, missing + less
+    tell("energies", 1.0)
+    return parts, missing
+
+
+def _of_rings(
+    solution: Solution, points: Points, rings: Array, inside: Array, move: Move
+) -> tuple[Array, float]:
+    """Return what some rings add to the parts, and to what these may miss by."""
+    scene, error, (pressure, traction) = solution.scene, solution.error, rings
     moved = move(points)
     at = {"from_edge": points.from_edge}
     p, q = solution.pressure(**at), solution.traction(**at)
@@ -86,7 +105,7 @@ def _parts(solution: Solution, mesh: Mesh, move: Move) -> tuple[Array, float]:
     friction = -traction * slip
     defect = np.zeros_like(strain)
     if not scene.couples:
-        defect = scene.kappa * traction * inside[counts] / points.r
+        defect = scene.kappa * traction * inside / points.r
     terms = np.pi * np.stack([strain, layer, friction, defect])
     loads = (error.pressure or 0.0) + (error.traction or 0.0)
     missing = 2.0 * loads * np.abs(terms).sum() + np.pi * (

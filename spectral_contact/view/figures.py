@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +31,7 @@ __all__ = [
     "SLIP_GREY",
     "VERMILION",
     "math_number",
+    "new_figure",
     "require",
     "save",
     "scene_title",
@@ -42,6 +44,8 @@ FORMATS = (".png", ".pdf", ".svg")
 # Colours of Okabe and Ito: told apart by the colour-blind, and in grey by their line styles.
 BLUE, VERMILION, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 SLIP_GREY = "#DDDDDD"
+#: Dots per inch in a notebook.
+_SCREEN = 110
 _STYLE = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -66,6 +70,32 @@ def require() -> Any:
         If it is not installed.
     """
     return optional("matplotlib", "plot")
+
+
+def new_figure(**options: Any) -> Figure:
+    """Return an empty figure, which a notebook shows as a picture without pyplot.
+
+    Parameters
+    ----------
+    **options
+        As of `matplotlib.figure.Figure`.
+    """
+    figure: Figure = _picture_class()(**options)
+    return figure
+
+
+@cache
+def _picture_class() -> type[Any]:
+    from matplotlib.figure import Figure
+
+    class Picture(Figure):
+        def _repr_png_(self) -> bytes:
+            drawn = BytesIO()
+            with style():
+                self.savefig(drawn, format="png", dpi=_SCREEN)
+            return drawn.getvalue()
+
+    return Picture
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from spectral_contact.inputs import checks, choices
 from spectral_contact.interior import Inside
 from spectral_contact.interior.grids import QUANTITIES, unit_of
-from spectral_contact.view.figures import BLACK, SLIP_GREY, VERMILION, style
+from spectral_contact.view.figures import BLACK, SLIP_GREY, VERMILION, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,9 +63,7 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
         else checks.real("r_max", r_max, allowed="a length above 0", low=0.0, low_open=True)
     )
     with style():
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(6.6, 6.8), layout="constrained")
+        figure = new_figure(figsize=(6.6, 6.8), layout="constrained")
         figure.set_layout_engine("constrained", w_pad=0.15)
         top, main = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, 3.2])
         _draw_surface(top, body, far)
