@@ -98,10 +98,12 @@ def _of_rings(
     at = {"from_edge": points.from_edge}
     p, q = solution.pressure(**at), solution.traction(**at)
     slip = 0.0 if solution.traction_field is None else solution.slip(**at)
-    sheared = traction if scene.tangential_compliance > 0.0 else np.zeros_like(traction)
-    pressed = pressure if scene.normal_compliance > 0.0 else np.zeros_like(pressure)
     strain = pressure * moved.z + traction * moved.r
-    layer = scene.normal_compliance * p * pressed + scene.tangential_compliance * q * sheared
+    layer = np.zeros_like(strain)
+    if scene.normal_compliance > 0.0:  # else p may be infinite
+        layer += scene.normal_compliance * p * pressure
+    if scene.tangential_compliance > 0.0:
+        layer += scene.tangential_compliance * q * traction
     friction = -traction * slip
     defect = np.zeros_like(strain)
     if not scene.couples:

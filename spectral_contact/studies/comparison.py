@@ -259,7 +259,7 @@ class _Problem:
         if not there.any():
             raise SceneError("s, from_edge", places, "somewhere where the truth is finite")
         scale = self.scale[name]
-        with np.errstate(over="ignore"):  # as wrong as can be, and said to be
+        with np.errstate(over="ignore", invalid="ignore"):  # as wrong as can be, and said to be
             errors = np.abs(values / scale - true)[there] / self._sizes(name, true, places)[there]
         errors = np.where(np.isnan(errors), np.inf, errors)
         worst = int(np.argmax(errors))

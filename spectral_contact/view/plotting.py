@@ -257,11 +257,14 @@ def _draw_over_radius(
     # an edge much higher than the rest, or infinite, is left to the other panel
     limits = bulk_limits(radii, [curve.values for curve in curves])
     # with coupling there may be no limit at the edge
-    highest = np.nanmax(np.concatenate([curve.values for curve in curves]))
+    values = np.concatenate([curve.values for curve in curves])
+    highest = np.nanmax(values)
     if highest > limits[1]:
         edge = f"up to {highest:.3g}" if np.isfinite(highest) else "infinite"
+        place = np.tile(radii.s, len(curves))[np.nanargmax(values)]
+        where = "the edge" if place == 1.0 else f"$s$ = {place:.3g}"
         corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
-        axes.text(0.97, 0.95, f"cut off: {edge} at the edge", **corner)
+        axes.text(0.97, 0.95, f"cut off: {edge} at {where}", **corner)
     axes.set_xlim(0.0, a)
     axes.set_ylim(*limits)
     axes.legend(

@@ -118,6 +118,7 @@ def bulk_limits(radii: Radii, curves: Iterable[Array]) -> tuple[float, float]:
     """
     values = np.concatenate([np.where(np.isnan(one), 0.0, one) for one in curves])
     bulk = values[np.tile(radii.from_edge >= 0.02, len(values) // len(radii.s))]
+    bulk = bulk[np.isfinite(bulk)]  # at a tip it may be infinite, too
     low, high = values.min(), values.max()
     return from_zero(
         bulk.min() if low < 2.5 * bulk.min() else low,

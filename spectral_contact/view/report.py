@@ -172,10 +172,10 @@ def _scalars(
         unit, error = units.get(name, ""), getattr(solution.error, name)
         if name == "pressure":
             rows.append(_Row("pressure, centre", float(source.pressure(0.0)), unit, error))
-        if name in FIELDS:
+        if name in FIELDS and solution.scene.profile is None:  # under a profile it is zero
             edge = float(getattr(source, name)(from_edge=0.0))
             rows.append(_Row(f"{name}, edge", edge, unit, error))
-        elif name != "zones":
+        elif name not in (*FIELDS, "zones"):
             rows.append(_Row(name.replace("_", " "), getattr(source, name), unit, error))
     return rows
 
@@ -246,7 +246,8 @@ def si_cells(solution: Solution) -> list[tuple[str, ...]]:
 def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     cells: list[tuple[str, ...]] = [(title, "value", "error estimate")]
     for row in rows:
-        value = f"{_digits(row.value, row.error)} {row.unit}".rstrip()
+        unit = "" if row.value is None else row.unit
+        value = f"{_digits(row.value, row.error)} {unit}".rstrip()
         cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
     return cells
 
