@@ -18,14 +18,11 @@ LAYER = {"normal_compliance": 2e-18, "tangential_compliance": 2e-18}
 BALL = profiles.Parabola(1.0)
 SCENES = {
     "smooth": Scene(0.3),
-    "slip": Scene(0.1, 0.5, 0.5, 0.1),
     "slip inside": Scene(0.3, 0.05, 1.0, 0.23 / 7),
     "coupled": Scene(0.3, 0.5, 0.5, 0.1, coupling=True),
     "SI": Scene.from_physical(**STEEL, radius=1e-6, load=1e-3, friction=0.1, **LAYER),
     "SI, approach": Scene.from_physical(**STEEL, radius=1e-6, approach=1e-8, **LAYER),
-    "ball": Scene(0.3, 0.5, profile=BALL, load=1.0),
     "ball, sticking": Scene(0.3, 0.2, 0.2, math.inf, profile=BALL, contact_radius=1.0),
-    "ball, slippery": Scene(0.3, 0.2, 0.2, 0.0, profile=BALL, load=1.0),
     "smooth cone": Scene(0.3, profile=profiles.Cone(1.0), load=1.0),
     "smooth corner": Scene(0.3, profile=profiles.TruncatedCone(0.5, 1.0), load=3.0),
     "ball in SI": Scene.from_physical(
@@ -72,10 +69,13 @@ CALLS = {
     "indentation": lambda x, _: (x.stiffness, x.indentation_work, x.gap(s=[1.0, 2.0])),
     "sweep": lambda x, _: sc.sweep([x.scene], rtol=1e-3),
 }
+#: What takes a second is tried where kinds differ.
+SLOW = {"inside, picture"}
+SLOWLY = {"coupled", "SI", "smooth corner", "ball in SI"}
 #: What is refused: everything else is done.
 FLAT_HAVE_NONE = {"indentation"}
 REFUSED = {
-    **dict.fromkeys(("smooth", "slip", "slip inside", "SI", "SI, approach"), FLAT_HAVE_NONE),
+    **dict.fromkeys(("smooth", "slip inside", "SI", "SI, approach"), FLAT_HAVE_NONE),
     "coupled": FLAT_HAVE_NONE | {"sweep"},
     "ball, sticking": {"energies"},
 }
@@ -87,6 +87,8 @@ def test_every_call_does_its_work_or_is_refused(name, tmp_path):
     solution = solve(scene, 1e-3 if scene.friction and scene.profile else 1e-6)
     refused = set()
     for call, use in CALLS.items():
+        if call in SLOW and name not in SLOWLY:
+            continue
         try:
             use(solution, tmp_path)
         except SpectralContactError:
