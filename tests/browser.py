@@ -70,7 +70,7 @@ class Tab:
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    async def until(self, condition, seconds=30.0):
+    async def until(self, condition, seconds=120.0):
         """Wait until an expression is true, and return its value."""
         return await self.run(
             "new Promise((done, fail) => {"

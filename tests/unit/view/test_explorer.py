@@ -175,7 +175,7 @@ async def moves_the_page(page_of):
 
 
 async def until(condition):
-    for _ in range(500):
+    for _ in range(6000):
         if condition():
             return
         await asyncio.sleep(0.01)
@@ -210,7 +210,7 @@ def address():
     try:
         yield process.stdout.readline().strip()
         process.send_signal(signal.SIGINT)
-        assert process.wait(20) == 0
+        assert process.wait(120) == 0
     finally:
         process.kill()
         process.communicate()
@@ -238,7 +238,7 @@ def test_the_page_is_for_this_machine_alone(address):
 @pytest.mark.skipif(browser.found() is None, reason="no Chromium: not opened in a browser")
 def test_in_a_browser_all_of_it_works(address):
     with browser.browser() as host:
-        asyncio.run(opens_the_page(host, address))
+        asyncio.run(asyncio.wait_for(opens_the_page(host, address), 300.0))
 
 
 MODELS = "[...Bokeh.documents[0]._all_models.values()]"
@@ -277,7 +277,7 @@ async def uses_the_page(tab, address):
 
 async def said(tab, words):
     """Return what can be read on the page as soon as the words are there."""
-    for _ in range(100):
+    for _ in range(1200):
         text = await tab.text()
         if words in text:
             return text
