@@ -9,8 +9,7 @@ exponential quadrature over the rings, with all digits and with rtol 1e-8; rando
 layers and friction, and points next to breaks and to zone boundaries, against the same; many
 points at once, to a tolerance, against one by one. Writes validation/results/interior.json and
 .md; what is there is not measured again, so a run that was stopped, or ran out of its seconds,
-goes on. Fails if a true
-error is above its estimate.
+goes on. Fails if a true error is above its estimate.
 """
 
 import argparse
