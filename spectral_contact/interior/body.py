@@ -213,7 +213,7 @@ class Inside:
         four = stresses(sums.values, self._nu)
         four[3] = np.where(points.r > AXIS, four[3], 0.0)
         error = stress_error(sums.values, self._errors(sums), self._nu)
-        error = error + places.lost(points, self._singular)
+        error = error + places.lost(points, self._solution)
         return Stress(*_shaped(shape, *(four * self._units.stress), error))
 
     def surface(

@@ -24,9 +24,10 @@ Array = NDArray[np.float64]
 #: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.
 _LINE, _NET = 241, (61, 41)
 _FARTHEST, _CLOSEST = 1e-3, 35.0
-#: The same over the e-folds towards a place and the angle; it is as good as reached at 28.
-_FOLDS = 28.0
-_POLAR_LINE, _POLAR_NET = 113, (40, 17)
+#: The same over the e-folds towards a place and the angle; lines go to where it is as good as
+#: reached, the net to where the rounding of the place is not seen.
+_FOLDS, _NET_FOLDS = 22.0, 14.0
+_POLAR_LINE, _POLAR_NET = 89, (35, 17)
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ class Polar:
         inward = CoordinateLine(0, self._turn, along, on_surface=place is not CENTRE)
         self.lines: tuple[CoordinateLine, ...] = (CoordinateLine(0, 0.0, along), inward)
         angles = np.linspace(0.0, self._turn, _POLAR_NET[1])[1:-1]
-        self.net = np.linspace(0.0, _FOLDS, _POLAR_NET[0]), angles
+        self.net = np.linspace(0.0, _NET_FOLDS, _POLAR_NET[0]), angles
 
     def points(self, u: Array, v: Array) -> Points:
         """Return the points of coordinates."""
@@ -183,12 +184,12 @@ def around(boundaries: list[Radius], *, centre: bool) -> list[Chart]:
         Whether they are not at the centre, either.
     """
     charts: list[Chart] = [Toroidal(centre)]
-    gaps = [
-        a.from_edge - b.from_edge if a.value > 0.5 else b.value - a.value
+    halves = [
+        (a.from_edge - b.from_edge if a.value > 0.5 else b.value - a.value) / 2.0
         for a, b in pairwise(boundaries)
     ]
     if centre:
-        charts.append(Polar(CENTRE, gaps[0]))
-    for before, place, after in zip(gaps, boundaries[1:-1], gaps[1:], strict=False):
+        charts.append(Polar(CENTRE, halves[0]))
+    for before, place, after in zip(halves, boundaries[1:-1], halves[1:], strict=False):
         charts.append(Polar(place, min(before, after)))
     return charts

@@ -16,7 +16,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 from spectral_contact.interior.charts import Chart, CoordinateLine, around
 from spectral_contact.interior.mesh import AXIS, Points
-from spectral_contact.interior.places import boundaries, pointed, singular, within
+from spectral_contact.interior.places import boundaries, distance, pointed, singular
 from spectral_contact.interior.results import Extreme, Stress
 
 if TYPE_CHECKING:
@@ -38,13 +38,15 @@ MEASURES: dict[str, Callable[[Stress], Array]] = {
 #: How far from the edge stress that depends on the direction alone is looked at.
 _AT_EDGE = 1e-15
 #: How close to an infinite pressure a place counts as it.
-_AT_TIP = 1e-9
+_AT_TIP = 1e-7
 #: What the nets are accurate to.
-_COARSE = 1e-6
+_COARSE = 1e-8
 #: A bracket is narrowed to this share of its place.
 _NARROW = 1e-9
 #: Nodes of the nets with a smaller share of the largest value are not followed up.
 _WORTH = 0.8
+#: So many of a net are.
+_PEAKS = 3
 
 
 class _Found(NamedTuple):
@@ -89,11 +91,11 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
     r, z = float(best.at.r[0]), float(best.at.z[0])
     r = 0.0 if r <= max(AXIS, place * float(best.at.to_edge[0])) else r
     for tip in singular(solution):  # at nu = 0.5 stress next to it depends on the direction alone
-        if within(best.at, [tip], _AT_TIP)[0]:
+        away = float(distance(best.at, tip)[0])
+        if away < _AT_TIP:
             remark = "the supremum, approached where the pressure is infinite"
-            return Extreme(
-                best.value, tip.value, 0.0, error + _AT_TIP, 0.0, attained=False, remark=remark
-            )
+            error += 20.0 * away
+            return Extreme(best.value, tip.value, 0.0, error, 0.0, attained=False, remark=remark)
     return Extreme(best.value, r, z, error, place, attained=True, remark="attained")
 
 
@@ -213,7 +215,7 @@ _CROSS = np.eye(2)
 
 
 def _peaks(chart: Chart, measure: Callable[..., Array]) -> list[tuple[float, Array]]:
-    """Return the two largest nodes of a net that no neighbour exceeds, with their values."""
+    """Return the largest nodes of a net that no neighbour exceeds, with their values."""
     u, v = (one.ravel() for one in np.meshgrid(*chart.net, indexing="ij"))
     rows, columns = (len(one) for one in chart.net)
     values = measure(u, v, _COARSE).reshape(rows, columns)
@@ -221,7 +223,7 @@ def _peaks(chart: Chart, measure: Callable[..., Array]) -> list[tuple[float, Arr
     shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
     highest = np.max([padded[i : i + rows, j : j + columns] for i, j in shifts], axis=0)
     where = np.flatnonzero((values >= highest).ravel())
-    order = where[np.argsort(-values.ravel()[where])][:2]
+    order = where[np.argsort(-values.ravel()[where])][:_PEAKS]
     return [(float(values.flat[k]), np.array([u[k], v[k]])) for k in order]
 
 

@@ -69,7 +69,8 @@ class Units:
     Attributes
     ----------
     length, stress, displacement : float
-    names : UnitNames
+    names : tuple of str
+        Of the units of places, displacements and stresses.
     """
 
     length: float = 1.0

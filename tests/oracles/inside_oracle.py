@@ -221,7 +221,7 @@ def over_rings(solution, from_edge, z, count=1500):
     """Return the fields of any solution at any point off the surface, and how well they are known.
 
     The second is the change of each when every second node is left out, and what the rounding of
-    the radius of a break of the profile may do.
+    the radius of a break of the profile may do on a smooth surface.
     """
     nu, r = solution.scene.poisson_ratio, 1.0 - from_edge
     inner = {zone.outer_from_edge for zone in solution.zones} | set(_breaks(solution))
@@ -235,10 +235,12 @@ def over_rings(solution, from_edge, z, count=1500):
         length = last - first
         d = first + length * low
         s = length * high if last == 1.0 else 1.0 - d
-        ahead = d - from_edge
-        ahead = length * low if first == from_edge else ahead
+        # from the end that is closer to the point, next to which the difference is exact
+        if abs(first - from_edge) < abs(last - from_edge):
+            ahead = (first - from_edge) + length * low
+        else:
+            ahead = (last - from_edge) - length * high
         if last == from_edge:
-            ahead = -length * high
             s = r - ahead
         near = np.where((s > 0.0) & (d > 0.0), 1.0, 0.0)
         s, d = np.maximum(s, 1e-300), np.maximum(d, 1e-300)
@@ -259,7 +261,9 @@ def over_rings(solution, from_edge, z, count=1500):
     size = 1.0 if solution.scene.profile is None else solution.contact_radius
     fields = [_fields(nu, r, *one) for one in sums]
     fields = [one._replace(out=size * one.out, down=size * one.down) for one in fields]
-    doubt = sum(1e-15 / np.hypot(one - from_edge, z) for one in _breaks(solution))
+    doubt = 0.0
+    if solution.scene.normal_compliance == 0.0:  # the pressure may be infinite at a break
+        doubt = sum(1e-16 / np.hypot(one - from_edge, z) for one in _breaks(solution))
     return fields[0], Fields(*np.abs(np.subtract(*fields)) + doubt * np.abs(fields[0][:4]).max())
 
 

@@ -6,10 +6,10 @@ Points lie at every distance from edge and surface (1e-12 to 30). Groups: rings 
 point forces added up in mpmath; Sneddon's punch against its closed form; smooth contacts that
 stick against complex integrals in mpmath; random scenes, with slip and coupling, against doubly
 exponential quadrature over the rings, with all digits and with rtol 1e-8; random profiles, with
-layers and friction and points next to their breaks, against the same; many points at once, to a
-tolerance, against one by one. Writes validation/results/interior.json and .md; what is there is
-not measured again, so a run that was stopped, or ran out of its seconds, goes on. Fails if a true
-error is above its estimate.
+layers and friction, and points next to breaks and to zone boundaries, against the same; many
+points at once, to a tolerance, against one by one. Writes validation/results/interior.json and
+.md; what is there is not measured again, so a run that was stopped, or ran out of its seconds,
+goes on. Fails if a true error is above its estimate.
 """
 
 import argparse
@@ -37,7 +37,7 @@ SEED, POINTS, MANY = 20, 10, 6000
 #: Seconds for a solve.
 PATIENCE = 5
 #: How many rows each group has, but the random scenes.
-SIZES = {"rings": 100, "sneddon": 20, "sticking": 50, "many": 40, "profiles": 200}
+SIZES = {"rings": 100, "sneddon": 20, "sticking": 50, "many": 40, "profiles": 200, "zones": 200}
 #: What ring kernels may miss by, relative to the largest of the five, or one over the distance.
 RING_BOUND = 1e-13
 #: Largest error of the quadrature that is compared with, for a point to count.
@@ -176,15 +176,29 @@ def of_profile(rng):
     solution, why = solved(scene, (1e-12, 1e-10) if scene.friction is None else (1e-5, 1e-3))
     if solution is None:
         return {"values": 0, "scene": repr(scene), "why": why}
-    from_edge, z = points(rng, POINTS)
     breaks = [1.0 - b / scene.contact_radius for b in scene.profile.breaks]
-    places = [one for one in breaks if one > 0.0]
-    places += [zone.outer_from_edge for zone in solution.zones]
-    if places:
-        size = 10.0 ** rng.uniform(-10.0, -1.0, POINTS // 2) * rng.choice([-1.0, 1.0], POINTS // 2)
-        from_edge[::2] = np.minimum(rng.choice(places, POINTS // 2) + size, 1.0)
-        z[::2] = np.abs(size) * rng.uniform(0.05, 5.0, POINTS // 2)
-    return of_solution(solution, from_edge, z)
+    return of_solution(solution, *next_to(solution, [one for one in breaks if one > 0.0], rng))
+
+
+def of_zones(rng):
+    """Compare a random scene with slip at points next to boundaries of its zones."""
+    scene = draw(rng)
+    solution, why = solved(scene, (1e-12, 1e-10))
+    if solution is None or len(solution.zones) < 2:
+        return {"values": 0, "scene": repr(scene), "why": why or "no boundary"}
+    return of_solution(solution, *next_to(solution, [], rng))
+
+
+def next_to(solution, places, rng):
+    """Return points, every second one next to one of these places or of the zone boundaries."""
+    from_edge, z = points(rng, POINTS)
+    zones = [zone.outer_from_edge for zone in solution.zones if zone.outer_from_edge > 0.0]
+    if places + zones:
+        place = rng.choice(places + zones, POINTS // 2)
+        size = 10.0 ** rng.uniform(-9.0, -1.0, POINTS // 2) * np.minimum(place, 1.0 - place)
+        from_edge[::2] = place + size * rng.choice([-1.0, 1.0], POINTS // 2)
+        z[::2] = size * rng.uniform(0.05, 5.0, POINTS // 2)
+    return from_edge, z
 
 
 def of_solution(solution, from_edges, depths):
@@ -226,6 +240,7 @@ GROUPS = {
     "scenes": of_scene,
     "many": of_many,
     "profiles": of_profile,
+    "zones": of_zones,
 }
 
 
