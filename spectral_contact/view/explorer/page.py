@@ -125,7 +125,7 @@ def serve(
     if show:
         import webbrowser
 
-        webbrowser.open(address)
+        webbrowser.open_new_tab(address)
     try:
         server.io_loop.start()
     finally:
