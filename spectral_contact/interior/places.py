@@ -32,9 +32,9 @@ _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
 _CLOSEST = 1e-16
 #: By how much a radius is moved that cannot be told from where the pressure is infinite.
 _NUDGE = 4e-16
-#: Roundings of a radius, over the distance from it, that a stress misses by: where the pressure is
-#: infinite (measured: 0.6), and at other boundaries (0.23).
-_AT_INFINITE, _AT_OTHERS = 3.0, 1.0
+#: Roundings of a radius, over the distance from it, that a stress misses by where the pressure is
+#: infinite (measured: 0.6); and over the root of the distance at other boundaries (0.02).
+_AT_INFINITE, _AT_OTHERS = 3.0, 0.1
 _ROUNDING = float(np.finfo(float).eps)
 
 
@@ -95,9 +95,7 @@ def finite(load: Evaluator) -> Evaluator:
 
 def distance(points: Points, place: Radius) -> Array:
     """Return how far points are from a place on the surface."""
-    outward = place.from_edge - points.from_edge
-    offset = np.where(points.r > 0.5, outward, points.r - place.value)
-    return np.asarray(np.hypot(offset, points.z))
+    return np.asarray(np.hypot(points.beyond(place), points.z))
 
 
 def within(points: Points, places: list[Radius]) -> NDArray[np.bool_]:
@@ -109,14 +107,16 @@ def within(points: Points, places: list[Radius]) -> NDArray[np.bool_]:
 
 
 def lost(points: Points, solution: Solution) -> Array:
-    """Return by how much stress is in doubt as boundaries of zones are rounded, relative to it.
+    """Return by how much stress is in doubt next to boundaries of zones, relative to it.
 
-    At a boundary itself it is not: all panels are cut there, at places that are exact.
+    There loads are evaluated at radii that are rounded. They go like the root of the distance on
+    smooth surfaces, and like its logarithm at corners, whose own place over the contact radius is
+    rounded, too. At a boundary itself nothing is in doubt.
     """
     found, infinite = np.zeros(len(points.r)), singular(solution)
     for place in boundaries(solution)[1:-1]:
-        share = _AT_INFINITE if place in infinite else _AT_OTHERS
-        rounding = share * _ROUNDING * min(place.value, place.from_edge)
-        away = distance(points, place)
-        found += np.where(away > 0.0, rounding / np.maximum(away, rounding), 0.0)
+        size, away = min(place.value, place.from_edge), distance(points, place)
+        share, power = (_AT_INFINITE, 1.0) if place in infinite else (_AT_OTHERS, 0.5)
+        ratio = np.maximum(away / size, _ROUNDING)
+        found += np.where(away > 0.0, share * _ROUNDING / ratio**power, 0.0)
     return found
