@@ -33,8 +33,11 @@ _CLOSEST = 1e-16
 #: By how much a radius is moved that cannot be told from where the pressure is infinite.
 _NUDGE = 4e-16
 #: Roundings of a radius, over the distance from it, that a stress misses by where the pressure is
-#: infinite (measured: 0.6); and over the root of the distance at other boundaries (0.02).
-_AT_INFINITE, _AT_OTHERS = 3.0, 0.1
+#: infinite (measured: 0.6).
+_AT_INFINITE = 3.0
+#: At other boundaries roundings, over the root of the distance (measured: 0.02), and what the
+#: boundary may be wrong by, over the same (0.4).
+_AT_OTHERS, _MOVED = 0.1, 1.0
 _ROUNDING = float(np.finfo(float).eps)
 
 
@@ -109,14 +112,20 @@ def within(points: Points, places: list[Radius]) -> NDArray[np.bool_]:
 def lost(points: Points, solution: Solution) -> Array:
     """Return by how much stress is in doubt next to boundaries of zones, relative to it.
 
-    There loads are evaluated at radii that are rounded. They go like the root of the distance on
-    smooth surfaces, and like its logarithm at corners, whose own place over the contact radius is
-    rounded, too. At a boundary itself nothing is in doubt.
+    There loads are evaluated at radii that are rounded, and the boundaries themselves are only
+    known to their own error. At a boundary loads go like the root of the distance, beyond the
+    width of a tangential layer. At corners they go like its logarithm, and the place of a corner
+    over the contact radius is rounded, too. At a corner itself nothing is in doubt.
     """
-    found, infinite = np.zeros(len(points.r)), singular(solution)
+    found, infinite, scene = np.zeros(len(points.r)), singular(solution), solution.scene
+    flat = scene.profile is None
+    layer = scene.tangential_compliance / (1.0 if flat else solution.contact_radius)
     for place in boundaries(solution)[1:-1]:
         size, away = min(place.value, place.from_edge), distance(points, place)
-        share, power = (_AT_INFINITE, 1.0) if place in infinite else (_AT_OTHERS, 0.5)
-        ratio = np.maximum(away / size, _ROUNDING)
-        found += np.where(away > 0.0, share * _ROUNDING / ratio**power, 0.0)
+        if place in infinite:
+            ratio = np.maximum(away / size, _ROUNDING)
+            found += np.where(away > 0.0, _AT_INFINITE * _ROUNDING / ratio, 0.0)
+        else:
+            wrong = _AT_OTHERS * _ROUNDING + _MOVED * min(solution.error.zones or 0.0, 1.0)
+            found += wrong / np.sqrt(np.maximum((away + layer) / size, wrong))
     return found
