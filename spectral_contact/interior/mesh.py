@@ -88,6 +88,11 @@ class Points:
         """Distance to the edge of the contact."""
         return np.asarray(np.hypot(self.from_edge, self.z))
 
+    def beyond(self, place: Radius) -> Array:
+        """Return how far outward of a radius they are, exact next to it."""
+        outward = place.from_edge - self.from_edge
+        return np.asarray(np.where(self.r > 0.5, outward, self.r - place.value))
+
     @property
     def on_surface(self) -> NDArray[np.bool_]:
         """Whether a point is as good as on the surface."""
@@ -130,34 +135,59 @@ class Shrinking(NamedTuple):
 
 
 class Grading(NamedTuple):
-    """Ends of all panels, from the centre and from the edge, and the runs that shrink."""
+    """Ends of all panels, each as an offset from a boundary, and the runs that shrink.
 
-    s: Array
-    d: Array
+    Attributes
+    ----------
+    places : sequence of Radius
+        The boundaries, the centre and the edge.
+    at : ndarray of int, shape (panels + 1,)
+        Which of them an end is counted from.
+    offset : ndarray, shape (panels + 1,)
+        How far outward of it the end is; next to it this is known to relative accuracy, and the
+        radius is not.
+    runs : list of Shrinking
+    """
+
+    places: Sequence[Radius]
+    at: NDArray[np.intp]
+    offset: Array
     runs: list[Shrinking]
 
+    def radii(self, at: NDArray[np.intp], offset: Array) -> tuple[Array, Array]:
+        """Return what is so far outward of boundaries, from the centre and from the edge."""
+        value, from_edge = np.array([[one.value, one.from_edge] for one in self.places]).T
+        return value[at] + offset, from_edge[at] - offset
 
-def _halves(inner: Radius, outer: Radius, below: int, above: int) -> list[Grading]:
-    """Return the ends of the panels of an interval, graded to its ends by so many e-folds."""
-    square = (inner.square + outer.square) / 2.0
-    middle = float(np.sqrt(square))
+    def outward(self, points: Points) -> Array:
+        """Return how far outward of the boundaries points are, shape (points, boundaries)."""
+        return np.stack([points.beyond(place) for place in self.places], axis=1)
+
+    @property
+    def lengths(self) -> Array:
+        """Lengths of the panels."""
+        gaps = np.array([*(_between(*both) for both in pairwise(self.places)), 0.0])
+        return np.asarray(np.diff(self.offset) + gaps[self.at[:-1]] * np.diff(self.at))
+
+
+def _between(inner: Radius, outer: Radius) -> float:
+    """Return how far apart two boundaries are."""
+    high = outer.value > 0.5
+    return inner.from_edge - outer.from_edge if high else outer.value - inner.value
+
+
+def _halves(inner: Radius, outer: Radius, below: int, above: int) -> tuple[Array, Array]:
+    """Return the ends of the panels of an interval, as offsets from its own two ends.
+
+    They are graded to these by so many e-folds; what is in the middle is counted from the outer.
+    """
+    middle = float(np.sqrt((inner.square + outer.square) / 2.0))
     rest = (inner.rest + outer.rest) / 2.0 / (1.0 + middle)
-    sides = []
-    if below == 0:
-        s = middle * np.array([0.0, 0.5])
-        sides.append(Grading(s, 1.0 - s, []))
-    else:
-        reach = (square - inner.square) / (middle + inner.value)
-        if inner.value > 0.5:
-            reach = inner.from_edge - rest
-        steps = np.concatenate([[0.0], reach * np.exp(np.arange(-float(below), 0.0))])
-        run = Shrinking(0, len(steps), outward=False)
-        sides.append(Grading(inner.value + steps, inner.from_edge - steps, [run]))
     reach = rest - outer.from_edge if outer.value > 0.5 else outer.value - middle
-    steps = reach * np.exp(-np.arange(float(above + 1)))
-    run = Shrinking(0, len(steps), outward=True)
-    sides.append(Grading(outer.value - steps, outer.from_edge + steps, [run]))
-    return sides
+    last = -reach * np.exp(-np.arange(float(above + 1)))
+    reach = _between(inner, outer) - reach  # the two are all of it
+    first = np.array([0.5]) if below == 0 else np.exp(np.arange(-float(below), 0.0))
+    return np.concatenate([[0.0], reach * first]), last
 
 
 def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0) -> Grading:
@@ -172,21 +202,21 @@ def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0)
     centre_folds : int
         The same towards the centre; 0 where the loads are smooth.
     """
-    sides: list[Grading] = []
-    for inner, outer in pairwise(boundaries):
+    places = list(boundaries[:1])
+    places += [outer for inner, outer in pairwise(boundaries) if _between(inner, outer) > 0.0]
+    offsets, at, runs, count = [], [], [], 0
+    for k, (inner, outer) in enumerate(pairwise(places)):
         below = centre_folds if inner.value == 0.0 else _FOLDS
-        sides += _halves(inner, outer, below, edge_folds if outer.from_edge == 0.0 else _FOLDS)
-    s = np.concatenate([side.s for side in sides] + [[1.0]])
-    d = np.concatenate([side.d for side in sides] + [[0.0]])
-    kept = np.concatenate([[True], (np.diff(s) > 0.0) | (np.diff(d) < 0.0)])
-    number = np.concatenate([[0], np.cumsum(kept)])  # of the ends that are kept before each
-    runs, first = [], 0
-    for side in sides:
-        for run in side.runs:
-            start, stop = number[first + run.start], number[first + run.stop + 1] - 1
-            runs.append(Shrinking(int(start), int(stop), run.outward))
-        first += len(side.s)
-    return Grading(s[kept], d[kept], runs)
+        above = edge_folds if outer.from_edge == 0.0 else _FOLDS
+        for side, steps in enumerate(_halves(inner, outer, below, above)):
+            stop = count + len(steps)
+            if side == 1 or below > 0:
+                runs.append(Shrinking(count, stop, outward=side == 1))
+            offsets.append(steps)
+            at.append(np.full(len(steps), k + side))
+            count = stop
+    ends = [*offsets, np.zeros(1)], [*at, np.array([len(places) - 1])]
+    return Grading(places, np.concatenate(ends[1]), np.concatenate(ends[0]), runs)
 
 
 class Mesh:
@@ -207,27 +237,27 @@ class Mesh:
     ) -> None:
         self._ends, self._rule = ends, rules[0]
         self._loads = pressure, traction
-        lengths = np.where(ends.s[:-1] > 0.5, -np.diff(ends.d), np.diff(ends.s))
-        self._lengths = np.asarray(lengths)
+        self._lengths = ends.lengths
         gauss = [np.polynomial.legendre.leggauss(rule.panel) for rule in rules]
         self._fractions = np.concatenate([(1.0 + nodes) / 2.0 for nodes, _ in gauss])
         self._weights = np.concatenate([weights / 2.0 for _, weights in gauss])
-        step = lengths[:, None] * self._fractions
-        back = lengths[:, None] * (1.0 - self._fractions)
-        high = ends.s[:-1, None] > 0.5
-        self._d = np.where(high, ends.d[1:, None] + back, 1.0 - (ends.s[:-1, None] + step))
-        self._s = np.where(high, 1.0 - self._d, ends.s[:-1, None] + step)
-        self._rings = self._measured(self._s, self._d, lengths[:, None] * self._weights)
+        lengths = self._lengths[:, None]
+        self._own = ends.at[:-1]
+        self._away = ends.offset[:-1, None] + lengths * self._fractions
+        self._s, self._d = ends.radii(self._own[:, None], self._away)
+        self._rings = self._measured(self._s, self._d, lengths * self._weights)
         self._panel, self._tailed = [one.panel for one in rules], [one.tail for one in rules]
         self._tails = [self._tails_of(run) for run in ends.runs]
 
     def _tails_of(self, run: Shrinking) -> Tails:
-        own, ends = slice(run.start, run.stop), slice(run.start, run.stop + 1)
+        own = slice(run.start, run.stop)
+        begin = self._ends.offset[own]
+        far = -begin if run.outward else begin + self._lengths[own]
         cuts = np.cumsum(self._panel)[:-1]
-        nodes = self._s[own], self._d[own], self._rings[:, own]
+        nodes = np.abs(self._away[own]), self._rings[:, own]
         split = zip(self._tailed, *(np.split(one, cuts, axis=-1) for one in nodes), strict=True)
         rules = [Panelled(*one) for one in split]
-        return Tails(self._ends.s[ends], self._ends.d[ends], run.outward, rules)
+        return Tails(far, run.outward, rules)
 
     def _measured(self, s: Array, d: Array, weight: Array) -> Array:
         """Return what rings carry of pressure and of traction, and their areas, stacked."""
@@ -249,8 +279,8 @@ class Mesh:
         """Return what all rings within each node carry of pressure, ``int_0^s p s ds``."""
         shares = self._fractions[:, None] * self._fractions
         lengths = self._lengths[:, None, None]
-        d = self._ends.d[:-1, None, None] - lengths * shares
-        s = self._ends.s[:-1, None, None] + lengths * shares
+        away = self._ends.offset[:-1, None, None] + lengths * shares
+        s, d = self._ends.radii(self._own[:, None, None], away)
         weights = lengths * self._fractions[:, None] * self._weights
         own = self._measured(s, d, weights)[0].sum(axis=2)
         before = np.cumsum(self._rings[0].sum(axis=1)) - self._rings[0].sum(axis=1)
@@ -261,42 +291,38 @@ class Mesh:
         for start in range(0, len(points.r), _BLOCK):
             block = slice(start, start + _BLOCK)
             some = points[block]
-            low, high = self._offsets(some)
+            outward = self._ends.outward(some)
+            ends = self._ends.offset - outward[:, self._ends.at]  # beyond the point's radius
+            low, high = ends[:, :-1], ends[:, 1:]
             apart = np.hypot(np.maximum(np.maximum(low, -high), 0.0), some.z[:, None])
             left = np.ones(apart.shape, dtype=bool)
-            tails = [self._tail(some, at, left) for at in range(len(self._tails))]
+            tails = [self._tail(outward, some.z, at, left) for at in range(len(self._tails))]
             near = left & (apart < _NEAR * self._lengths)
-            rows = [*tails, self._whole(some, left & ~near)]
+            rows = [*tails, self._whole(outward, left & ~near)]
             if near.any():
                 rows.append(self._cut(some, near, low, high))
             yield block, rows
 
-    def _tail(self, points: Points, at: int, left: NDArray[np.bool_]) -> Nodes:
+    def _tail(self, outward: Array, z: Array, at: int, left: NDArray[np.bool_]) -> Nodes:
         """Return the rows of tails of a run, and strike the panels that they stand for."""
         run, tails = self._ends.runs[at], self._tails[at]
-        apart = tails.distance(points.r, points.from_edge, points.z)
-        far = apart >= self._rule.apart * tails.lengths
+        place = self._ends.at[run.start]
+        beyond = outward[:, place]
+        far = tails.distance(beyond, z) >= self._rule.apart * tails.lengths
         owner = np.nonzero(far.any(axis=1))[0]
         longest = far.argmax(axis=1)[owner]
-        covered = np.zeros((len(points.r), run.stop - run.start), dtype=bool)
+        covered = np.zeros((len(z), run.stop - run.start), dtype=bool)
         covered[owner] = np.arange(run.stop - run.start) >= longest[:, None]
         left[:, run.start : run.stop] = ~(covered if run.outward else covered[:, ::-1])
-        s, d = tails.s[longest], tails.d[longest]
-        ahead = _ahead(points, owner, s, d)
-        return Nodes(self._tailed, owner, s, ahead, *tails.rings[:, longest])
+        away = tails.away[longest]
+        s, _ = self._ends.radii(place, away)
+        return Nodes(self._tailed, owner, s, beyond[owner, None] - away, *tails.rings[:, longest])
 
-    def _offsets(self, points: Points) -> tuple[Array, Array]:
-        """Return how far beyond a point's radius the panels begin and end, (points, panels)."""
-        r, d, ends = points.r[:, None], points.from_edge[:, None], self._ends
-        offset = np.where(ends.s > 0.5, d - ends.d, ends.s - r)
-        return offset[:, :-1], offset[:, 1:]
-
-    def _whole(self, points: Points, chosen: NDArray[np.bool_]) -> Nodes:
+    def _whole(self, outward: Array, chosen: NDArray[np.bool_]) -> Nodes:
         """Return the rows of panels that are taken whole."""
         owner, panel = np.nonzero(chosen)
-        s, d = self._s[panel], self._d[panel]
-        ahead = _ahead(points, owner, s, d)
-        return Nodes(self._panel, owner, s, ahead, *self._rings[:, panel])
+        ahead = outward[owner, self._own[panel], None] - self._away[panel]
+        return Nodes(self._panel, owner, self._s[panel], ahead, *self._rings[:, panel])
 
     def _cut(self, points: Points, chosen: NDArray[np.bool_], low: Array, high: Array) -> Nodes:
         """Return the rows of panels that are cut, on either side of the point's radius."""
@@ -335,9 +361,3 @@ class Mesh:
         s = np.clip(points.r[owner, None] + away, 0.0, 1.0)
         d = np.clip(points.from_edge[owner, None] - away, 0.0, 1.0)
         return Nodes(self._panel, owner, s, -away, *self._measured(s, d, weight))
-
-
-def _ahead(points: Points, owner: NDArray[np.intp], s: Array, d: Array) -> Array:
-    """Return the radii of the points that own rows, minus those of the nodes."""
-    r, from_edge = points.r[owner, None], points.from_edge[owner, None]
-    return np.asarray(np.where(s > 0.5, d - from_edge, r - s))

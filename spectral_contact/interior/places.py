@@ -32,9 +32,12 @@ _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
 _CLOSEST = 1e-16
 #: By how much a radius is moved that cannot be told from where the pressure is infinite.
 _NUDGE = 4e-16
-#: Roundings of a radius, over the distance from it, that a stress misses by: where the pressure is
-#: infinite (measured: 0.6), and at other boundaries (0.23).
-_AT_INFINITE, _AT_OTHERS = 3.0, 1.0
+#: Roundings of a radius, over the distance from it, that a stress misses by where the pressure is
+#: infinite (measured: 0.6).
+_AT_INFINITE = 3.0
+#: At other boundaries roundings, over the root of the distance (measured: 0.02), and what the
+#: boundary may be wrong by, over the same (0.4).
+_AT_OTHERS, _MOVED = 0.1, 1.0
 _ROUNDING = float(np.finfo(float).eps)
 
 
@@ -95,9 +98,7 @@ def finite(load: Evaluator) -> Evaluator:
 
 def distance(points: Points, place: Radius) -> Array:
     """Return how far points are from a place on the surface."""
-    outward = place.from_edge - points.from_edge
-    offset = np.where(points.r > 0.5, outward, points.r - place.value)
-    return np.asarray(np.hypot(offset, points.z))
+    return np.asarray(np.hypot(points.beyond(place), points.z))
 
 
 def within(points: Points, places: list[Radius]) -> NDArray[np.bool_]:
@@ -109,14 +110,22 @@ def within(points: Points, places: list[Radius]) -> NDArray[np.bool_]:
 
 
 def lost(points: Points, solution: Solution) -> Array:
-    """Return by how much stress is in doubt as boundaries of zones are rounded, relative to it.
+    """Return by how much stress is in doubt next to boundaries of zones, relative to it.
 
-    At a boundary itself it is not: all panels are cut there, at places that are exact.
+    There loads are evaluated at radii that are rounded, and the boundaries themselves are only
+    known to their own error. At a boundary loads go like the root of the distance, beyond the
+    width of a tangential layer. At corners they go like its logarithm, and the place of a corner
+    over the contact radius is rounded, too. At a corner itself nothing is in doubt.
     """
-    found, infinite = np.zeros(len(points.r)), singular(solution)
+    found, infinite, scene = np.zeros(len(points.r)), singular(solution), solution.scene
+    flat = scene.profile is None
+    layer = scene.tangential_compliance / (1.0 if flat else solution.contact_radius)
     for place in boundaries(solution)[1:-1]:
-        share = _AT_INFINITE if place in infinite else _AT_OTHERS
-        rounding = share * _ROUNDING * min(place.value, place.from_edge)
-        away = distance(points, place)
-        found += np.where(away > 0.0, rounding / np.maximum(away, rounding), 0.0)
+        size, away = min(place.value, place.from_edge), distance(points, place)
+        if place in infinite:
+            ratio = np.maximum(away / size, _ROUNDING)
+            found += np.where(away > 0.0, _AT_INFINITE * _ROUNDING / ratio, 0.0)
+        else:
+            wrong = _AT_OTHERS * _ROUNDING + _MOVED * min(solution.error.zones or 0.0, 1.0)
+            found += wrong / np.sqrt(np.maximum((away + layer) / size, wrong))
     return found

@@ -20,20 +20,19 @@ class Panelled(NamedTuple):
     Attributes
     ----------
     order : int
-    s, d : ndarray, shape (panels, nodes)
-        Nodes, from the centre and from the edge.
+    away : ndarray, shape (panels, nodes)
+        How far the nodes are from the boundary.
     rings : ndarray, shape (loads, panels, nodes)
         What their rings carry.
     """
 
     order: int
-    s: Array
-    d: Array
+    away: Array
     rings: Array
 
     def turned(self) -> Panelled:
         """Return the panels in reverse order."""
-        return Panelled(self.order, self.s[::-1], self.d[::-1], self.rings[:, ::-1])
+        return Panelled(self.order, self.away[::-1], self.rings[:, ::-1])
 
 
 class Tails:
@@ -45,30 +44,28 @@ class Tails:
 
     Parameters
     ----------
-    s, d : ndarray, shape (panels + 1,)
-        Ends of the panels, from the centre and from the edge.
+    lengths : ndarray, shape (panels,)
+        How far the far end of each panel is from the boundary.
     outward : bool
-        Whether the panels shrink towards the last of the ends; else towards the first.
+        Whether the panels shrink outward, towards the last; else towards the first.
     rules : sequence of Panelled
         The same panels with the nodes of each rule.
 
     Attributes
     ----------
     lengths : ndarray, shape (panels,)
-    s, d : ndarray, shape (panels, nodes)
-        Nodes of the tails, those of all rules side by side.
+    away : ndarray, shape (panels, nodes)
+        How far outward of the boundary the nodes of the tails are, those of all rules side by side.
     rings : ndarray, shape (loads, panels, nodes)
         What the rings there carry.
     """
 
-    def __init__(self, s: Array, d: Array, outward: bool, rules: Sequence[Panelled]) -> None:
+    def __init__(self, lengths: Array, outward: bool, rules: Sequence[Panelled]) -> None:
         if not outward:
-            s, d, rules = s[::-1], d[::-1], [one.turned() for one in rules]
-        self._sign = 1.0 if outward else -1.0
-        self._s, self._d = s[-1], d[-1]
-        self.lengths = self._sign * self._before(s[:-1], d[:-1])
+            lengths, rules = lengths[::-1], [one.turned() for one in rules]
+        self.lengths, self._sign = lengths, 1.0 if outward else -1.0
         tails = [self._handed(one) for one in rules]
-        self.s, self.d = (np.hstack([getattr(one, k) for one in tails]) for k in ("s", "d"))
+        self.away = -self._sign * np.hstack([one.away for one in tails])
         self.rings = np.concatenate([one.rings for one in tails], axis=-1)
 
     def _handed(self, rule: Panelled) -> Panelled:
@@ -76,7 +73,7 @@ class Tails:
         nodes, weights = legendre.leggauss(rule.order)
         size = self.lengths[:, None]
         away = size * (1.0 + nodes) / 2.0
-        own = self._sign * self._before(rule.s, rule.d) / size
+        own = rule.away / size
         inner = np.concatenate([away[1:], away[-1:]]) / size
         project = (np.arange(rule.order) + 0.5)[:, None] * legendre.legvander(
             nodes, rule.order - 1
@@ -86,15 +83,10 @@ class Tails:
         rings = np.einsum("lpn,pnj->lpj", rule.rings, hand[0])
         for at in range(len(self.lengths) - 2, -1, -1):
             rings[:, at] += rings[:, at + 1] @ hand[1][at]
-        s, d = self._s - self._sign * away, self._d + self._sign * away
-        return Panelled(rule.order, s, d, rings)
+        return Panelled(rule.order, away, rings)
 
-    def _before(self, s: Array, d: Array) -> Array:
-        """Return how far radii are before the boundary; negative beyond."""
-        return np.asarray(np.where(s > 0.5, d - self._d, self._s - s))
-
-    def distance(self, r: Array, from_edge: Array, z: Array) -> Array:
-        """Return how far points are from the tails, shape (points, panels)."""
-        before = self._sign * self._before(r, from_edge)[:, None]
+    def distance(self, beyond: Array, z: Array) -> Array:
+        """Return how far points so far outward of the boundary are, shape (points, panels)."""
+        before = -self._sign * beyond[:, None]
         gap = np.maximum(np.maximum(before - self.lengths, -before), 0.0)
         return np.asarray(np.hypot(gap, z[:, None]))

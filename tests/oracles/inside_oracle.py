@@ -224,24 +224,21 @@ def over_rings(solution, from_edge, z, count=1500):
     the radius of a break of the profile may do on a smooth surface.
     """
     nu, r = solution.scene.poisson_ratio, 1.0 - from_edge
-    inner = {zone.outer_from_edge for zone in solution.zones} | set(_breaks(solution))
-    ends = sorted({0.0, 1.0, *(one for one in (*inner, from_edge) if 0.0 < one < 1.0)})
+    inner = {(zone.outer_from_edge, zone.outer) for zone in solution.zones}
+    inner |= {(one, 1.0 - one) for one in _breaks(solution)}
+    ends = {(0.0, 1.0), (1.0, 0.0), *(one for one in inner if 0.0 < one[0] < 1.0)}
+    ends = sorted(ends | {(from_edge, r)}) if 0.0 < from_edge < 1.0 else sorted(ends)
     t = np.linspace(-4.3, 4.3, 2 * count + 1)
     step = 4.3 / count
     low, high = (1.0 / (1.0 + np.exp(sign * np.pi * np.sinh(t))) for sign in (-1.0, 1.0))
     slope = np.pi * np.cosh(t) * low * high
     sums = np.zeros((2, 5))
     for first, last in pairwise(ends):
-        length = last - first
-        d = first + length * low
-        s = length * high if last == 1.0 else 1.0 - d
+        length = last[0] - first[0] if first[1] > 0.5 else first[1] - last[1]
+        d, s = first[0] + length * low, last[1] + length * high
         # from the end that is closer to the point, next to which the difference is exact
-        if abs(first - from_edge) < abs(last - from_edge):
-            ahead = (first - from_edge) + length * low
-        else:
-            ahead = (last - from_edge) - length * high
-        if last == from_edge:
-            s = r - ahead
+        before, behind = (one[0] - from_edge if r > 0.5 else r - one[1] for one in (first, last))
+        ahead = before + length * low if abs(before) < abs(behind) else behind - length * high
         near = np.where((s > 0.0) & (d > 0.0), 1.0, 0.0)
         s, d = np.maximum(s, 1e-300), np.maximum(d, 1e-300)
         g = rings.geometry(np.full_like(s, r), np.full_like(s, z), s, ahead)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.inside_oracle import hankel, stuck
+from oracles.inside_oracle import hankel, over_rings, stuck
 
 from spectral_contact import NotComputedError, Scene, SceneError, solve
 from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress
@@ -71,6 +71,41 @@ def test_smooth_contact_that_sticks_is_met_down_to_edge_and_surface(from_edge, z
     expected = stuck(0.2, 1.0 - from_edge, z, from_edge)
     for true, estimate in deviations(body, expected, from_edge=from_edge, z=z):
         assert true <= estimate < 1e-12
+
+
+#: With layers and with none, where the traction is a square root at the boundary of stick and slip,
+#: and what estimates next to it are below: without layers the boundary's own error is part of it.
+BOUNDED = {
+    "layers": (Scene(0.1, 0.5, 0.5, 0.1), 5e-11),
+    "no layers": (Scene(0.1, 0.0, 0.0, 0.2), 1e-7),
+}
+
+
+@pytest.mark.parametrize("name", BOUNDED)
+def test_next_to_the_boundary_of_stick_and_slip_no_digits_are_lost(name):
+    """There radii cannot be told apart, but distances from the boundary can."""
+    scene, known_to = BOUNDED[name]
+    solution = solve(scene, rtol=1e-12)
+    boundary = solution.zones[0].outer_from_edge
+    for away in (1e-8, -1e-8, 1e-10, -1e-12):
+        for z in (0.1 * abs(away), 3.0 * abs(away)):
+            points = {"from_edge": boundary + away, "z": z}
+            exact, known = over_rings(solution, **points)
+            assert np.max(known[:4]) < 1e-11 * np.max(np.abs(exact[:4]))
+            for true, estimate in deviations(solution.inside, exact, **points):
+                assert true <= min(estimate, 1e-11)
+                assert estimate < known_to
+
+
+def test_estimates_next_to_a_boundary_know_that_it_may_be_elsewhere():
+    scene = Scene(0.1, 0.5, 0.0, 0.2)
+    rough, fine = (solve(scene, rtol=rtol) for rtol in (1e-6, 1e-12))
+    away = np.array([1e-12, -1e-12, 1e-10, 1e-8, -1e-6])
+    points = {"from_edge": fine.zones[0].outer_from_edge + away, "z": 0.3 * np.abs(away)}
+    stress, moved = fine.inside.stress(**points), fine.inside.displacement(**points)
+    exact = [stress.rr, stress.tt, stress.zz, stress.rz, moved.r, moved.z]
+    for true, estimate in deviations(rough.inside, exact, **points):
+        assert np.all(true <= estimate)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -195,7 +195,7 @@ def next_to(solution, places, rng):
     zones = [zone.outer_from_edge for zone in solution.zones if zone.outer_from_edge > 0.0]
     if places + zones:
         place = rng.choice(places + zones, POINTS // 2)
-        size = 10.0 ** rng.uniform(-9.0, -1.0, POINTS // 2) * np.minimum(place, 1.0 - place)
+        size = 10.0 ** rng.uniform(-12.0, -1.0, POINTS // 2) * np.minimum(place, 1.0 - place)
         from_edge[::2] = place + size * rng.choice([-1.0, 1.0], POINTS // 2)
         z[::2] = size * rng.uniform(0.05, 5.0, POINTS // 2)
     return from_edge, z
