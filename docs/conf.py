@@ -13,10 +13,15 @@ import spectral_contact
 project = "spectral_contact"
 copyright = "2026, the spectral_contact authors"
 version = release = spectral_contact.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
 # formulas without a script from elsewhere, and buttons to copy examples
 extensions += ["sphinx-mathjax-offline", "sphinx_copybutton"]
 exclude_patterns = ["_build"]
+# Pages that are notebooks run when the site is built, and stop it where they fail.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+nb_output_stderr = "remove"  # lines of progress
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 default_role = "py:obj"

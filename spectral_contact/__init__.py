@@ -41,6 +41,7 @@ from spectral_contact.spectral.cache import cache_sizes, clear_caches
 
 if TYPE_CHECKING:
     from spectral_contact import asperities as asperities
+    from spectral_contact import benchmarks as benchmarks
     from spectral_contact import calibration as calibration
     from spectral_contact import closed_forms as closed_forms
     from spectral_contact import gold as gold
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from spectral_contact.studies import compare as compare
     from spectral_contact.sweeps import sweep as sweep
     from spectral_contact.view import plotting as plotting
+    from spectral_contact.view.explorer import explore as explore
     from spectral_contact.view.physical import PhysicalSolution as PhysicalSolution
 
 __all__ = [
@@ -75,11 +77,13 @@ __all__ = [
     "Work",
     "Zone",
     "asperities",
+    "benchmarks",
     "cache_sizes",
     "calibration",
     "clear_caches",
     "closed_forms",
     "compare",
+    "explore",
     "fit",
     "gold",
     "paper",
@@ -99,9 +103,11 @@ __version__ = "0.2.0"
 _LAZY: dict[str, tuple[str, str | None]] = {
     "PhysicalSolution": ("spectral_contact.view.physical", "PhysicalSolution"),
     "asperities": ("spectral_contact.asperities", None),
+    "benchmarks": ("spectral_contact.benchmarks", None),
     "calibration": ("spectral_contact.calibration", None),
     "closed_forms": ("spectral_contact.closed_forms", None),
     "compare": ("spectral_contact.studies", "compare"),
+    "explore": ("spectral_contact.view.explorer", "explore"),
     "fit": ("spectral_contact.calibration", "fit"),
     "gold": ("spectral_contact.gold", None),
     "paper": ("spectral_contact.paper", None),

@@ -18,6 +18,7 @@ All of them keep their attributes when pickled, so that they cross process bound
 """
 
 import pickle
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ __all__ = [
     "SceneError",
     "SolutionFileError",
     "SpectralContactError",
+    "optional",
     "shown",
 ]
 
@@ -160,6 +162,20 @@ class MissingDependencyError(SpectralContactError, ImportError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return self._rebuilt_from(self.module, self.extra)
+
+
+def optional(module: str, extra: str) -> Any:
+    """Return a package that an extra installs.
+
+    Raises
+    ------
+    MissingDependencyError
+        If it cannot be imported.
+    """
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise MissingDependencyError(module, extra) from error
 
 
 def shown(value: object) -> str:

@@ -172,9 +172,14 @@ def workers(count: int) -> Iterator[Executor | None]:
     try:
         yield pool
     except BaseException:
-        for process in multiprocessing.active_children():
-            if process not in others:
-                process.terminate()
+        # the pool drops what is called off before it hears that a worker is gone: Python 3.11 has
+        # a traceback for what was called off and lost its worker, too
+        pool.shutdown(wait=False, cancel_futures=True)
+        own = [one for one in multiprocessing.active_children() if one not in others]
+        for process in own:
+            process.terminate()
+        for process in own:
+            process.join()
         raise
     finally:
         pool.shutdown(cancel_futures=True)

@@ -7,7 +7,7 @@ tractions in P/a², displacements in 4(1−ν²)P/(aE), compliances in 4(1−ν�
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from importlib import import_module
 from typing import Any, Final, Self
@@ -115,15 +115,20 @@ class Scene:
         *,
         youngs_modulus: Measured,
         poisson_ratio: float,
-        radius: Measured,
+        radius: Measured | None = None,
         load: Measured | None = None,
         approach: Measured | None = None,
+        contact_radius: Measured | None = None,
+        profile: Profile | None = None,
         normal_compliance: Measured = 0.0,
         tangential_compliance: Measured = 0.0,
         friction: float | None = None,
         coupling: bool = False,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
+
+        With a profile it is one of load, approach and contact radius, there is no radius, and the
+        scene has the lengths in m and loads in E' m², with E' = E/(4(1−ν²)).
 
         Where pint is installed, everything that has a unit may also be text, as ``"210 GPa"`` and
         ``"50 nm/MPa"``, or a quantity of pint.
@@ -135,11 +140,15 @@ class Scene:
         poisson_ratio : float
             ν of the half-space, in (−1, 0.5].
         radius : float
-            a of the punch [m], finite and > 0.
+            a of a flat punch [m], finite and > 0.
         load : float, optional
             Normal force P [N], finite and > 0.
         approach : float, optional
             Rigid approach δ of the punch [m], finite and > 0.
+        contact_radius : float, optional
+            a under a profile [m], finite and > 0.
+        profile : Profile, optional
+            What the punch looks like, its lengths in m; flat by default.
         normal_compliance : float
             α of the roughness [m/Pa], 0 or such that α* = αE/(4(1−ν²)a) is in [1e-14, 1e14].
         tangential_compliance : float
@@ -152,22 +161,38 @@ class Scene:
         Raises
         ------
         SceneError
-            If a value is not a real number in its range, or both or neither of load and approach
-            are given.
+            If a value is not a real number in its range, or not one of load, approach and contact
+            radius is given.
         MissingDependencyError
             If text has a unit and pint is not installed.
+
+        Examples
+        --------
+        >>> from spectral_contact import Scene, profiles
+        >>> ball = profiles.Parabola(radius=10e-6)
+        >>> scene = Scene.from_physical(
+        ...     youngs_modulus=70e9, poisson_ratio=0.2, load=5e-3, profile=ball
+        ... )
         """
         poisson_ratio = checked_poisson_ratio(poisson_ratio)
+        if radius is None and profile is None:
+            raise SceneError("radius", None, "given, in m: that of the flat punch")
         physical = PhysicalData(
             youngs_modulus=in_si("youngs_modulus", youngs_modulus, "Pa"),
             radius=in_si("radius", radius, "m"),
             load=in_si("load", load, "N"),
             approach=in_si("approach", approach, "m"),
+            contact_radius=in_si("contact_radius", contact_radius, "m"),
             normal_compliance=in_si("normal_compliance", normal_compliance, "m/Pa"),
             tangential_compliance=in_si("tangential_compliance", tangential_compliance, "m/Pa"),
         )
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
-        return cls(poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling)
+        shape: Any = (
+            {} if profile is None else {"profile": profile, **physical.drive(poisson_ratio)}
+        )
+        return cls(
+            poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling, **shape
+        )
 
     def replace(self, **changes: Any) -> Self:
         """Return a changed copy, checked anew.
@@ -196,9 +221,8 @@ class Scene:
         given = self._arguments()
         for name in changes:
             one_of("the name of a parameter", name, given)
-        for name, other in (("load", "approach"), ("approach", "load")):
-            if changes.get(name) is not None:
-                changes.setdefault(other, None)
+        if any(changes.get(name) is not None for name in CONTROLS):
+            changes = {**dict.fromkeys(CONTROLS), **changes}
         return type(self).from_physical(**{**given, **changes})
 
     def _arguments(self) -> dict[str, Any]:
@@ -206,8 +230,8 @@ class Scene:
         own = {name: getattr(self, name) for name in _names(Scene) if name != "physical"}
         if self.physical is None:
             return own
-        flat = {name: value for name, value in own.items() if name not in ("profile", *CONTROLS)}
-        return {**flat, **asdict(self.physical)}
+        rest = {name: value for name, value in own.items() if name not in CONTROLS}
+        return {**rest, **asdict(self.physical)}
 
     def __repr__(self) -> str:
         made_by = type(self).__name__ + ".from_physical" * (self.physical is not None)
@@ -245,9 +269,10 @@ class Scene:
         values = {**asdict(self), "friction": friction, "profile": self.profile}
         if self.profile is not None:
             values["profile"] = profile_tree(self.profile)
-        for one in fields(self):
-            if left_out(one, values[one.name]):
-                del values[one.name]
+        for whole, part in ((self, values), (self.physical, values["physical"])):
+            for one in fields(whole) if whole is not None else ():
+                if left_out(one, part[one.name]):
+                    del part[one.name]
         return {"schema": _SCHEMA, "version": _VERSION, **values}
 
     @classmethod
@@ -269,7 +294,7 @@ class Scene:
         elif isinstance(friction, float) and math.isinf(friction):  # JSON's 1e999 is read so
             raise SceneError("friction", friction, 'finite, or the string "inf"')
         if values["physical"] is not None:
-            _check_keys(values["physical"], _names(PhysicalData), 'in "physical", ')
+            _check_keys(values["physical"], PhysicalData, 'in "physical", ')
             values["physical"] = PhysicalData(**values["physical"])
         if values.get("profile") is not None:
             values["profile"] = profile_from(values["profile"])
@@ -301,10 +326,15 @@ class Scene:
         # Else dataclasses.replace(scene, normal_compliance=…) would leave SI data of another scene.
         if not isinstance(self.physical, PhysicalData):
             raise SceneError("physical", self.physical, "None or a PhysicalData")
-        implied = self.physical.dimensionless_compliances(self.poisson_ratio)
-        for name, number in zip(
-            ("normal_compliance", "tangential_compliance"), implied, strict=True
-        ):
+        if (self.physical.radius is None) == (self.profile is None):
+            told = "given for a flat punch and None with a profile, whose lengths are in m"
+            raise SceneError("radius", self.physical.radius, told)
+        compliances = self.physical.dimensionless_compliances(self.poisson_ratio)
+        names = ("normal_compliance", "tangential_compliance")
+        implied = dict(zip(names, compliances, strict=True))
+        if self.profile is not None:
+            implied |= self.physical.drive(self.poisson_ratio)
+        for name, number in implied.items():
             if getattr(self, name) != number:
                 remedy = "change it by Scene.from_physical, or pass physical=None as well"
                 raise SceneError(
@@ -335,12 +365,13 @@ def _check_schema(data: Any) -> None:
     if type(version) is not int or version != _VERSION:
         reason = f"version {shown(version)} is not known to this release, which reads {_VERSION}"
         raise SolutionFileError("scene", reason)
-    younger = [one.name for one in fields(Scene) if one.metadata == YOUNGER]
-    required = [name for name in _names(Scene) if name not in younger]
-    _check_keys(data, ["schema", "version", *required], "", younger)
+    _check_keys(data, Scene, "", "schema", "version")
 
 
-def _check_keys(data: Any, expected: list[str], where: str, optional: Iterable[str] = ()) -> None:
-    complaint = key_complaint(data, expected, optional)
+def _check_keys(data: Any, cls: Any, where: str, *more: str) -> None:
+    """Refuse what does not have the keys of a data class, of which the younger may be missing."""
+    younger = [one.name for one in fields(cls) if one.metadata == YOUNGER]
+    required = [name for name in _names(cls) if name not in younger]
+    complaint = key_complaint(data, [*more, *required], younger)
     if complaint:
         raise SolutionFileError("scene", f"{where}{complaint}")

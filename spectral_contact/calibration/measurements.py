@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
-from spectral_contact.equations.residuals import load as moment
+from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import finite, real
 from spectral_contact.inputs.choices import instance, one_of
@@ -49,8 +49,13 @@ class Data(Protocol):
     def predict(self, setting: Setting, layer: Layer) -> Array:
         """Return what the theory says of the values."""
 
-    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
-        """Return the derivative of `predict` by the logarithm of a parameter it depends on."""
+    def slope(
+        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
+    ) -> Array:
+        """Return the derivative of `predict` by the logarithm of a parameter it depends on.
+
+        What is predicted here, if it is known, saves half the solves, and some digits.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,15 +115,18 @@ class ApproachData:
             setting, lambda a: setting.solve(a, layer, "approach").approach, lambda a: 1.0 / a
         )
 
-    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
-        """Return ∂δ/∂ln α, exactly, from dδ*/dα* = 2π∫p*²s ds."""
+    def slope(
+        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
+    ) -> Array:
+        """Return ∂δ/∂ln α, exactly, by reciprocity, whatever is predicted."""
         _check(setting, layer)
+        _known(self, predicted)
         alpha = layer[one_of("name", name, self.depends_on)]
         assert alpha is not None
 
         def energy(a: float) -> float:
             pressure = setting.solve(a, layer, "pressure").pressure
-            return 2.0 * math.pi * moment(lambda d: np.square(pressure(from_edge=d)))
+            return approach_slope(lambda d: pressure(from_edge=d))
 
         unit = alpha * setting.stiffness
         return self._scaled(setting, energy, lambda a: unit / a**2)
@@ -208,9 +216,11 @@ class PressureData:
             )
         return np.asarray(star * (load / a**2))
 
-    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
-        """Return ∂p/∂ln α by central differences."""
-        return _slope_by_differences(self, setting, layer, name)
+    def slope(
+        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
+    ) -> Array:
+        """Return ∂p/∂ln α by differences; one-sided ones if what is predicted here is known."""
+        return _slope_by_differences(self, setting, layer, name, predicted)
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,9 +298,14 @@ class StickRadiusData:
         }
         return np.asarray(radii * np.array([stars[one] for one in punches], dtype=float))
 
-    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
-        """Return the derivative of c by the logarithm of a parameter, by central differences."""
-        return _slope_by_differences(self, setting, layer, name)
+    def slope(
+        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
+    ) -> Array:
+        """Return the derivative of c by the logarithm of a parameter, by differences.
+
+        They are one-sided if what is predicted here is known.
+        """
+        return _slope_by_differences(self, setting, layer, name, predicted)
 
 
 def _check(setting: object, layer: object) -> None:
@@ -306,19 +321,37 @@ def _check(setting: object, layer: object) -> None:
         raise SceneError("layer", layer, f"a mapping of {', '.join(PARAMETERS)}")
 
 
-def _slope_by_differences(data: Data, setting: Setting, layer: Layer, name: str) -> Array:
+def _known(data: Data, predicted: ArrayLike | None) -> Array | None:
+    """Check what is said to be predicted: a number for each that was measured, or None."""
+    if predicted is None:
+        return None
+    values, count = _finite("predicted", predicted), len(data.measured)
+    if len(values) != count:
+        raise SceneError("predicted", predicted, f"{count} numbers, or None")
+    return np.array(values)
+
+
+def _slope_by_differences(
+    data: Data, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None
+) -> Array:
     """Return the derivative of a prediction by the logarithm of a parameter, by differences.
 
-    The step h balances the errors of the two solves, rtol/h, against h²/6: (3 rtol)^{1/3}.
+    The step h balances the errors of the two solves with that of the difference: central ones have
+    rtol/h against h²/6, (3 rtol)^{1/3}; one-sided ones 2 rtol/h against h/2, 2 rtol^{1/2}.
     """
     _check(setting, layer)
+    here = _known(data, predicted)
     value = layer[one_of("name", name, data.depends_on)]
     assert value is not None
+
+    def moved(step: float) -> Array:
+        return data.predict(setting, {**layer, name: value * math.exp(step)})
+
+    if here is not None:
+        step = 2.0 * math.sqrt(setting.rtol)
+        return np.asarray((moved(step) - here) / step)
     step = math.cbrt(3.0 * setting.rtol)
-    low, high = (
-        data.predict(setting, {**layer, name: value * math.exp(sign * step)}) for sign in (-1, 1)
-    )
-    return np.asarray((high - low) / (2.0 * step))
+    return np.asarray((moved(step) - moved(-step)) / (2.0 * step))
 
 
 def _each(star: Callable[[float], float], radii: Array) -> Array:

@@ -59,6 +59,7 @@ class Setting:
         nu, data = scene.poisson_ratio, scene.physical
         if data is None:
             return cls(nu, 1.0, 1.0, 1.0, rtol)
+        assert data.radius is not None  # a flat punch has one
         stiffness = data.youngs_modulus / (4.0 * (1.0 - nu) * (1.0 + nu))
         return cls(nu, stiffness, data.radius, data.load, rtol)
 

@@ -1,4 +1,4 @@
-"""The command line: ``spectral-contact solve``, ``inside``, ``sweep``, ``paper``, ``study`` ...
+"""The command line: ``spectral-contact solve``, ``inside``, ``sweep``, ``explore`` ...
 
 Also ``python -m spectral_contact``.
 
@@ -12,12 +12,13 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 import spectral_contact
 from spectral_contact.cli import benchmark as cli_benchmark
+from spectral_contact.cli import explore as cli_explore
 from spectral_contact.cli import inside as cli_inside
 from spectral_contact.cli import scene as cli_scene
 from spectral_contact.cli import study as cli_study
@@ -33,6 +34,7 @@ from spectral_contact.errors import (
 from spectral_contact.inputs.choices import suggestion
 from spectral_contact.paper import FIGURES, reproduce
 from spectral_contact.processes import PROGRAM, failed, guarded
+from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES, Plan, Solution
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
@@ -123,6 +125,7 @@ def _parser() -> _Parser:
     _add_studies(commands)
     _add_sweep(commands)
     _add_benchmarks(commands)
+    _add_explore(commands)
     return parser
 
 
@@ -175,6 +178,7 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
     )
     cli_scene.add_scene(command)
     cli_scene.add_physical(command)
+    add_profile(command)
     cli_inside.add_options(command)
     command.set_defaults(run=_inside)
 
@@ -217,18 +221,29 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Measure errors against solutions to many digits, and times.",
         allow_abbrev=False,
     )
-    kinds = study.add_subparsers(dest="kind", metavar="kind", required=True)
-    for kind, about in cli_study.KINDS.items():
-        command = kinds.add_parser(
-            kind,
-            help=about,
-            description=f"{about.capitalize()}. A run that was stopped goes on from its --store.",
-            epilog="Exit status: 0 done, 1 no truth, 2 bad input or file, 130 interrupted.",
-            allow_abbrev=False,
-        )
+    resumed = " A run that was stopped goes on from its --store."
+    for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth,"):
         cli_scene.add_scene(command)
         cli_study.add_options(command, kind)
         command.set_defaults(run=_study)
+
+
+def _kinds(
+    parent: _Parser, kinds: Mapping[str, str], more: str = "", status: str = ""
+) -> Iterator[tuple[str, _Parser]]:
+    """Add the kinds of a command, and yield each with its parser."""
+    parsers = parent.add_subparsers(dest="kind", metavar="kind", required=True)
+    for kind, about in kinds.items():
+        yield (
+            kind,
+            parsers.add_parser(
+                kind,
+                help=about,
+                description=f"{about.capitalize()}.{more}",
+                epilog=f"Exit status: 0 done,{status} 2 bad input or file, 130 interrupted.",
+                allow_abbrev=False,
+            ),
+        )
 
 
 def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
@@ -253,26 +268,42 @@ def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Ten problems with numbers and fields to test other codes against.",
         allow_abbrev=False,
     )
-    kinds = benchmark.add_subparsers(dest="kind", metavar="kind", required=True)
-    for kind, about in cli_benchmark.KINDS.items():
-        command = kinds.add_parser(
-            kind,
-            help=about,
-            description=f"{about.capitalize()}.",
-            epilog="Exit status: 0 done, 2 bad input or file, 130 interrupted.",
-            allow_abbrev=False,
-        )
+    for kind, command in _kinds(benchmark, cli_benchmark.KINDS):
         cli_benchmark.add_options(command, kind)
         command.set_defaults(run=lambda arguments: print(cli_benchmark.run(arguments)))
+
+
+def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "explore",
+        help="look at scenes while they are moved, in a browser",
+        description="Serve a page with sliders on this machine alone, until Ctrl-C (needs the "
+        "extra: explore). The scene is the one to begin with.",
+        epilog="Exit status: 0 ended by Ctrl-C, 2 bad input or no free port.",
+        allow_abbrev=False,
+    )
+    cli_scene.add_scene(command)
+    cli_scene.add_physical(command)
+    add_profile(command)
+    cli_explore.add_options(command)
+    command.set_defaults(
+        run=lambda arguments: cli_explore.run(
+            arguments, _scene(arguments), lambda address: print(address, flush=True)
+        )
+    )
 
 
 # --- from options to a solution -------------------------------------------------------------------
 
 
+def _scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options: under a profile, in SI units, or dimensionless."""
+    return profile_scene(arguments) if profile_given(arguments) else cli_scene.scene(arguments)
+
+
 def _solve(arguments: argparse.Namespace) -> None:
     """Check everything that can be checked, solve, write the files and print the report."""
-    shaped = profile_given(arguments)
-    scene = profile_scene(arguments) if shaped else cli_scene.scene(arguments)
+    shaped, scene = profile_given(arguments), _scene(arguments)
     quantities = arguments.quantities
     if quantities is not None and "approach" in vars(arguments) and not shaped:
         quantities = ("approach", *quantities)  # SI values hang on the load, hence on it

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.cli.options import UsageError, number, values
-from spectral_contact.cli.scene import scene, si_given
+from spectral_contact.cli.profile import profile_given, profile_scene
+from spectral_contact.cli.scene import scene
+from spectral_contact.errors import NotComputedError
 from spectral_contact.interior import Extreme, Inside
 from spectral_contact.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.io.documents import netcdf, read_file, replace_file, reported
@@ -35,7 +37,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
             f"--{name}",
             type=values,
             metavar="VALUES",
-            help=f"{meaning} of a grid: numbers (0.1,0.2) or LOW:HIGH:COUNT, in punch radii, or "
+            help=f"{meaning} of a grid: numbers (0.1,0.2) or LOW:HIGH:COUNT, in contact radii, or "
             "in m for a scene in SI units (default: 0 to two radii)",
         )
     group.add_argument(
@@ -72,8 +74,10 @@ def run(arguments: argparse.Namespace) -> str:
     given = None if points is None else _read(points)
     if arguments.plot is not None:
         plotting.require()
-    solution = solve(scene(arguments), min(arguments.rtol, 1e-10))
-    body = solution.physical.inside if si_given(arguments) else solution.inside
+    shaped = profile_given(arguments)
+    wanted = profile_scene(arguments) if shaped else scene(arguments)
+    solution = solve(wanted, min(arguments.rtol, 1e-10))
+    body = solution.inside if wanted.physical is None else solution.physical.inside
     if output is not None:
         content = _content(body, arguments, given, suffix)
         with reported(output, "cannot be written"):
@@ -92,7 +96,7 @@ def _content(
         return netcdf(body.to_xarray(r, z, rtol=arguments.rtol))
     places = np.meshgrid(r, z) if given is None else given
     found = body.to_table(*places, rtol=arguments.rtol)
-    return as_npz(found) if suffix == ".npz" else as_csv(found, body.si)
+    return as_npz(found) if suffix == ".npz" else as_csv(found, body.unit_names)
 
 
 def _read(path: str) -> tuple[Array, Array]:
@@ -120,10 +124,14 @@ def _summary(body: Inside, solution: Solution) -> str:
     cells: list[tuple[str, ...]] = [("", "largest", "at r", "at z", "error", "")]
     for name in ("von_mises", "max_shear", "surface_tension"):
         cells.append((name, *_said(body.largest(name))))
-    energies = body.energies()
+    told = f"{solution!r}\n{table(cells)}"
+    try:
+        energies = body.energies()
+    except NotComputedError as error:
+        return f"{told}\n{error}"
     parts = ("external", "strain", "layer", "friction", "defect")
     work = [("energy", "value"), *((name, f"{getattr(energies, name):.12g}") for name in parts)]
-    return f"{solution!r}\n{table(cells)}\n{table(work)}"
+    return f"{told}\n{table(work)}"
 
 
 def _said(found: Extreme) -> tuple[str, ...]:

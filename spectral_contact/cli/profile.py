@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, Final
 
 from spectral_contact.cli.options import UsageError, number
+from spectral_contact.inputs.units import in_si
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS
 from spectral_contact.scene import Scene
@@ -30,17 +32,22 @@ _OWN: Final = {
     "coefficient": "of a power law",
     "exponent": "of a power law",
 }
-_SHARED: Final[tuple[str, ...]] = ("radius", "load", "approach")
-_SI_ONLY: Final = ("youngs_modulus", "normal_compliance_si", "tangential_compliance_si")
+_SHARED: Final = {"radius": "m", "load": "N", "approach": "m"}
+_COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
+_SI_ONLY: Final = ("youngs_modulus", *(f"{name}_si" for name in _COMPLIANCES))
 
 
-def add_profile(command: argparse.ArgumentParser) -> None:
-    """Add the options of a scene with a profile; what is not given is no attribute."""
+def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] = number) -> None:
+    """Add the options of a scene with a profile; what is not given is no attribute.
+
+    What tells how far it is pressed in is read by `control`.
+    """
     group = command.add_argument_group(
         "scene with a profile",
-        "All lengths are in one length L, loads in E' L^2 with E' = E / (4 (1 - nu^2)), "
-        "compliances in L / E': --radius, --load and --approach are numbers then. Poisson's ratio "
-        "defaults to 0.3 and the compliances to 0; there is no friction unless it is given.",
+        "With --youngs-modulus in SI units, lengths in m. Else all lengths are in one length L, "
+        "loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances in L / E': --radius, --load and "
+        "--approach are numbers then. Poisson's ratio defaults to 0.3 (in SI units it is "
+        "required) and the compliances to 0; there is no friction unless it is given.",
     )
     group.add_argument(
         "--profile",
@@ -49,8 +56,9 @@ def add_profile(command: argparse.ArgumentParser) -> None:
         help="what the punch looks like (default: flat)",
     )
     for name, meaning in _OWN.items():
+        kind = control if name == "contact-radius" else number
         group.add_argument(
-            f"--{name}", type=number, metavar="X", default=argparse.SUPPRESS, help=meaning
+            f"--{name}", type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
         )
 
 
@@ -73,28 +81,44 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
     given = vars(arguments)
     if "profile" not in given:
         raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of a profile")
-    values = _numbers(given)
+    si = not set(_SI_ONLY).isdisjoint(given)
+    if si:
+        _check_si(given)
+    values = _numbers(given, si)
     kind = _NAMED[given["profile"]]
     needed = [one.name for one in fields(kind)]  # type: ignore[arg-type]
     _check_complete(given["profile"], needed, values)
-    controls: dict[str, Any] = {name: values.get(name) for name in CONTROLS}
-    return Scene(
-        given.get("poisson_ratio", 0.3),
-        given.get("normal_compliance", 0.0),
-        given.get("tangential_compliance", 0.0),
-        given.get("friction"),
-        coupling=arguments.coupling,
-        profile=kind(**{name: values[name] for name in needed}),
-        **controls,
-    )
+    rest: dict[str, Any] = {
+        name: given[name] for name in ("youngs_modulus", "friction") if name in given
+    }
+    scene: dict[str, Any] = {
+        "poisson_ratio": given.get("poisson_ratio", 0.3),
+        **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
+        **{name: values[name] for name in CONTROLS if name in values},
+        "profile": kind(**{name: values[name] for name in needed}),
+        "coupling": arguments.coupling,
+        **rest,
+    }
+    return Scene.from_physical(**scene) if si else Scene(**scene)
 
 
-def _numbers(given: dict[str, Any]) -> dict[str, float]:
-    """Return what is given of profile and contact, none of it in SI units."""
-    mixed = [name for name in _SI_ONLY if name in given]
+def _check_si(given: dict[str, Any]) -> None:
+    """Refuse what mixes SI with dimensionless numbers, be they given or defaults."""
+    mixed = [name for name in _COMPLIANCES if name in given]
     if mixed:
-        raise UsageError(f"{_flag(mixed[0])} is in SI units, which --profile does not take")
-    values = {name: _plain(name, given[name]) for name in _SHARED if name in given}
+        raise UsageError(f"{_flag(mixed[0])} is dimensionless: use {_flag(mixed[0])}-si, in m/Pa")
+    missing = [_flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
+    if missing:
+        raise UsageError(f"SI input needs {' and '.join(missing)}: there are no defaults for it")
+
+
+def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:
+    """Return what is given of profile and contact; a unit is understood in SI units alone."""
+    values = {
+        name: in_si(name, given[name], unit) if si else _plain(name, given[name])
+        for name, unit in _SHARED.items()
+        if name in given
+    }
     own = [name.replace("-", "_") for name in _OWN]
     return {**values, **{name: given[name] for name in own if name in given}}
 

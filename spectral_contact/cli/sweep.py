@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from spectral_contact.cli.options import friction, number, values, whole
+from spectral_contact.cli.options import UsageError, friction, number, values, whole
+from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
 from spectral_contact.inputs.checks import whole as checked_whole
 from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.processes import workers
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps import plot_slice, sweep
@@ -40,9 +42,17 @@ def add_options(command: argparse.ArgumentParser) -> None:
         group.add_argument(
             f"--{name.replace('_', '-')}",
             type=_frictions if name == "friction" else values,
-            default=[default],
+            default=argparse.SUPPRESS,
             metavar="VALUES",
             help=f"{meaning} (default: {default})",
+        )
+    add_profile(command, values)
+    group = command.add_argument_group("how far it is pressed in, and its size")
+    about = {"load": "instead of --contact-radius", "approach": "the same", "radius": "of the tip"}
+    for name, meaning in about.items():
+        kind = number if name == "radius" else values
+        group.add_argument(
+            f"--{name}", type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
         )
     group = command.add_argument_group("request")
     group.add_argument("--rtol", type=number, default=1e-8, help="(default: %(default)s)")
@@ -94,15 +104,9 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
     """
     if arguments.plot is not None:
         plotting.require()
-    single, axes = {}, {}
-    for name in _PARAMETERS:
-        values = getattr(arguments, name)
-        if len(values) == 1:
-            single[name] = values[0]
-        else:
-            axes[name] = values
-    # an axis is checked with the axes; until then its place is taken by what is always allowed
-    base = Scene(**{"poisson_ratio": 0.3, **single})
+    lists = {name: vars(arguments)[name] for name in (*_PARAMETERS, *CONTROLS) if name in arguments}
+    axes = {name: several for name, several in lists.items() if len(several) > 1}
+    base = _base(arguments, {name: several[0] for name, several in lists.items()})
     with workers(checked_whole("workers", arguments.workers, 1)) as executor:
         return sweep(
             base,
@@ -114,6 +118,16 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
             executor=executor,
             store=arguments.store,
         )
+
+
+def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
+    """Return the scene of the first values."""
+    if profile_given(arguments):
+        return profile_scene(argparse.Namespace(**vars(arguments) | first, coupling=False))
+    alien = [name for name in ("radius", *CONTROLS) if name in arguments]
+    if alien:
+        raise UsageError(f"--{alien[0]} needs --profile")
+    return Scene(**{name: default for name, (default, _) in _PARAMETERS.items()} | first)
 
 
 def write(dataset: xarray.Dataset, arguments: argparse.Namespace) -> None:

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import exp, inf, isfinite, isinf, log
+from math import exp, inf, isfinite, isinf, log, pi
+
+import numpy as np
 
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
@@ -25,8 +27,12 @@ Contact = Indentation | Refinement[Indentation]
 _STEPS, _LONGEST = 60, 3.0
 #: Steps from which on a secant is taken for the slope.
 _CLOSE = 0.5
+#: Share of the tolerance that what was asked for, and what follows from the radius, may be off.
+_SHARE = 0.02
 #: Relative rounding of a value, at which a step ends the search.
 _ROUNDING = 2e-15
+#: Distances from edge and breaks between which the slope of the pressure is taken.
+_PLACES = np.geomspace(_ROUNDING, 1.0, 61)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +73,7 @@ def find_radius(
     load: float | None,
     approach: float | None,
     pointwise: bool,
+    near: float | None = None,
 ) -> tuple[Contact, float]:
     """Return the contact under a load or approach, and the relative error of its radius.
 
@@ -77,34 +84,45 @@ def find_radius(
         As of `solve_indentation`.
     load, approach : float or None
         One of them.
+    near : float or None
+        Where the radius may be.
 
     Raises
     ------
     SceneError
         If no contact smaller than the profile carries it.
     """
-    search = _RadiusSearch(profile, load, approach)
+    search = _RadiusSearch(profile, load, approach, near)
 
     def solved(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
         return lambda radius: solve_indentation(
             profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
         )
 
-    near = max(0.02 * tolerance, _ROUNDING)
+    off = max(_SHARE * tolerance, _ROUNDING)
     # a poor space knows what is integrated as well as a rich one knows the pressure
-    search.run(solved(tolerance, False), near, rough=True)
-    search.run(solved(tolerance, pointwise), near)
-    return search.found()
+    search.run(solved(tolerance, False), off, rough=True)
+    search.run(solved(tolerance, pointwise), off)
+    found, error = search.found()
+    if pointwise:
+        rate = _pressure_rate(_value(found), profile)
+        if rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
+            search.run(solved(tolerance, pointwise), max(off / rate, _ROUNDING))
+            return search.found()
+    return found, error
 
 
 class _RadiusSearch:
     """Newton's method, bracketed."""
 
-    def __init__(self, profile: Profile, load: float | None, approach: float | None) -> None:
+    def __init__(
+        self, profile: Profile, load: float | None, approach: float | None, near: float | None
+    ) -> None:
         self.profile, self.load, self.approach = profile, load, approach
         self.at = _RadiusScale(profile)
         size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
-        self.v = self.at.place(profile.flat_part + 0.5 * size)
+        known = near is not None and profile.flat_part < near < profile.reach
+        self.v = self.at.place(near if known and near else profile.flat_part + 0.5 * size)
         self.low, self.high = -inf, inf
         self.last: Contact | None = None
         self.misfit = inf
@@ -174,22 +192,48 @@ class _RadiusSearch:
         one = _value(self.last)
         of_value = one.load_error if self.approach is None else one.approach_error
         # errors of load and approach at this radius are those of a radius that is a little off
-        error = (of_value + abs(self.misfit)) / self.slope * self.at.slope(one.radius) / one.radius
-        growth = one.growth * one.radius
+        off = of_value + 2.0 * abs(self.misfit)  # the slope is not known to all digits
+        error = off / self.slope * self.at.slope(one.radius) / one.radius
+        # by how much the approach moves with the radius, and with it P = dW/ddelta
+        moved = one.growth * one.radius * error
+        of_load = one.stiffness * moved / one.load
+        best = replace(
+            one,
+            work_error=one.work_error + one.load * moved / one.work,
+            # grows like the radius on a smooth surface, like its square in a layer
+            stiffness_error=one.stiffness_error + 2.0 * error,
+            pressure_error=one.pressure_error
+            + max(of_load, _pressure_rate(one, self.profile) * error),
+        )
         if self.approach is None:
             assert self.load is not None
-            moved = growth * error / one.approach
-            best = replace(
-                one, load=self.load, load_error=0.0, approach_error=one.approach_error + moved
-            )
+            of_approach = one.approach_error + moved / one.approach
+            best = replace(best, load=self.load, load_error=0.0, approach_error=of_approach)
         else:
-            moved = growth * one.stiffness * error / one.load
-            best = replace(
-                one, approach=self.approach, approach_error=0.0, load_error=one.load_error + moved
-            )
+            of_load += one.load_error
+            best = replace(best, approach=self.approach, approach_error=0.0, load_error=of_load)
         if isinstance(self.last, Refinement):
             return replace(self.last, best=replace(self.last.best, value=best)), error
         return best, error
+
+
+def _pressure_rate(one: Indentation, profile: Profile) -> float:
+    """Return the largest ``dp/dln a`` at a given ``s``, of the pressure or its mean.
+
+    It is ``flat ddelta/da + s dp/ds``, taken between places graded to the edge and to breaks.
+    """
+    if one.pressure is None or one.flat is None:
+        return 0.0
+    a, mean = one.radius, one.load / (pi * one.radius**2)
+    inside = [b / a for b in profile.breaks if b < a]
+    from_edge = np.concatenate([[1.0], _PLACES, *(1.0 - b + _PLACES for b in inside)])
+    from_edge = np.append(from_edge, [one for b in inside for one in 1.0 - b - _PLACES])
+    from_edge = np.unique(from_edge[(from_edge >= 0.0) & (from_edge <= 1.0)])
+    s = 1.0 - from_edge
+    p, flat = one.pressure(s, from_edge), one.flat(s, from_edge)
+    slope = -np.diff(p) / np.diff(from_edge)
+    moved = (one.growth * (flat[1:] + flat[:-1]) + (s[1:] + s[:-1]) * slope) / 2.0
+    return float((np.abs(moved) / np.maximum(np.minimum(p[1:], p[:-1]), mean)).max())
 
 
 def _value(solved: Contact) -> Indentation:

@@ -74,6 +74,8 @@ class Indentation:
         ``ddelta/da``, to some digits.
     pressure : PressureField or ZonalField or None
         Over ``s = r/a``; None if it was not wanted and is not needed for the rest.
+    flat : PressureField or ZonalField or None
+        ``a dp/ddelta`` at the radius ``a``: the pressure of a flat punch.
     approach_error, load_error, work_error, stiffness_error : float
         Estimates of relative errors.
     pressure_error : float
@@ -87,6 +89,7 @@ class Indentation:
     stiffness: float
     growth: float
     pressure: PressureField | ZonalField | None
+    flat: PressureField | ZonalField | None
     approach_error: float
     load_error: float
     work_error: float
@@ -228,6 +231,7 @@ class _IndentationProblem:
             4.0 * a * flat_moment,
             self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
             self.parts.field(series),
+            self.parts.field(_series(used, solved.flat)) if self.pointwise else None,
             shifted / approach + ROUNDING,
             (shifted * flat_moment + errors.load) / moment + ROUNDING,
             (4.0 * shifted * moment + errors.work) / energy + ROUNDING,
@@ -326,6 +330,7 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
         8.0 * a,
         float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
         None if pressure is None else parts.field(pressure.series),
+        None,
         ROUNDING,
         2.0 * ROUNDING,
         2.0 * ROUNDING,

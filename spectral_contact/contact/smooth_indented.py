@@ -17,7 +17,7 @@ from spectral_contact.contact.resolution import PANEL_WIDTH
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.annulus import Family, sampled_series
-from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parted import Parts
 from spectral_contact.spectral.transforms import transforms
@@ -26,10 +26,8 @@ __all__ = ["SmoothPressure", "smooth_pressure"]
 
 Array = NDArray[np.float64]
 
-#: Quadrature: panels that shrink by this factor towards a break, so many, with so many points.
-_RATIO, _PANELS, _POINTS = 0.3, 44, 20
-#: Points where there is neither a break nor a tip.
-_PLAIN = 60
+#: Quadrature towards a break or tip, and where there is none: points, panels, and their ratio.
+_GRADED, _PLAIN = (20, 44, 0.3), (60, 1, 0.0)
 #: A pressure that grows by less over a panel in the logarithm of the distance has a limit.
 _LIMIT = 1e-7
 #: Degree on a panel; panels to the edge, where what is over the weight is smooth, and to a break:
@@ -83,7 +81,7 @@ def _values(profile: Profile, radius: float, parts: Parts, family: Family) -> Ar
     at_edge = family.boundary is EDGE
     points = family.points(transforms(family.panels).distances)
     bounds = (*parts.breaks, EDGE)
-    rule, weights = _graded_rule() if len(parts.ends) > 1 else _plain_rule()
+    rule, weights = graded_rule(*(_GRADED if len(parts.ends) > 1 else _PLAIN))
     total = np.zeros(len(points.offset))
     for k, outer in enumerate(bounds):
         inner = CENTRE if k == 0 else bounds[k - 1]
@@ -105,17 +103,3 @@ def _values(profile: Profile, radius: float, parts: Parts, family: Family) -> Ar
         # the last interval has the factor sqrt(d), which the weight stands for
         total += sums * (np.sqrt(family.reach) if at_edge else np.sqrt(extent))
     return np.asarray(2.0 / pi * total)
-
-
-def _graded_rule() -> tuple[Array, Array]:
-    """Return a rule on (0, 1) graded to 0."""
-    g, w = gauss_rule(_POINTS)
-    ends = np.append(_RATIO ** np.arange(_PANELS), 0.0)
-    low, width = ends[1:, None], -np.diff(ends)[:, None]
-    return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
-
-
-def _plain_rule() -> tuple[Array, Array]:
-    """Return a rule on (0, 1)."""
-    g, w = gauss_rule(_PLAIN)
-    return (1.0 + g) / 2.0, w / 2.0

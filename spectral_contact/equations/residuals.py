@@ -18,7 +18,7 @@ from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
 from spectral_contact.inputs.checks import real, values_at
 from spectral_contact.inputs.choices import function, listed
 
-__all__ = ["load", "normal_displacement", "shear_lift", "tangential_displacement"]
+__all__ = ["approach_slope", "load", "normal_displacement", "shear_lift", "tangential_displacement"]
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
@@ -59,6 +59,22 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
 
     cuts = sorted({inside, 1.0, *(b for b in breaks if inside < b < 1.0)})
     return sum(_integral(integrand, near, far) for near, far in pairwise(cuts))
+
+
+def approach_slope(pressure: Field) -> float:
+    """Return ``ddelta*/dalpha* = 2 pi int p**2 s ds``, by reciprocity of (3.5).
+
+    Parameters
+    ----------
+    pressure : callable
+        ``p*`` as a function of an array of distances from the edge.
+
+    Raises
+    ------
+    SceneError
+        As `load` does.
+    """
+    return 2.0 * np.pi * load(lambda d: np.square(pressure(d)))
 
 
 def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[float] = ()) -> float:

@@ -6,7 +6,7 @@ overflows, 1−ν² does not cancel, and the same input gives the same bits ever
 
 import decimal
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Final
 
@@ -22,40 +22,54 @@ LARGEST_COMPLIANCE: Final = 1e14
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PhysicalData:
-    """The SI data of a scene, beside its Poisson's ratio and friction.
+    """The SI data of a scene, beside its Poisson's ratio, friction and profile.
+
+    One of load and approach is given, or, under a profile, of load, approach and contact radius.
 
     Parameters
     ----------
     youngs_modulus : float
         E of the half-space [Pa], finite and > 0.
-    radius : float
-        a of the punch [m], finite and > 0.
+    radius : float or None
+        a of a flat punch [m], finite and > 0; None under a profile, whose lengths are in m.
     load : float or None
-        Normal force P [N], finite and > 0; None if the approach is given.
+        Normal force P [N], finite and > 0.
     approach : float or None
-        Rigid approach δ of the punch [m], finite and > 0; None if the load is given.
+        Rigid approach δ of the punch [m], finite and > 0.
     normal_compliance : float
         α, normal displacement of the roughness per pressure [m/Pa], finite and >= 0.
     tangential_compliance : float
         β, radial displacement of the roughness per traction [m/Pa], finite and >= 0.
+    contact_radius : float or None
+        a under a profile [m], finite and > 0.
 
     Raises
     ------
     SceneError
-        If a value is not a real number in its range, or both or neither of load and approach
-        are given.
+        If a value is not a real number in its range, or not one of load, approach and contact
+        radius is given.
     """
 
     youngs_modulus: float
-    radius: float
+    radius: float | None = None
     load: float | None = None
     approach: float | None = None
     normal_compliance: float = 0.0
     tangential_compliance: float = 0.0
+    contact_radius: float | None = field(default=None, metadata={"younger": True})
 
     def __post_init__(self) -> None:
-        exactly_one("load", self.load, "approach", self.approach)
-        for name in ("youngs_modulus", "radius", "approach" if self.load is None else "load"):
+        drives = ("contact_radius", "load", "approach")
+        given = [name for name in drives if getattr(self, name) is not None]
+        if self.radius is not None:
+            if self.contact_radius is not None:
+                told = "None with a radius, that of a flat punch"
+                raise SceneError("contact_radius", self.contact_radius, told)
+            exactly_one("load", self.load, "approach", self.approach)
+        elif len(given) != 1:
+            values = tuple(getattr(self, name) for name in drives)
+            raise SceneError(", ".join(drives), values, "one value and two None: give one of them")
+        for name in ("youngs_modulus", *given, *(() if self.radius is None else ("radius",))):
             object.__setattr__(self, name, _positive(name, getattr(self, name)))
         for name in ("normal_compliance", "tangential_compliance"):
             value = getattr(self, name)
@@ -74,14 +88,43 @@ class PhysicalData:
         ------
         SceneError
             If ν is out of range, or one of the results is neither 0 nor in [1e-14, 1e14].
+
+        Notes
+        -----
+        Under a profile a is 1 m here, the unit of its lengths.
         """
-        unit = _four_one_minus_square(nu) * Fraction(self.radius) / Fraction(self.youngs_modulus)
+        unit = self._length / self._reduced(nu)
         return (
             _dimensionless("normal_compliance", self.normal_compliance, "α* = αE/(4(1−ν²)a)", unit),
             _dimensionless(
                 "tangential_compliance", self.tangential_compliance, "β* = βE/(4(1−ν²)a)", unit
             ),
         )
+
+    def drive(self, nu: float) -> dict[str, float]:
+        """Return what is given of a contact under a profile, lengths in m, loads in E' m².
+
+        Raises
+        ------
+        SceneError
+            If ν is out of range, or the load is beyond the normal doubles.
+        """
+        if self.load is not None:
+            load = Fraction(self.load) / self._reduced(nu)
+            return {"load": _representable("load", self.load, "P/E'", "m²", load)}
+        given = {"approach": self.approach, "contact_radius": self.contact_radius}
+        return {name: value for name, value in given.items() if value is not None}
+
+    def reduced_modulus(self, nu: float) -> float:
+        """Return E' = E/(4(1−ν²)) [Pa], by which p, q and, in m², P under a profile are multiplied.
+
+        Raises
+        ------
+        SceneError
+            If ν is out of range, or the result is beyond the normal doubles.
+        """
+        told = "E' = E/(4(1−ν²))"
+        return _representable("youngs_modulus", self.youngs_modulus, told, "Pa", self._reduced(nu))
 
     def load_for(self, approach_star: float, nu: float) -> float:
         """Return the load P [N]: the one given, or that of the approach given.
@@ -120,7 +163,7 @@ class PhysicalData:
             If the load is out of range, or the scale is beyond the normal doubles.
         """
         load = _positive("load", load)
-        scale = Fraction(load) / Fraction(self.radius) ** 2
+        scale = Fraction(load) / self._length**2
         return _representable("load", load, "the pressure P/a²", "Pa", scale)
 
     def displacement_scale(self, load: float, nu: float) -> float:
@@ -142,8 +185,16 @@ class PhysicalData:
         scale = _four_one_minus_square(nu) * Fraction(load) / self._stiffness()
         return _representable("load", load, "the displacement 4(1−ν²)P/(aE)", "m", scale)
 
+    @property
+    def _length(self) -> Fraction:
+        """The reference length [m]: that of a profile is 1 m."""
+        return Fraction(1 if self.radius is None else self.radius)
+
+    def _reduced(self, nu: float) -> Fraction:
+        return Fraction(self.youngs_modulus) / _four_one_minus_square(nu)
+
     def _stiffness(self) -> Fraction:
-        return Fraction(self.radius) * Fraction(self.youngs_modulus)
+        return self._length * Fraction(self.youngs_modulus)
 
 
 def checked_poisson_ratio(value: object, name: str = "poisson_ratio") -> float:

@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, Final, Protocol
 
-from spectral_contact.errors import MissingDependencyError, SceneError
+from spectral_contact.errors import MissingDependencyError, SceneError, optional
 
 __all__ = ["Measured", "Quantity", "has_unit", "in_si"]
 
@@ -87,8 +87,4 @@ def _converted(text: str, unit: str) -> Fraction:
 @cache
 def _registry() -> Any:
     """Return a registry whose arithmetic is exact, for one rounding to be the only one."""
-    try:
-        import pint
-    except ImportError as error:
-        raise MissingDependencyError("pint", "units") from error
-    return pint.UnitRegistry(non_int_type=Fraction)
+    return optional("pint", "units").UnitRegistry(non_int_type=Fraction)

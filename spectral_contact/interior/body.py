@@ -3,58 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
-from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.inputs import checks, choices
+from spectral_contact.interior import places
 from spectral_contact.interior.energies import energies
 from spectral_contact.interior.extremes import MEASURES, largest
-from spectral_contact.interior.grids import columns, dataset
+from spectral_contact.interior.grids import UnitNames, Units, columns, dataset, own_units
 from spectral_contact.interior.integrals import Integrals
-from spectral_contact.interior.mesh import Evaluator, Points
+from spectral_contact.interior.mesh import AXIS, Evaluator, Points
 from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
 from spectral_contact.interior.sampling import (
-    AXIS,
     Sampler,
     displacement_error,
     stress_error,
     stresses,
 )
-from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.solution import Solution
+from spectral_contact.threads import cached_property
+from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Inside", "Units"]
+__all__ = ["Inside"]
 
 Array = NDArray[np.float64]
 
-#: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
-_BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
+#: At how many radii the largest traction is looked for.
+_LOOKS = 513
 #: How far points may be, in radii of the punch; seventh powers of distances are formed.
 _FARTHEST = 1e30
 #: What is closer to the edge, or to the surface, is at it.
 _NEAREST = 1e-100
-
-
-@dataclass(frozen=True, slots=True)
-class Units:
-    """What a length, a stress and a displacement are multiplied by; 1 for dimensionless ones."""
-
-    length: float = 1.0
-    stress: float = 1.0
-    displacement: float = 1.0
-
-    @property
-    def si(self) -> bool:
-        """Whether they are SI units."""
-        return self != Units()
 
 
 class Inside:
@@ -62,7 +48,8 @@ class Inside:
 
     Points are given by their distance from the axis, or from the edge, and their depth. Everything
     is in the units of the solution: `Solution.inside` is dimensionless as the paper is, and
-    `PhysicalSolution.inside` in SI units.
+    `PhysicalSolution.inside` in SI units. Under a profile places are over the contact radius, as
+    those of the pressure are, displacements in L and stresses in E'.
 
     The loads are the pressure and the traction of the solution, and what is shown is the
     response of an elastic half-space to both. In a scene without coupling the model leaves
@@ -78,29 +65,39 @@ class Inside:
     SceneError
         If one of them is something else.
     NotComputedError
-        If the pressure or the traction was not asked for.
+        If the pressure or the traction was not asked for; under a profile contact radius and load.
     """
 
     def __init__(self, solution: Solution, units: Units | None = None) -> None:
         self._solution = choices.instance("solution", solution, Solution)
-        self._units = Units() if units is None else choices.instance("units", units, Units)
-        refuse_profile(solution.scene, "the inside of the body")
+        own = own_units(solution)
+        self._units = own if units is None else choices.instance("units", units, Units)
         self._nu = solution.scene.poisson_ratio
         pressure, traction = solution.pressure_field, solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed
         solution.traction(0.5)
         self._sheared = traction is not None
         loads: list[Evaluator] = [
-            _nothing if field is None else field for field in (pressure, traction)
+            _nothing if field is None else places.finite(field) for field in (pressure, traction)
         ]
-        ends, folds = _boundaries(pressure, traction), self._folds()
-        self._sampler = Sampler(ends, folds, *loads, sheared=self._sheared, nu=self._nu)
+        self._singular = places.singular(solution)
+        self._sampler = Sampler(
+            places.grading(solution),
+            loads[0],
+            loads[1],
+            self._floors(),
+            sheared=self._sheared,
+            nu=self._nu,
+        )
 
-    def _folds(self) -> int:
-        scene = self._solution.scene
-        smooth = scene.normal_compliance == 0.0
-        smooth |= self._sheared and scene.tangential_compliance == 0.0
-        return _SINGULAR_FOLDS if smooth else _BOUNDED_FOLDS
+    def _floors(self) -> tuple[float, float]:
+        """Return what the errors of the loads are relative to at least."""
+        solution = self._solution
+        if solution.scene.profile is None:
+            return 0.0, 0.0
+        s = np.linspace(0.0, 1.0, _LOOKS)
+        mean = solution.load / (np.pi * solution.contact_radius**2)
+        return mean, float(np.abs(solution.traction(s)).max())
 
     def _points(
         self, r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None
@@ -167,6 +164,7 @@ class Inside:
         sums = self._sampler.displacement(points, _tolerance(rtol))
         arm = np.where(points.r > AXIS, points.r, 0.0)
         error = displacement_error(sums.values, self._errors(sums), arm)
+        error = error + (self._solution.error.contact_radius or 0.0)
         unit = self._units.displacement / (4.0 * (1.0 - self._nu))
         out, down = sums.values[1] * arm * unit + 0.0, sums.values[0] * unit
         return Displacement(*_shaped(shape, out, down, error))
@@ -199,20 +197,23 @@ class Inside:
         Raises
         ------
         SceneError
-            As `displacement`, and for a point at the edge itself (closer than 1e-16 of the
-            radius), where the stress is infinite or depends on the direction.
+            As `displacement`, and for a point (closer than 1e-16 of the radius) at the edge of a
+            flat punch, or at a tip or corner on a smooth surface, where the stress is infinite or
+            depends on the direction.
         """
         points, shape = self._points(r, z, from_edge)
-        if np.any(points.at_edge):
+        if np.any(places.within(points, self._singular)):
             raise SceneError(
                 "r, z" if from_edge is None else "from_edge, z",
                 (r if from_edge is None else from_edge, z),
-                "at least 1e-16 of the radius away from the edge, where stresses have no limit",
+                "at least 1e-16 of the radius away from the edge of a flat punch, and from where "
+                "pressure is infinite: stresses have no limit there",
             )
         sums = self._sampler.stress(points, _tolerance(rtol))
         four = stresses(sums.values, self._nu)
         four[3] = np.where(points.r > AXIS, four[3], 0.0)
         error = stress_error(sums.values, self._errors(sums), self._nu)
+        error = error + places.lost(points, self._solution)
         return Stress(*_shaped(shape, *(four * self._units.stress), error))
 
     def surface(
@@ -243,26 +244,43 @@ class Inside:
             If the approach was not asked for.
         """
         moved = self.displacement(r, 0.0, from_edge=from_edge, rtol=rtol)
-        approach = self._solution.approach * self._units.displacement
-        return Surface(moved.r, moved.z, approach - moved.z, moved.error)
+        gap = self._approach - moved.z
+        profile = self._solution.scene.profile
+        if profile is not None:
+            radius = np.asarray(1.0 - np.asarray(from_edge) if r is None else r, dtype=float)
+            place = radius * self._solution.contact_radius
+            known = place <= profile.reach
+            height = profile.height(np.where(known, place, 0.0))
+            gap = np.where(known, np.where(radius <= 1.0, gap - height, height - gap), np.nan)[()]
+        return Surface(moved.r, moved.z, gap, moved.error)
+
+    @property
+    def _approach(self) -> float:
+        """Approach in the units of the displacements."""
+        return self._solution.approach * (self._units.displacement if self.flat else 1.0)
 
     @property
     def radius(self) -> float:
-        """Radius of the punch in the units of the points."""
+        """Radius of the contact in the units of the points."""
         return self._units.length
 
     @property
-    def si(self) -> bool:
-        """Whether points and results are in SI units."""
-        return self._units.si
+    def flat(self) -> bool:
+        """Whether the punch is flat."""
+        return self._solution.scene.profile is None
 
-    def at_edge(self, r: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.bool_]:
-        """Return which points are at the edge, closer than 1e-16: there stresses have no limit.
+    @property
+    def unit_names(self) -> UnitNames:
+        """Units of points, displacements and stresses."""
+        return self._units.names
+
+    def is_singular(self, r: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.bool_]:
+        """Return at which points `stress` refuses, as it has no limit there.
 
         Parameters and errors are those of `displacement`.
         """
         points, shape = self._points(r, z, None)
-        return points.at_edge.reshape(shape)
+        return places.within(points, self._singular).reshape(shape)
 
     def to_table(
         self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None
@@ -272,7 +290,7 @@ class Inside:
         Parameters
         ----------
         r, z, rtol
-            As for `stress`; at the edge itself stresses are NaN.
+            As for `stress`; where it refuses, stresses are NaN.
 
         Returns
         -------
@@ -296,7 +314,7 @@ class Inside:
         r, z : array_like, one-dimensional
             Radii and depths of the grid.
         rtol : float, optional
-            As for `stress`; at the edge itself stresses are NaN.
+            As for `stress`; where it refuses, stresses are NaN.
 
         Returns
         -------
@@ -334,7 +352,7 @@ class Inside:
             For another measure.
         """
         choices.one_of("measure", measure, MEASURES)
-        own = Inside(self._solution)
+        own = self._unscaled
         found = largest(
             measure,
             self._solution,
@@ -344,10 +362,15 @@ class Inside:
         length = self._units.length
         return replace(found, value=value, r=found.r * length, z=found.z * length)
 
-    def energies(self) -> Energies:
+    def energies(self, *, progress: bool | None = None) -> Energies:
         """Return what the work of the load becomes: elastic energy, friction, and a defect.
 
         Takes some seconds.
+
+        Parameters
+        ----------
+        progress : bool, optional
+            Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
         Returns
         -------
@@ -356,16 +379,26 @@ class Inside:
         Raises
         ------
         NotComputedError
-            If the approach or the slip was not asked for.
+            If the approach or the slip was not asked for; with friction under a profile, as it
+            dissipates while the contact grows.
         """
-        own = Inside(self._solution)
-        unit = self._units.stress * self._units.length**2 * self._units.displacement
-        return energies(
-            self._solution,
-            self._sampler.coarser,
-            lambda points: own.displacement(from_edge=points.from_edge),
-            unit,
-        )
+        own, units = self._unscaled, self._units
+        size = 1.0 if self.flat else self._solution.contact_radius
+        unit = units.stress * units.length**2 * units.displacement * size
+        with ProgressLine(progress) as tell:
+            return energies(
+                self._solution,
+                self._sampler.coarser,
+                lambda points: own.displacement(from_edge=points.from_edge),
+                unit,
+                tell,
+            )
+
+    @cached_property
+    def _unscaled(self) -> Inside:
+        """The same in the units of the solution."""
+        same = self._units == own_units(self._solution)
+        return self if same else Inside(self._solution)
 
     def _errors(self, sums: Integrals) -> Array:
         """Return absolute errors of the integrals."""
@@ -381,18 +414,6 @@ class Inside:
 
 def _nothing(s: Array, from_edge: Array) -> Array:
     return np.zeros(np.shape(s))
-
-
-def _boundaries(*fields: object) -> list[Radius]:
-    """Return the ends of all zones of the fields, with the centre and the edge."""
-    inner = {
-        piece.outer.value: piece.outer
-        for field in fields
-        if isinstance(field, ZonalField)
-        for piece in field.pieces
-        if piece.outer.from_edge > 0.0
-    }
-    return [CENTRE, *(inner[value] for value in sorted(inner)), EDGE]
 
 
 def _length(name: str, values: Any, unit: float, high: float = _FARTHEST) -> Array:

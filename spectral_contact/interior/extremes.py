@@ -1,7 +1,8 @@
 """The largest von Mises stress, shear stress and surface tension: where, or why there is none.
 
-Places are searched in toroidal coordinates (see `patches`), in which the edge is infinitely far
-away: a coarse net brackets the largest values, and each bracket is narrowed down.
+Places are searched in coordinates in which the edge, or another place where loads are not smooth,
+is infinitely far away (`charts`): a coarse net brackets the largest values, and each bracket is
+narrowed down.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 
-from spectral_contact.interior.mesh import Points
-from spectral_contact.interior.patches import from_toroidal
+from spectral_contact.interior.charts import Chart, CoordinateLine, around
+from spectral_contact.interior.mesh import AXIS, Points
+from spectral_contact.interior.places import boundaries, distance, pointed, singular
 from spectral_contact.interior.results import Extreme, Stress
 
 if TYPE_CHECKING:
+    from spectral_contact.fields.series import Radius
     from spectral_contact.solution import Solution
 
 __all__ = ["MEASURES", "largest"]
@@ -32,24 +35,27 @@ MEASURES: dict[str, Callable[[Stress], Array]] = {
     "max_shear": lambda stress: np.asarray(stress.max_shear),
     "surface_tension": lambda stress: np.asarray(stress.principal[0]),
 }
-#: Where the edge is looked at: stresses there hang on the direction alone.
+#: How far from the edge stress that depends on the direction alone is looked at.
 _AT_EDGE = 1e-15
-#: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.
-_LINE, _NET = 241, (61, 41)
-_FARTHEST, _CLOSEST = 1e-3, 35.0
-#: What the net is accurate to.
-_COARSE = 1e-6
+#: How close to an infinite pressure a place counts as it.
+_AT_TIP = 1e-7
+#: What the nets are accurate to.
+_COARSE = 1e-8
 #: A bracket is narrowed to this share of its place.
 _NARROW = 1e-9
+#: Nodes of the nets with a smaller share of the largest value are not followed up.
+_WORTH = 0.8
+#: So many of a net are.
+_PEAKS = 3
 
 
 class _Found(NamedTuple):
-    """A local maximum: its coordinates, and how fast values fall around it."""
+    """A local maximum: where it is, how fast values fall around, and over which distance."""
 
     value: float
-    tau: float
-    sigma: float
+    at: Points
     fall: float
+    share: float
 
 
 def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
@@ -67,31 +73,38 @@ def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
     reason = _tension_grows(solution) if tension else _shear_grows(solution)
     if reason:
         return Extreme(None, 1.0, 0.0, None, None, attained=False, remark=f"no bound: {reason}")
+    best = _search(MEASURES[name], solution, stress, tension)
+    if solution.scene.profile is None:
+        edge, error = _edge(MEASURES[name], solution, stress, tension)
+        if edge > best.value * (1.0 - 1e-9):
+            remark = "the supremum, approached at the edge"
+            return Extreme(edge, 1.0, 0.0, error, 0.0, attained=False, remark=remark)
+    return _extreme(best, solution, stress)
 
-    def measure(tau: Array, sigma: Array, rtol: float | None = None) -> Array:
-        return MEASURES[name](stress(from_toroidal(tau, sigma), rtol))
 
-    found = [_on_line(measure, sigma) for sigma in (0.0, np.pi)]
-    if not tension:
-        found += [_on_axis(measure), *_in_body(measure)]
-    top = max(one.value for one in found)
-    best = next(one for one in found if one.value >= top * (1.0 - 1e-13))
-    edge, error = _edge(MEASURES[name], solution, stress, tension)
-    if edge > best.value * (1.0 - 1e-9):
-        remark = "the supremum, approached at the edge"
-        return Extreme(edge, 1.0, 0.0, error, 0.0, attained=False, remark=remark)
-    at = from_toroidal(np.array([best.tau]), np.array([best.sigma]))
-    here = stress(at, None)
+def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
+    """Return what was found with its errors."""
+    here = stress(best.at, None)
     error = float(here.error[0] * here.norm[0] / best.value) if best.value else 0.0
     drop = 2.0 * best.value * max(error, 1e-15)
-    place = float(np.sqrt(drop / best.fall) + _NARROW) if drop else 0.0
-    r, z = float(at.r[0]), float(at.z[0])
-    r = 0.0 if best.tau == 0.0 else r
+    place = float(np.sqrt(drop / best.fall) + _NARROW) * best.share if drop else 0.0
+    r, z = float(best.at.r[0]), float(best.at.z[0])
+    r = 0.0 if r <= max(AXIS, place * float(best.at.to_edge[0])) else r
+    for tip in singular(solution):  # at nu = 0.5 stress next to it depends on the direction alone
+        away = float(distance(best.at, tip)[0])
+        if away < _AT_TIP:
+            remark = "the supremum, approached where the pressure is infinite"
+            error += 20.0 * away
+            return Extreme(best.value, tip.value, 0.0, error, 0.0, attained=False, remark=remark)
     return Extreme(best.value, r, z, error, place, attained=True, remark="attained")
 
 
 def _shear_grows(solution: Solution) -> str:
-    """Return why shear stresses have no bound at the edge; nothing if they have one."""
+    """Return why shear stresses have no bound; nothing if they have one."""
+    if solution.scene.profile is not None:
+        # under a pressure that is locally uniform all stresses are it, or (1 + 2 nu) / 2 of it
+        infinite = singular(solution) and solution.scene.poisson_ratio < 0.5
+        return "the pressure is infinite at a tip or a corner" if infinite else ""
     if not np.isfinite(solution.pressure(1.0)):
         return "the pressure of a smooth surface is infinite at the edge"
     if solution.traction_field is not None and solution.traction(1.0) != 0.0:
@@ -102,8 +115,11 @@ def _shear_grows(solution: Solution) -> str:
 def _tension_grows(solution: Solution) -> str:
     """Return why tension on the surface has no bound at the edge; nothing if it has one.
 
-    A traction that is outward next to the edge presses on the material before and behind it.
+    A traction that is outward next to the edge presses on the material before and behind it. Under
+    a profile both loads go to zero at the edge.
     """
+    if solution.scene.profile is not None:
+        return ""
     pressure, traction = (one(1.0) for one in (solution.pressure, solution.traction))
     if np.isnan(pressure):
         return "pressure and traction change sign infinitely often towards the edge"
@@ -112,27 +128,56 @@ def _tension_grows(solution: Solution) -> str:
     return ""
 
 
-def _on_line(measure: Callable[..., Array], sigma: float) -> _Found:
-    """Return the largest value on the free surface (sigma 0) or on the contact (pi)."""
-    taus = np.geomspace(_FARTHEST, _CLOSEST, _LINE)
+def _search(
+    of: Callable[[Stress], Array], solution: Solution, stress: StressAt, tension: bool
+) -> _Found:
+    """Return the largest value that is found on all charts, and at places next to them."""
+    ends = boundaries(solution)
+    charts = around(ends, centre=pointed(solution))
 
-    def of(tau: Array, rtol: float | None = None) -> Array:
-        return measure(tau, np.full_like(tau, sigma), rtol)
+    def on(chart: Chart) -> Callable[..., Array]:
+        return lambda u, v, rtol=None: of(stress(chart.points(u, v), rtol))
 
-    return _along(of, taus, fixed=sigma, axis=0)
-
-
-def _on_axis(measure: Callable[..., Array]) -> _Found:
-    """Return the largest value on the axis."""
-    sigmas = np.linspace(_FARTHEST, np.pi, _LINE)
-
-    def of(sigma: Array, rtol: float | None = None) -> Array:
-        return measure(np.zeros_like(sigma), sigma, rtol)
-
-    return _along(of, sigmas, fixed=0.0, axis=1)
+    flat = solution.scene.profile is None
+    found = [] if flat else _at_places(of, solution, stress, ends)
+    lines = [(one, line) for one in charts for line in one.lines if line.on_surface or not tension]
+    found += [_along(chart, on(chart), line) for chart, line in lines]
+    if not tension:
+        found += _off_lines(charts, on, max(one.value for one in found))
+    top = max(one.value for one in found)
+    return next(one for one in found if one.value >= top * (1.0 - 1e-13))
 
 
-def _along(of: Callable[..., Array], grid: Array, fixed: float, axis: int) -> _Found:
+def _off_lines(
+    charts: list[Chart], on: Callable[[Chart], Callable[..., Array]], known: float
+) -> list[_Found]:
+    """Return the local maxima off the boundaries of the charts that may exceed what is known."""
+    peaks = [(one, *peak) for one in charts for peak in _peaks(one, on(one))]
+    worth = _WORTH * max(known, *(value for _, value, _ in peaks))
+    high = [(chart, start) for chart, value, start in peaks if value >= worth]
+    return [one for chart, start in high for one in _climbed(chart, on(chart), start)]
+
+
+def _at_places(
+    of: Callable[[Stress], Array], solution: Solution, stress: StressAt, ends: list[Radius]
+) -> list[_Found]:
+    """Return the values where loads are not smooth, but stress has a limit."""
+    infinite, found = singular(solution), []
+    for end in ends:
+        if end not in infinite:
+            one = np.array([max(end.value, AXIS)]), np.array([end.from_edge]), np.zeros(1)
+            value = float(of(stress(Points(*one), None))[0])
+            found.append(_Found(value, Points(*one), np.inf, 0.0))
+    return found
+
+
+def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) -> _Found:
+    """Return the largest value on a line."""
+    grid = line.grid
+
+    def of(x: Array, rtol: float | None = None) -> Array:
+        return measure(*line.both(x), rtol)
+
     k = int(np.argmax(of(grid, _COARSE)))
     low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
     narrow = {"xatol": _NARROW * high}
@@ -143,50 +188,43 @@ def _along(of: Callable[..., Array], grid: Array, fixed: float, axis: int) -> _F
     value, at = max((-float(best.fun), float(best.x)), (node, float(grid[k])))
     step = 1e-3 * (high - low)
     fall = _fall(value, of(np.clip(np.array([at - step, at + step]), grid[0], grid[-1])), step)
-    tau, sigma = (at, fixed) if axis == 0 else (fixed, at)
-    return _Found(value, tau, sigma, fall)
+    u, v = line.both(np.array([at]))
+    return _Found(value, chart.points(u, v), fall, chart.share(float(u[0])))
 
 
-def _in_body(measure: Callable[..., Array]) -> list[_Found]:
-    """Return the largest local maxima off the surface and the axis."""
-    taus = np.linspace(0.0, _CLOSEST, _NET[0])
-    taus = np.concatenate([np.linspace(0.0, 3.0, _NET[0]), taus[taus > 3.0]])
-    sigmas = np.linspace(0.0, np.pi, _NET[1])[1:-1]
-    tau, sigma = (one.ravel() for one in np.meshgrid(taus, sigmas, indexing="ij"))
-    values = measure(tau, sigma, _COARSE).reshape(len(taus), len(sigmas))
-    peaks = _peaks(values)
+def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[_Found]:
+    """Return the local maximum next to a node of a net, if it is inside the chart."""
 
-    def reflected(x: Array) -> float:
-        """Return minus the value, mirrored at the axis and at the surface."""
-        angle = np.abs(np.mod(x[1] + np.pi, 2.0 * np.pi) - np.pi)
-        return -float(measure(np.array([min(abs(x[0]), _CLOSEST)]), np.array([angle]))[0])
+    def negative(x: Array) -> float:
+        u, v = chart.reflected(float(x[0]), float(x[1]))
+        return -float(measure(np.array([u]), np.array([v]))[0])
 
-    found = []
-    for i, j in peaks:
-        start = np.array([taus[i], sigmas[j]])
-        options = {"xatol": _NARROW, "fatol": 1e-15, "initial_simplex": start + 0.03 * _SIMPLEX}
-        best = minimize(reflected, start, method="Nelder-Mead", options=options)
-        across, around_edge = abs(float(best.x[0])), float(best.x[1])
-        if 0.0 < around_edge < np.pi and across < _CLOSEST:
-            around = [-reflected(best.x + 1e-3 * step) for step in np.vstack([_CROSS, -_CROSS])]
-            fall = _fall(-best.fun, around, 1e-3)
-            found.append(_Found(-float(best.fun), across, around_edge, fall))
-    return found
+    options = {"xatol": _NARROW, "fatol": 1e-15, "initial_simplex": start + 0.03 * _SIMPLEX}
+    best = minimize(negative, start, method="Nelder-Mead", options=options)
+    u, v = float(best.x[0]), float(best.x[1])
+    if not chart.inside(u, v):
+        return []
+    near = [-negative(best.x + 1e-3 * step) for step in np.vstack([_CROSS, -_CROSS])]
+    u, v = chart.reflected(u, v)
+    at = chart.points(np.array([u]), np.array([v]))
+    return [_Found(-float(best.fun), at, _fall(-best.fun, near, 1e-3), chart.share(u))]
 
 
 _SIMPLEX = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 _CROSS = np.eye(2)
 
 
-def _peaks(values: Array) -> list[tuple[int, int]]:
-    """Return the two largest nodes of a net that no neighbour exceeds."""
+def _peaks(chart: Chart, measure: Callable[..., Array]) -> list[tuple[float, Array]]:
+    """Return the largest nodes of a net that no neighbour exceeds, with their values."""
+    u, v = (one.ravel() for one in np.meshgrid(*chart.net, indexing="ij"))
+    rows, columns = (len(one) for one in chart.net)
+    values = measure(u, v, _COARSE).reshape(rows, columns)
     padded = np.pad(values, 1, constant_values=-np.inf)
     shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-    rows, columns = values.shape
-    around = np.max([padded[i : i + rows, j : j + columns] for i, j in shifts], axis=0)
-    where = np.argwhere(values >= around)
-    order = np.argsort([-values[i, j] for i, j in where])[:2]
-    return [(int(where[k][0]), int(where[k][1])) for k in order]
+    highest = np.max([padded[i : i + rows, j : j + columns] for i, j in shifts], axis=0)
+    where = np.flatnonzero((values >= highest).ravel())
+    order = where[np.argsort(-values.ravel()[where])][:_PEAKS]
+    return [(float(values.flat[k]), np.array([u[k], v[k]])) for k in order]
 
 
 def _fall(value: float, around: object, step: float) -> float:

@@ -1,21 +1,34 @@
-"""Stress and displacement as tables: named columns, an xarray dataset, a file."""
+"""Stress and displacement as tables: units, named columns, an xarray dataset, a file."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.errors import MissingDependencyError
+from spectral_contact.errors import optional
 
 if TYPE_CHECKING:
     import xarray
 
     from spectral_contact.interior.body import Inside
+    from spectral_contact.solution import Solution
 
-__all__ = ["QUANTITIES", "as_csv", "as_npz", "columns", "dataset", "unit_of"]
+__all__ = [
+    "QUANTITIES",
+    "UnitNames",
+    "Units",
+    "as_csv",
+    "as_npz",
+    "columns",
+    "dataset",
+    "own_units",
+    "si_units",
+    "unit_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -38,8 +51,48 @@ QUANTITIES = {
 }
 
 
+class UnitNames(NamedTuple):
+    """What the units of places, displacements and stresses are called."""
+
+    place: str
+    displacement: str
+    stress: str
+
+
+_PAPER = UnitNames("a", "4 (1 - nu^2) P / (a E)", "P / a^2")
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """What places, stresses and displacements over the contact radius are multiplied by.
+
+    Attributes
+    ----------
+    length, stress, displacement : float
+    names : tuple of str
+        Of the units of places, displacements and stresses.
+    """
+
+    length: float = 1.0
+    stress: float = 1.0
+    displacement: float = 1.0
+    names: UnitNames = _PAPER
+
+
+def own_units(solution: Solution) -> Units:
+    """Return the units of the fields of a solution."""
+    if solution.scene.profile is None:
+        return Units()
+    return Units(displacement=solution.contact_radius, names=UnitNames("a", "L", "E'"))
+
+
+def si_units(length: float, stress: float, displacement: float) -> Units:
+    """Return SI units."""
+    return Units(length, stress, displacement, UnitNames("m", "m", "Pa"))
+
+
 def columns(body: Inside, r: Array, z: Array, rtol: float | None) -> dict[str, Array]:
-    """Return all columns, of the shape of the points; NaN for stresses at the edge itself.
+    """Return all columns, of the shape of the points; NaN for stresses where there are none.
 
     Parameters
     ----------
@@ -50,27 +103,24 @@ def columns(body: Inside, r: Array, z: Array, rtol: float | None) -> dict[str, A
         As for `Inside.stress`.
     """
     moved = body.displacement(r, z, rtol=rtol)
-    edge = body.at_edge(r, z)
-    own = body.stress(np.where(edge, 0.0, r), z, rtol=rtol)
+    refused = body.is_singular(r, z)
+    own = body.stress(r, np.where(refused, body.radius, z), rtol=rtol)
     stresses = {f"sigma_{part}": getattr(own, part) for part in ("rr", "tt", "zz", "rz")}
     stresses |= {name: getattr(own, name) for name in ("von_mises", "max_shear", "mean")}
     stresses |= {f"principal_{k + 1}": one for k, one in enumerate(own.principal)}
     stresses["stress_error"] = own.error
     found = {"u_r": moved.r, "u_z": moved.z, "displacement_error": moved.error}
-    found |= {name: np.where(edge, np.nan, one) for name, one in stresses.items()}
+    found |= {name: np.where(refused, np.nan, one) for name, one in stresses.items()}
     return {name: np.asarray(found[name]) for name in QUANTITIES}
 
 
-def unit_of(name: str, si: bool) -> str:
+def unit_of(name: str, units: UnitNames) -> str:
     """Return the unit of a column."""
     if name.endswith("error"):
         return "1"
-    of_length = name in ("r", "z") or name.startswith("u_")
-    if si:
-        return "m" if of_length else "Pa"
     if name in ("r", "z"):
-        return "a"
-    return "4 (1 - nu^2) P / (a E)" if of_length else "P / a^2"
+        return units.place
+    return units.displacement if name.startswith("u_") else units.stress
 
 
 def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Dataset:
@@ -81,29 +131,27 @@ def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Data
     MissingDependencyError
         If xarray is not installed.
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise MissingDependencyError("xarray", "sweep") from error
+    made = optional("xarray", "sweep").Dataset
     found = columns(body, *np.meshgrid(r, z), rtol)
-    variables = {name: (("z", "r"), one, _about(name, body.si)) for name, one in found.items()}
+    units = body.unit_names
+    variables = {name: (("z", "r"), one, _about(name, units)) for name, one in found.items()}
     axes = {
-        name: (name, one, {"long_name": about, "units": unit_of(name, body.si)})
+        name: (name, one, {"long_name": about, "units": unit_of(name, units)})
         for name, one, about in (("r", r, "distance from the axis"), ("z", z, "depth"))
     }
-    made: xarray.Dataset = xarray.Dataset(variables, axes, {"title": "inside the body"})
-    return made
+    found_there: xarray.Dataset = made(variables, axes, {"title": "inside the body"})
+    return found_there
 
 
-def _about(name: str, si: bool) -> dict[str, Any]:
-    return {"long_name": QUANTITIES[name], "units": unit_of(name, si)}
+def _about(name: str, units: UnitNames) -> dict[str, Any]:
+    return {"long_name": QUANTITIES[name], "units": unit_of(name, units)}
 
 
-def as_csv(table: dict[str, Array], si: bool) -> bytes:
+def as_csv(table: dict[str, Array], units: UnitNames) -> bytes:
     """Return a table as text: a line of units, a line of names, a line for each point."""
-    units = ", ".join(f"{name} [{unit_of(name, si)}]" for name in table)
+    named = ", ".join(f"{name} [{unit_of(name, units)}]" for name in table)
     rows = zip(*(np.ravel(column).tolist() for column in table.values()), strict=True)
-    lines = [f"# {units}", ",".join(table), *(",".join(map(repr, row)) for row in rows)]
+    lines = [f"# {named}", ",".join(table), *(",".join(map(repr, row)) for row in rows)]
     return ("\n".join(lines) + "\n").encode()
 
 

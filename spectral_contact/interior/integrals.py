@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,8 @@ class Integrals:
     ----------
     values : ndarray
     of_pressure, of_traction : ndarray
-        The same with the moduli of all terms, for each load by itself.
+        The same with the moduli of all terms, for each load by itself; and with a load that is at
+        least what `floors` says.
     quadrature : ndarray
         Estimated error of quadrature and rounding.
     """
@@ -51,45 +53,88 @@ class Integrals:
         self.quadrature[:, which] = those.quadrature
 
 
-def _sums(mesh: Mesh, points: Points, kernels: Kernels, nu: float) -> tuple[Array, Array]:
-    """Return the integrals, and for each load those of the moduli."""
+def _sums(
+    mesh: Mesh, points: Points, kernels: Kernels, nu: float, floors: tuple[float, float]
+) -> tuple[Array, Array]:
+    """Return the integrals by each rule, and for each load those of the moduli by the first."""
     depth = np.where(points.on_surface, 0.0, points.z)
-    values, sizes = np.zeros((4, len(depth))), np.zeros((2, 4, len(depth)))
+    values, sizes = np.zeros((mesh.rules, 4, len(depth))), np.zeros((2, 4, len(depth)))
     for block, parts in mesh.rows(points):
         some, lengths = points[block], np.concatenate([_lengths(part) for part in parts])
         owner = np.concatenate([part.owner for part in parts])
-        s, ahead, *loads = (np.concatenate([np.ravel(p[k]) for p in parts]) for k in range(1, 5))
-        r, z = (np.repeat(one[owner], lengths) for one in (some.r, depth[block]))
-        starts, count = np.cumsum(lengths) - lengths, len(some.r)
-        rings = geometry(r, z, s, ahead)
-        for kernel, load, moduli in zip(kernels, loads, sizes, strict=False):
-            for row, size, share in zip(values, moduli, kernel(rings, nu), strict=False):
+        wanted = range(2, 7 if any(floors) else 6)
+        s, ahead, *loads = (np.concatenate([np.ravel(p[k]) for p in parts]) for k in wanted)
+        nodes = np.repeat(owner, lengths.reshape(-1, mesh.rules).sum(axis=1))
+        rings = geometry(some.r[nodes], depth[block][nodes], s, ahead)
+        add = _Adder(owner, np.cumsum(lengths) - lengths, len(some.r), mesh.rules)
+        for kernel, load, moduli, floor in zip(kernels, loads, sizes, floors, strict=False):
+            for k, share in enumerate(kernel(rings, nu)):
                 terms = share * load
-                row[block] += np.bincount(owner, np.add.reduceat(terms, starts), minlength=count)
-                terms = np.add.reduceat(np.abs(terms), starts)
-                size[block] += np.bincount(owner, terms, minlength=count)
+                values[:, k, block] += add.of_each_rule(terms)
+                terms = np.abs(terms, out=terms)
+                if floor > 0.0:
+                    terms = np.maximum(terms, floor * np.abs(share * loads[2]))
+                moduli[k, block] += add.of_the_first(terms)
     return values, sizes
 
 
+class _Adder(NamedTuple):
+    """Sums over the nodes of rows, and over the rows of a point.
+
+    Attributes
+    ----------
+    owner : ndarray of int
+        The point of each row.
+    starts : ndarray of int
+        Where the nodes of each rule begin in each row.
+    points, rules : int
+        How many there are.
+    """
+
+    owner: NDArray[np.intp]
+    starts: NDArray[np.intp]
+    points: int
+    rules: int
+
+    def of_each_rule(self, terms: Array) -> Array:
+        """Return the sums of the points, by rule."""
+        each = np.add.reduceat(terms, self.starts)
+        rows = [each[k :: self.rules] for k in range(self.rules)]
+        return np.array([np.bincount(self.owner, row, minlength=self.points) for row in rows])
+
+    def of_the_first(self, terms: Array) -> Array:
+        """Return the sums of the points by the first rule."""
+        each = np.add.reduceat(terms, self.starts)[:: self.rules]
+        return np.bincount(self.owner, each, minlength=self.points).astype(float, copy=False)
+
+
 def _lengths(rows: Nodes) -> NDArray[np.intp]:
-    """Return how many nodes each row has."""
-    return np.full(len(rows.owner), rows.s.shape[-1])
+    """Return how many nodes each row has of each rule."""
+    return np.tile(rows.counts, len(rows.owner))
 
 
-def integrate(meshes: tuple[Mesh, Mesh], points: Points, kernels: Kernels, nu: float) -> Integrals:
+def integrate(
+    mesh: Mesh,
+    points: Points,
+    kernels: Kernels,
+    nu: float,
+    floors: tuple[float, float] = (0.0, 0.0),
+) -> Integrals:
     """Integrate ring loads of pressure and of traction over the contact.
 
     Parameters
     ----------
-    meshes : tuple of Mesh
-        With the rule that is used and the one that it is compared with.
+    mesh : Mesh
+        With the rule that is used, and one that it is compared with; without, `quadrature` is
+        rounding alone.
     points : Points
     kernels : tuple of callable
         Of rings of pressure and of traction; the first alone for a contact without traction.
     nu : float
         Poisson's ratio.
+    floors : tuple of float
+        What pressure and traction count for at least, where their moduli are summed.
     """
-    values, sizes = _sums(meshes[0], points, kernels, nu)
-    rough = _sums(meshes[1], points, kernels, nu)[0]
-    quadrature = np.abs(values - rough) + _ROUNDING * (sizes[0] + sizes[1])
-    return Integrals(values, sizes[0], sizes[1], quadrature)
+    values, sizes = _sums(mesh, points, kernels, nu, floors)
+    quadrature = np.abs(values[0] - values[-1]) + _ROUNDING * (sizes[0] + sizes[1])
+    return Integrals(values[0], sizes[0], sizes[1], quadrature)

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
-from spectral_contact.interior.tails import Tails
+from spectral_contact.interior.tails import Panelled, Tails
 
 __all__ = [
+    "AXIS",
     "FAST",
     "TIGHT",
     "Evaluator",
@@ -34,10 +35,10 @@ __all__ = [
 Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]
 
+#: What stands for the axis, where ``u_r / r`` is the limit.
+AXIS = 1e-30
 #: A panel closer than this many times its length is cut.
 _NEAR = 1.0
-#: How close to the edge stresses are given: closer, the panels do not reach.
-_CLOSEST = 1e-16
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
 #: Points that are served at a time, which bounds the memory.
@@ -88,11 +89,6 @@ class Points:
         return np.asarray(np.hypot(self.from_edge, self.z))
 
     @property
-    def at_edge(self) -> NDArray[np.bool_]:
-        """Whether a point is closer to the edge than the panels reach."""
-        return np.asarray(self.to_edge < _CLOSEST)
-
-    @property
     def on_surface(self) -> NDArray[np.bool_]:
         """Whether a point is as good as on the surface."""
         return np.asarray(self.z <= 1e-16 * self.to_edge)
@@ -102,23 +98,27 @@ class Points:
 
 
 class Nodes(NamedTuple):
-    """Rows of nodes, each row on one panel for one point; all but `owner` are (rows, nodes).
+    """Rows of nodes, each row on one panel for one point; arrays but `owner` are (rows, nodes).
 
     Attributes
     ----------
+    counts : list of int
+        Nodes of each rule, which are side by side in a row.
     owner : ndarray of int, shape (rows,)
         Which point a row is for.
     s, ahead : ndarray
         Radius of the ring, and radius of the point minus it.
-    pressure, traction : ndarray
-        The loads of the rings: ``p s ds`` and ``q s ds``.
+    pressure, traction, area : ndarray
+        The loads of the rings: ``p s ds`` and ``q s ds``, and their ``s ds``.
     """
 
+    counts: list[int]
     owner: NDArray[np.intp]
     s: Array
     ahead: Array
     pressure: Array
     traction: Array
+    area: Array
 
 
 class Shrinking(NamedTuple):
@@ -137,30 +137,30 @@ class Grading(NamedTuple):
     runs: list[Shrinking]
 
 
-def _halves(inner: Radius, outer: Radius, folds: int) -> list[Grading]:
-    """Return the ends of the panels of an interval, graded to its two ends unless to the centre."""
+def _halves(inner: Radius, outer: Radius, below: int, above: int) -> list[Grading]:
+    """Return the ends of the panels of an interval, graded to its ends by so many e-folds."""
     square = (inner.square + outer.square) / 2.0
     middle = float(np.sqrt(square))
     rest = (inner.rest + outer.rest) / 2.0 / (1.0 + middle)
     sides = []
-    if inner.value == 0.0:
+    if below == 0:
         s = middle * np.array([0.0, 0.5])
         sides.append(Grading(s, 1.0 - s, []))
     else:
         reach = (square - inner.square) / (middle + inner.value)
         if inner.value > 0.5:
             reach = inner.from_edge - rest
-        steps = np.concatenate([[0.0], reach * np.exp(np.arange(-float(_FOLDS), 0.0))])
+        steps = np.concatenate([[0.0], reach * np.exp(np.arange(-float(below), 0.0))])
         run = Shrinking(0, len(steps), outward=False)
         sides.append(Grading(inner.value + steps, inner.from_edge - steps, [run]))
     reach = rest - outer.from_edge if outer.value > 0.5 else outer.value - middle
-    steps = reach * np.exp(-np.arange(float(folds + 1)))
+    steps = reach * np.exp(-np.arange(float(above + 1)))
     run = Shrinking(0, len(steps), outward=True)
     sides.append(Grading(outer.value - steps, outer.from_edge + steps, [run]))
     return sides
 
 
-def graded(boundaries: Sequence[Radius], edge_folds: int) -> Grading:
+def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0) -> Grading:
     """Return the ends of all panels from the centre to the edge.
 
     Parameters
@@ -169,10 +169,13 @@ def graded(boundaries: Sequence[Radius], edge_folds: int) -> Grading:
         From the centre to the edge, both included.
     edge_folds : int
         How many e-folds the panels go towards the edge.
+    centre_folds : int
+        The same towards the centre; 0 where the loads are smooth.
     """
     sides: list[Grading] = []
     for inner, outer in pairwise(boundaries):
-        sides += _halves(inner, outer, edge_folds if outer.from_edge == 0.0 else _FOLDS)
+        below = centre_folds if inner.value == 0.0 else _FOLDS
+        sides += _halves(inner, outer, below, edge_folds if outer.from_edge == 0.0 else _FOLDS)
     s = np.concatenate([side.s for side in sides] + [[1.0]])
     d = np.concatenate([side.d for side in sides] + [[0.0]])
     kept = np.concatenate([[True], (np.diff(s) > 0.0) | (np.diff(d) < 0.0)])
@@ -187,7 +190,7 @@ def graded(boundaries: Sequence[Radius], edge_folds: int) -> Grading:
 
 
 class Mesh:
-    """Panels with the loads at their nodes, for one quadrature rule.
+    """Panels with the loads at their nodes, those of all rules side by side.
 
     Parameters
     ----------
@@ -195,44 +198,52 @@ class Mesh:
         What `graded` returns.
     pressure, traction : callable
         The loads at radii and distances from the edge.
-    rule : Rule
+    rules : sequence of Rule
+        Which differ in their nodes alone.
     """
 
-    def __init__(self, ends: Grading, pressure: Evaluator, traction: Evaluator, rule: Rule) -> None:
-        self._ends, self._rule = ends, rule
+    def __init__(
+        self, ends: Grading, pressure: Evaluator, traction: Evaluator, rules: Sequence[Rule]
+    ) -> None:
+        self._ends, self._rule = ends, rules[0]
         self._loads = pressure, traction
-        nodes, weights = np.polynomial.legendre.leggauss(rule.panel)
-        self._fractions, self._weights = (1.0 + nodes) / 2.0, weights / 2.0
         lengths = np.where(ends.s[:-1] > 0.5, -np.diff(ends.d), np.diff(ends.s))
         self._lengths = np.asarray(lengths)
+        gauss = [np.polynomial.legendre.leggauss(rule.panel) for rule in rules]
+        self._fractions = np.concatenate([(1.0 + nodes) / 2.0 for nodes, _ in gauss])
+        self._weights = np.concatenate([weights / 2.0 for _, weights in gauss])
         step = lengths[:, None] * self._fractions
         back = lengths[:, None] * (1.0 - self._fractions)
         high = ends.s[:-1, None] > 0.5
         self._d = np.where(high, ends.d[1:, None] + back, 1.0 - (ends.s[:-1, None] + step))
         self._s = np.where(high, 1.0 - self._d, ends.s[:-1, None] + step)
         self._rings = self._measured(self._s, self._d, lengths[:, None] * self._weights)
-        self._tails = [
-            Tails(
-                ends.s[run.start : run.stop + 1],
-                ends.d[run.start : run.stop + 1],
-                run.outward,
-                rule.tail,
-                self._s[run.start : run.stop],
-                self._d[run.start : run.stop],
-                self._rings[:, run.start : run.stop],
-            )
-            for run in ends.runs
-        ]
+        self._panel, self._tailed = [one.panel for one in rules], [one.tail for one in rules]
+        self._tails = [self._tails_of(run) for run in ends.runs]
+
+    def _tails_of(self, run: Shrinking) -> Tails:
+        own, ends = slice(run.start, run.stop), slice(run.start, run.stop + 1)
+        cuts = np.cumsum(self._panel)[:-1]
+        nodes = self._s[own], self._d[own], self._rings[:, own]
+        split = zip(self._tailed, *(np.split(one, cuts, axis=-1) for one in nodes), strict=True)
+        rules = [Panelled(*one) for one in split]
+        return Tails(self._ends.s[ends], self._ends.d[ends], run.outward, rules)
 
     def _measured(self, s: Array, d: Array, weight: Array) -> Array:
-        """Return what rings carry of pressure and of traction, stacked."""
-        return np.asarray([np.asarray(load(s, d)) * s * weight for load in self._loads])
+        """Return what rings carry of pressure and of traction, and their areas, stacked."""
+        area = s * weight
+        return np.asarray([*(np.asarray(load(s, d)) * area for load in self._loads), area])
+
+    @property
+    def rules(self) -> int:
+        """How many rules there are."""
+        return len(self._panel)
 
     @property
     def surface(self) -> tuple[Points, Array]:
-        """All nodes, as points of the surface, and what their rings carry, (2, nodes)."""
+        """All nodes, as points of the surface, and what their rings carry, (3, nodes)."""
         s, d = self._s.ravel(), self._d.ravel()
-        return Points(s, d, np.zeros_like(s)), self._rings.reshape(2, -1)
+        return Points(s, d, np.zeros_like(s)), self._rings.reshape(3, -1)
 
     def carried(self) -> Array:
         """Return what all rings within each node carry of pressure, ``int_0^s p s ds``."""
@@ -271,7 +282,8 @@ class Mesh:
         covered[owner] = np.arange(run.stop - run.start) >= longest[:, None]
         left[:, run.start : run.stop] = ~(covered if run.outward else covered[:, ::-1])
         s, d = tails.s[longest], tails.d[longest]
-        return Nodes(owner, s, _ahead(points, owner, s, d), *tails.rings[:, longest])
+        ahead = _ahead(points, owner, s, d)
+        return Nodes(self._tailed, owner, s, ahead, *tails.rings[:, longest])
 
     def _offsets(self, points: Points) -> tuple[Array, Array]:
         """Return how far beyond a point's radius the panels begin and end, (points, panels)."""
@@ -283,7 +295,8 @@ class Mesh:
         """Return the rows of panels that are taken whole."""
         owner, panel = np.nonzero(chosen)
         s, d = self._s[panel], self._d[panel]
-        return Nodes(owner, s, _ahead(points, owner, s, d), *self._rings[:, panel])
+        ahead = _ahead(points, owner, s, d)
+        return Nodes(self._panel, owner, s, ahead, *self._rings[:, panel])
 
     def _cut(self, points: Points, chosen: NDArray[np.bool_], low: Array, high: Array) -> Nodes:
         """Return the rows of panels that are cut, on either side of the point's radius."""
@@ -291,19 +304,19 @@ class Mesh:
         scale = np.where(points.on_surface, unit, points.z)
         # on the surface a principal value is meant: both sides end at the same small distance
         floor = np.where(points.on_surface, 3.0 * unit, 0.0)
-        parts = []
-        for sign in (1.0, -1.0):
-            first, last = (low, high) if sign > 0.0 else (-high, -low)
+        pairs = []
+        for first, last in ((low, high), (-high, -low)):
             owner, panel = np.nonzero(chosen & (last > floor[:, None]))
             begin = np.maximum(first[owner, panel], floor[owner]) / scale[owner]
-            end = last[owner, panel] / scale[owner]
-            parts.append(self._pieces(points, sign, owner, scale, np.arcsinh([begin, end])))
-        return _joined(parts)
+            pairs.append((owner, begin, last[owner, panel] / scale[owner]))
+        owner, begin, end = (np.concatenate(both) for both in zip(*pairs, strict=True))
+        sign = np.repeat([1.0, -1.0], [len(one[0]) for one in pairs])
+        return self._pieces(points, sign, owner, scale, np.arcsinh([begin, end]))
 
     def _pieces(
         self,
         points: Points,
-        sign: float,
+        sign: Array,
         owner: NDArray[np.intp],
         scale: Array,
         phases: Array,
@@ -315,21 +328,16 @@ class Mesh:
         width = np.repeat((end - begin) / count, count)
         number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         begin = np.repeat(begin, count) + number * width
-        owner = np.repeat(owner, count)
-        unit = scale[owner, None]
+        unit, owner = np.repeat(sign * scale[owner], count)[:, None], np.repeat(owner, count)
         phase = begin[:, None] + width[:, None] * self._fractions
-        away = sign * unit * np.sinh(phase)
-        weight = unit * np.cosh(phase) * width[:, None] * self._weights
+        away = unit * np.sinh(phase)
+        weight = np.abs(unit) * np.cosh(phase) * width[:, None] * self._weights
         s = np.clip(points.r[owner, None] + away, 0.0, 1.0)
         d = np.clip(points.from_edge[owner, None] - away, 0.0, 1.0)
-        return Nodes(owner, s, -away, *self._measured(s, d, weight))
+        return Nodes(self._panel, owner, s, -away, *self._measured(s, d, weight))
 
 
 def _ahead(points: Points, owner: NDArray[np.intp], s: Array, d: Array) -> Array:
     """Return the radii of the points that own rows, minus those of the nodes."""
     r, from_edge = points.r[owner, None], points.from_edge[owner, None]
     return np.asarray(np.where(s > 0.5, d - from_edge, r - s))
-
-
-def _joined(parts: Sequence[Nodes]) -> Nodes:
-    return Nodes(*(np.concatenate(some) for some in zip(*parts, strict=True)))

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from spectral_contact.interior.charts import from_toroidal
 from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import Points
 
-__all__ = ["Direct", "Relative", "from_toroidal", "interpolate"]
+__all__ = ["Direct", "Relative", "interpolate"]
 
 Array = NDArray[np.float64]
 Direct = Callable[[Points], Integrals]
@@ -34,6 +35,8 @@ _WIDTH = np.array([3.0, np.pi / 2.0])
 #: A cell is not cut below this share of the first ones: it holds a boundary of zones, or one point
 #: many times.
 _SMALLEST = 2.0**-9
+#: A cell is cut in both directions if the better one has this share of what the worse one lacks.
+_ALSO = 0.05
 #: Cells whose nodes are evaluated together, which bounds the memory.
 _TOGETHER = 64
 
@@ -64,15 +67,6 @@ def _toroidal(points: Points) -> Array:
     # no point is at the edge itself by more than 1e-30
     tau = np.log1p(4.0 * np.maximum(points.r, 0.0) / np.maximum(d**2 + z**2, 1e-60)) / 2.0
     return np.stack([tau, np.arctan2(2.0 * z, z**2 - d * (2.0 - d))])
-
-
-def from_toroidal(tau: Array, sigma: Array) -> Points:
-    """Return the points of coordinates; on the axis tau is 0, and at infinity both are."""
-    q = -tau + 1j * sigma
-    place = -2.0 * np.exp(q) / np.expm1(q)
-    d, z = -place.real, np.abs(place.imag)
-    z = np.where((sigma == 0.0) | (sigma == np.pi), 0.0, z)
-    return Points(np.maximum(1.0 - d, 1e-30), np.minimum(d, 1.0), z)
 
 
 def _first(at: Array) -> list[_Cell]:
@@ -113,13 +107,15 @@ def _tail(moduli: Array) -> Array:
     return np.asarray(8.0 * last * ratio / (1.0 - ratio))
 
 
-def _halves(cell: _Cell, at: Array, bad: NDArray[np.intp], tails: Array) -> list[_Cell]:
-    """Cut a cell across the direction in which its polynomial is the worse."""
-    axis = int(tails[1].sum() > tails[0].sum())
-    size = np.where(np.arange(2) == axis, cell.size / 2.0, cell.size)
-    upper = at[axis, bad] >= cell.low[axis] + size[axis]
-    corner = np.where(np.arange(2) == axis, cell.low + size, cell.low)
-    return [_Cell(cell.low, size, bad[~upper]), _Cell(corner, size, bad[upper])]
+def _cut(cell: _Cell, at: Array, bad: NDArray[np.intp], tails: Array) -> list[_Cell]:
+    """Cut a cell across the directions in which its polynomial is bad."""
+    moduli = tails.sum(axis=1)
+    across = moduli >= _ALSO * moduli.max()
+    size = np.where(across, cell.size / 2.0, cell.size)
+    upper = (at[:, bad] >= (cell.low + size)[:, None]) & across[:, None]
+    part = upper[0] + 2 * upper[1]
+    corners = [cell.low + size * np.array([k % 2, k // 2]) for k in range(4)]
+    return [_Cell(corners[k], size, bad[part == k]) for k in range(4)]
 
 
 def interpolate(
@@ -159,5 +155,5 @@ def interpolate(
             out.quadrature[:, good] = fit.quadrature[:, None]
             out.of_pressure[:, good], out.of_traction[:, good] = fit.sizes[:, :, None]
             if bad.any() and np.all(cell.size > _SMALLEST * _WIDTH):
-                cells += _halves(cell, at, which[bad], fit.tails)
+                cells += _cut(cell, at, which[bad], fit.tails)
     return left

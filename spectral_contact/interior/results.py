@@ -94,7 +94,9 @@ class Surface:
         Displacement of the surface outward and into the body, of the shape of the radii.
     gap : float or ndarray
         Approach minus `z`: how far the body's surface is from the plane of the punch's face.
-        Inside the contact this is what the layer of roughness is compressed by.
+        Inside the contact this is what the layer of roughness is compressed by. Under a profile
+        inside the same, less the height of the profile; outside how far the surface is from it,
+        NaN beyond its reach.
     error : float or ndarray
         Estimated error of `r` and `z`, relative to the length of the displacement.
     """

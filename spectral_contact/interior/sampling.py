@@ -7,21 +7,20 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Radius
 from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
-from spectral_contact.interior.mesh import FAST, TIGHT, Evaluator, Mesh, Points, Rule, graded
-from spectral_contact.interior.patches import Direct, Relative, interpolate
+from spectral_contact.interior.mesh import AXIS, FAST, TIGHT, Evaluator, Grading, Mesh, Points, Rule
+from spectral_contact.interior.patches import Relative, interpolate
 from spectral_contact.threads import cached_property
 
-__all__ = ["AXIS", "Sampler", "displacement_error", "stress_error", "stresses"]
+__all__ = ["Sampler", "displacement_error", "stress_error", "stresses"]
 
 Array = NDArray[np.float64]
 
 #: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.
 _FAST_FROM = 1e-9
-#: What stands for the axis, where ``u_r / r`` is the limit.
-AXIS = 1e-30
+#: At every so many nodes of a polynomial the rules are compared.
+_COMPARED = 5
 
 
 def stresses(values: Array, nu: float) -> Array:
@@ -53,12 +52,12 @@ class Sampler:
 
     Parameters
     ----------
-    boundaries : sequence of Radius
-        Ends of all zones, from the centre to the edge.
-    edge_folds : int
-        How many e-folds the panels go towards the edge.
+    ends : Grading
+        Of the panels over the contact.
     pressure, traction : callable
         The loads at radii and distances from the edge.
+    floors : tuple of float
+        What their errors are relative to at least.
     sheared : bool
         Whether there is traction at all.
     nu : float
@@ -67,41 +66,44 @@ class Sampler:
 
     def __init__(
         self,
-        boundaries: Sequence[Radius],
-        edge_folds: int,
+        ends: Grading,
         pressure: Evaluator,
         traction: Evaluator,
+        floors: tuple[float, float],
         *,
         sheared: bool,
         nu: float,
     ) -> None:
-        self._ends = graded(boundaries, edge_folds)
+        self._ends, self._floors = ends, floors
         self._loads = pressure, traction
         self._sheared, self._nu = sheared, nu
 
-    @property
+    def _mesh(self, rules: Sequence[Rule]) -> Mesh:
+        return Mesh(self._ends, *self._loads, rules)
+
+    @cached_property
     def coarser(self) -> Mesh:
         """Panels with the rule that the one for all digits is compared with."""
-        return self._tight[1]
+        return self._mesh(TIGHT[1:])
 
     @cached_property
-    def _tight(self) -> tuple[Mesh, Mesh]:
-        return self._meshes(TIGHT)
+    def _tight(self) -> Mesh:
+        return self._mesh(TIGHT)
 
     @cached_property
-    def _fast(self) -> tuple[Mesh, Mesh]:
-        return self._meshes(FAST)
+    def _fast(self) -> Mesh:
+        return self._mesh(FAST)
 
-    def _meshes(self, rules: tuple[Rule, Rule]) -> tuple[Mesh, Mesh]:
-        used, compared = (Mesh(self._ends, *self._loads, rule) for rule in rules)
-        return used, compared
+    @cached_property
+    def _alone(self) -> Mesh:
+        return self._mesh(FAST[:1])
 
     def stress(self, points: Points, rtol: float) -> Integrals:
         """Return the integrals zz, rz, ``2 G u_r / r`` and e, on the surface limits from below."""
         kernels = (rings.normal_stress, rings.radial_stress)[: 1 + self._sheared]
 
-        def direct(meshes: tuple[Mesh, Mesh]) -> Direct:
-            return lambda some: self._limits(some, integrate(meshes, some, kernels, self._nu))
+        def direct(mesh: Mesh, some: Points) -> Integrals:
+            return self._limits(some, integrate(mesh, some, kernels, self._nu, self._floors))
 
         def measure(_points: Points, values: Array, errors: Array) -> Array:
             return stress_error(values, errors, self._nu)
@@ -116,8 +118,8 @@ class Sampler:
         """Return the integrals ``2 G u_z`` and ``2 G u_r / r``; the other two rows are empty."""
         kernels = (rings.normal_displacement, rings.radial_displacement)[: 1 + self._sheared]
 
-        def direct(meshes: tuple[Mesh, Mesh]) -> Direct:
-            return lambda some: integrate(meshes, some, kernels, self._nu)
+        def direct(mesh: Mesh, some: Points) -> Integrals:
+            return integrate(mesh, some, kernels, self._nu, self._floors)
 
         def measure(some: Points, values: Array, errors: Array) -> Array:
             return displacement_error(values, errors, some.r)
@@ -128,18 +130,26 @@ class Sampler:
         self,
         points: Points,
         rtol: float,
-        direct: Callable[[tuple[Mesh, Mesh]], Direct],
+        direct: Callable[[Mesh, Points], Integrals],
         measure: Relative,
     ) -> Integrals:
         """Return the integrals by the cheapest means that meet the tolerance at each point."""
         if rtol < _FAST_FROM:
-            return direct(self._tight)(points)
-        fast, sums = direct(self._fast), Integrals.empty(len(points.r))
-        left = interpolate(points, rtol, fast, measure, sums)
-        sums.put(left, fast(points[left]))
+            return direct(self._tight, points)
+
+        def at_nodes(some: Points) -> Integrals:
+            compared = np.arange(len(some.r)) % _COMPARED == 0
+            sums = Integrals.empty(len(some.r))
+            for mesh, which in ((self._fast, compared), (self._alone, ~compared)):
+                sums.put(which, direct(mesh, some[which]))
+            return sums
+
+        sums = Integrals.empty(len(points.r))
+        left = interpolate(points, rtol, at_nodes, measure, sums)
+        sums.put(left, direct(self._fast, points[left]))
         missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
         if missed.any():
-            sums.put(missed, direct(self._tight)(points[missed]))
+            sums.put(missed, direct(self._tight, points[missed]))
         return sums
 
     def _limits(self, points: Points, sums: Integrals) -> Integrals:
@@ -147,8 +157,8 @@ class Sampler:
         on = points.on_surface
         pressure, traction = self._surface(points[on])
         sums.values[3, on] += pressure
-        sums.of_pressure[0, on] += pressure
-        sums.of_traction[1, on] += np.abs(traction)
+        sums.of_pressure[0, on] += np.maximum(pressure, self._floors[0])
+        sums.of_traction[1, on] += np.maximum(np.abs(traction), self._floors[1])
         return sums
 
     def _surface(self, points: Points) -> tuple[Array, Array]:

@@ -2,13 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-__all__ = ["Tails"]
+__all__ = ["Panelled", "Tails"]
 
 Array = NDArray[np.float64]
+
+
+class Panelled(NamedTuple):
+    """Panels with the nodes of one rule, and how many nodes a tail has with it.
+
+    Attributes
+    ----------
+    order : int
+    s, d : ndarray, shape (panels, nodes)
+        Nodes, from the centre and from the edge.
+    rings : ndarray, shape (loads, panels, nodes)
+        What their rings carry.
+    """
+
+    order: int
+    s: Array
+    d: Array
+    rings: Array
+
+    def turned(self) -> Panelled:
+        """Return the panels in reverse order."""
+        return Panelled(self.order, self.s[::-1], self.d[::-1], self.rings[:, ::-1])
 
 
 class Tails:
@@ -24,50 +49,45 @@ class Tails:
         Ends of the panels, from the centre and from the edge.
     outward : bool
         Whether the panels shrink towards the last of the ends; else towards the first.
-    order : int
-        Nodes of a tail.
-    panel_s, panel_d : ndarray, shape (panels, nodes)
-        Nodes of the panels.
-    rings : ndarray, shape (2, panels, nodes)
-        What their rings carry.
+    rules : sequence of Panelled
+        The same panels with the nodes of each rule.
 
     Attributes
     ----------
     lengths : ndarray, shape (panels,)
-    s, d : ndarray, shape (panels, order)
-        Nodes of the tails.
-    rings : ndarray, shape (2, panels, order)
+    s, d : ndarray, shape (panels, nodes)
+        Nodes of the tails, those of all rules side by side.
+    rings : ndarray, shape (loads, panels, nodes)
         What the rings there carry.
     """
 
-    def __init__(
-        self,
-        s: Array,
-        d: Array,
-        outward: bool,
-        order: int,
-        panel_s: Array,
-        panel_d: Array,
-        rings: Array,
-    ) -> None:
+    def __init__(self, s: Array, d: Array, outward: bool, rules: Sequence[Panelled]) -> None:
         if not outward:
-            s, d = s[::-1], d[::-1]
-            panel_s, panel_d, rings = panel_s[::-1], panel_d[::-1], rings[:, ::-1]
+            s, d, rules = s[::-1], d[::-1], [one.turned() for one in rules]
         self._sign = 1.0 if outward else -1.0
         self._s, self._d = s[-1], d[-1]
         self.lengths = self._sign * self._before(s[:-1], d[:-1])
-        nodes, weights = legendre.leggauss(order)
-        away = self.lengths[:, None] * (1.0 + nodes) / 2.0
-        self.s, self.d = self._s - self._sign * away, self._d + self._sign * away
+        tails = [self._handed(one) for one in rules]
+        self.s, self.d = (np.hstack([getattr(one, k) for one in tails]) for k in ("s", "d"))
+        self.rings = np.concatenate([one.rings for one in tails], axis=-1)
+
+    def _handed(self, rule: Panelled) -> Panelled:
+        """Return the nodes of the tails with one rule, and what is handed to them."""
+        nodes, weights = legendre.leggauss(rule.order)
         size = self.lengths[:, None]
-        own = self._sign * self._before(panel_s, panel_d) / size
+        away = size * (1.0 + nodes) / 2.0
+        own = self._sign * self._before(rule.s, rule.d) / size
         inner = np.concatenate([away[1:], away[-1:]]) / size
-        project = (np.arange(order) + 0.5)[:, None] * legendre.legvander(nodes, order - 1).T
+        project = (np.arange(rule.order) + 0.5)[:, None] * legendre.legvander(
+            nodes, rule.order - 1
+        ).T
         project = project * weights
-        hand = [legendre.legvander(2.0 * x - 1.0, order - 1) @ project for x in (own, inner)]
-        self.rings = np.einsum("lpn,pnj->lpj", rings, hand[0])
+        hand = [legendre.legvander(2.0 * x - 1.0, rule.order - 1) @ project for x in (own, inner)]
+        rings = np.einsum("lpn,pnj->lpj", rule.rings, hand[0])
         for at in range(len(self.lengths) - 2, -1, -1):
-            self.rings[:, at] += self.rings[:, at + 1] @ hand[1][at]
+            rings[:, at] += rings[:, at + 1] @ hand[1][at]
+        s, d = self._s - self._sign * away, self._d + self._sign * away
+        return Panelled(rule.order, s, d, rings)
 
     def _before(self, s: Array, d: Array) -> Array:
         """Return how far radii are before the boundary; negative beyond."""

@@ -62,12 +62,14 @@ _MAYBE_FLOAT = Maybe(_FLOAT)
 _PHYSICAL = Record(
     "PhysicalData",
     PhysicalData,
+    {"contact_radius": None},
     youngs_modulus=_FLOAT,
-    radius=_FLOAT,
+    radius=_MAYBE_FLOAT,
     load=_MAYBE_FLOAT,
     approach=_MAYBE_FLOAT,
     normal_compliance=_FLOAT,
     tangential_compliance=_FLOAT,
+    contact_radius=_MAYBE_FLOAT,
 )
 #: Profiles of punches.
 PROFILES: Final = (

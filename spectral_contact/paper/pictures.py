@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.paper.figures import FigureData
-from spectral_contact.view.plotting import style
+from spectral_contact.view.figures import new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,11 +65,9 @@ def draw(data: FigureData) -> Figure:
         If matplotlib is not installed.
     """
     with style():
-        from matplotlib.figure import Figure
-
         columns = _COLUMNS.get(data.figure.name, 1)
         width = 5.2 if columns == 1 else 4.4 * columns
-        figure = Figure(figsize=(width, 4.3), layout="constrained")
+        figure = new_figure(figsize=(width, 4.3), layout="constrained")
         axes = [figure.add_subplot(1, columns, i + 1) for i in range(columns)]
         _DRAW[data.figure.name](axes, data)
         number = f"Figure {data.figure.name}. " if data.figure.name.isdigit() else ""

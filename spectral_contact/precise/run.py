@@ -66,16 +66,7 @@ class Run:
         self._stick_layer = self._layer
         scales = digits + abs(log(alpha or 1.0)) / _LN10
         if layout is not None and self._one_disk:
-            c, rest = self._rim.value, self._rim.rest
-            if rest == 0.0:
-                self._stick_layer = max(self._layer, _layer(beta))
-                self._power = -0.5 if beta == 0.0 else 0.0
-            else:
-                rim = max(alpha, rest) / c**2
-                self._stick_layer = max(_layer(min(rim, beta / c or rim)), _layer(rim))
-                self._rate = 0.5 if beta == 0.0 else 1.0
-                scales += (2.0 * abs(log(rest)) - 4.0 * log(c)) / _LN10
-            scales += abs(log(beta / c or 1.0)) / _LN10
+            scales += self._of_rim(alpha, beta)
         # a diagonal entry of the last panel is as small as exp(-x) (compliance + exp(-x))
         depth = max(self._layer, self._stick_layer) + (digits * _LN10 + 6.0) / self._rate
         bound = _layer(min(alpha or 1.0, beta or 0.0)) if beta else depth
@@ -85,6 +76,19 @@ class Run:
         self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
         self._disks: list[Disk] = []
         self._smooth = alpha == beta == 0.0 and self._power != 0.0
+
+    def _of_rim(self, alpha: float, beta: float) -> float:
+        """Set what the mesh of one stick disk is graded to; return decades of its numbers."""
+        c, rest = self._rim.value, self._rim.rest
+        scales = abs(log(beta / c or 1.0)) / _LN10
+        if rest == 0.0:
+            self._stick_layer = max(self._layer, _layer(beta))
+            self._power = -0.5 if beta == 0.0 else 0.0
+            return scales
+        rim = max(alpha, rest) / c**2
+        self._stick_layer = max(_layer(min(rim, beta / c or rim)), _layer(rim))
+        self._rate = 0.5 if beta == 0.0 else 1.0
+        return scales + (2.0 * abs(log(rest)) - 4.0 * log(c)) / _LN10
 
     @property
     def _one_disk(self) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from spectral_contact.errors import SceneError, shown
 from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
 from spectral_contact.profiles.base import Profile
 from spectral_contact.profiles.sampled import Sampled
 from spectral_contact.profiles.shapes import (
@@ -35,8 +36,6 @@ KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
     for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled)
 }
-#: Compliances in units of the contact radius.
-_LEAST, _MOST = 1e-14, 1e14
 
 
 def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
@@ -73,16 +72,14 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     low, high = profile.flat_part, profile.reach
     told = f"finite, and in ({low:.6g}, {high:.6g}), where the profile is"
     radius = real(name, value, allowed=told, low=low, high=high, low_open=True, high_open=True)
-    if compliance and not _LEAST <= compliance / radius <= _MOST:
-        told = f"such that normal_compliance / contact_radius is in [{_LEAST:g}, {_MOST:g}]"
+    if compliance and not SMALLEST_COMPLIANCE <= compliance / radius <= LARGEST_COMPLIANCE:
+        told = "such that normal_compliance / contact_radius is in [1e-14, 1e14]"
         raise SceneError(name, value, told)
     return {name: radius}
 
 
 def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
     """Refuse what is not solved with this profile."""
-    if scene["physical"] is not None:
-        raise SceneError("physical", scene["physical"], "None with a profile")
     if scene["coupling"]:
         raise SceneError("coupling", True, "False with a profile")
     if scene["friction"] and profile.breaks:

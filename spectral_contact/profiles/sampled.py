@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import Any, Self
 
@@ -206,7 +207,7 @@ class Sampled(Profile):
         inward = radius * y / (1.0 + t)
         # next to the edge it is the integral of the derivative
         near = inward < 0.25 * (radius - last)
-        g, w = np.polynomial.legendre.leggauss(24)
+        g, w = _gauss(24)
         points = radius - np.where(near, inward, 0.0)[..., None] * (1.0 + g) / 2.0
         past = (points - last) * (points + last) * (last > 0.0)
         along = inward * (self._rate(points, past) @ (w / 2.0))
@@ -249,7 +250,7 @@ class Sampled(Profile):
             at = t[reached]
             safe = np.where(at > 0.0, at, 1.0)
             # a polynomial of the sine, over a quarter of a turn at most
-            g, w = np.polynomial.legendre.leggauss(len(row) + min(len(row) + 6, 16))
+            g, w = _gauss(len(row) + min(len(row) + 6, 16))
             begin = np.arcsin(np.minimum(low / safe, 1.0))
             end = np.where(at > 0.0, np.arcsin(np.minimum(high / safe, 1.0)), np.pi / 2.0)
             half = (end - begin) / 2.0
@@ -284,6 +285,12 @@ class Sampled(Profile):
             worst = int(np.flatnonzero(falls)[0])
             told = f"convex: the slope may not fall, as it does at the radius {at[worst]:.6g}"
             raise SceneError("profile", f"a slope of {values[worst + 1]:.6g}", told)
+
+
+@cache
+def _gauss(points: int) -> tuple[Array, Array]:
+    """Return a Gauss-Legendre rule on [-1, 1]."""
+    return np.polynomial.legendre.leggauss(points)
 
 
 def _increasing(name: str, values: Any) -> tuple[float, ...]:

@@ -26,7 +26,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.solving.growth import Growth, Panel
 from spectral_contact.spectral.annulus import Family, gap, sampled_series
-from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 
@@ -39,10 +39,9 @@ Array = NDArray[np.float64]
 _PANELS, _WIDTH, _DEGREE = 11, 2.0, 23
 #: Panels where there are square roots, as a smooth surface has them.
 _ROOT_PANELS = 26
-#: The quadrature over the history: panels that shrink by a factor towards where it begins.
-_RATIO, _GRADED, _POINTS = 0.2, 16, 10
-#: The same where there are square roots.
-_ROOT_GRADED = 36
+#: Quadrature over the history, graded to where it begins: points, panels, and their ratio; the
+#: same where there are square roots; what is smooth takes few points.
+_GRADED, _ROOT_GRADED, _SMOOTH = (10, 16, 0.2), (10, 36, 0.2), (16, 1, 0.0)
 #: Bisections that find when a radius stuck.
 _BISECTIONS = 60
 
@@ -77,7 +76,7 @@ def grown_traction(
     smooth : bool
         Whether one of the compliances is zero, so that there are square roots.
     """
-    history = _History(growth, friction, _graded(_ROOT_GRADED if smooth else _GRADED))
+    history = _History(growth, friction, graded_rule(*(_ROOT_GRADED if smooth else _GRADED)))
     inner: list[Radius] = []
     if growth.onset and growth.onset < growth.radius * stick.value * (1.0 - 1e-6):
         share = growth.onset / growth.radius
@@ -108,29 +107,10 @@ def _largest_radii(family: Family) -> Array:
     return np.asarray(np.sqrt(squares))
 
 
-@dataclass(frozen=True, slots=True)
-class _Rule:
-    """Quadrature on (0, 1), graded to 0."""
-
-    points: Array
-    weights: Array
-
-
-#: What is smooth takes few points.
-_PLAIN = _Rule((1.0 + gauss_rule(16)[0]) / 2.0, gauss_rule(16)[1] / 2.0)
-
-
-def _graded(panels: int) -> _Rule:
-    g, w = gauss_rule(_POINTS)
-    ends = np.append(_RATIO ** np.arange(panels), 0.0)
-    low, width = ends[1:, None], -np.diff(ends)[:, None]
-    return _Rule((low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel())
-
-
 class _History:
     """A growth, and what it adds up to."""
 
-    def __init__(self, growth: Growth, friction: float, rule: _Rule) -> None:
+    def __init__(self, growth: Growth, friction: float, rule: tuple[Array, Array]) -> None:
         self.growth, self.friction, self.rule = growth, friction, rule
 
     def panels(self, boundary: Radius, count: int) -> LogPanels:
@@ -155,7 +135,10 @@ class _History:
         for panel in self.growth.panels:
             # what stuck long before has a smooth integrand
             near = panel.low - stuck < panel.high - panel.low
-            for rows, rule in ((near & (stuck < panel.high), self.rule), (~near, _PLAIN)):
+            for rows, rule in (
+                (near & (stuck < panel.high), self.rule),
+                (~near, graded_rule(*_SMOOTH)),
+            ):
                 if rows.any():
                     total[rows] += self.while_stuck(panel, log_r[rows], stuck[rows], rule)
             if panel.slips:
@@ -180,11 +163,14 @@ class _History:
             stuck[beyond] = last.high
         return stuck
 
-    def while_stuck(self, panel: Panel, log_r: Array, stuck: Array, rule: _Rule) -> Array:
+    def while_stuck(
+        self, panel: Panel, log_r: Array, stuck: Array, rule: tuple[Array, Array]
+    ) -> Array:
         """Return what the increments of one panel add to radii that stick."""
         begin = np.maximum(stuck, panel.low)
         extent = (panel.high - begin)[:, None]
-        ahead = extent * rule.points
+        points, weights = rule
+        ahead = extent * points
         u = begin[:, None] + ahead
         t = panel.local(u).ravel()
         start = panel.log_stick(panel.local(begin))
@@ -193,18 +179,19 @@ class _History:
         grown = panel.log_stick(t).reshape(u.shape) - start[:, None]
         d = np.clip(-np.expm1(-2.0 * (since[:, None] + ahead + grown)), 0.0, 1.0)
         values = panel.traction(t, d.ravel()) * panel.increment(t) * np.exp(-2.0 * u.ravel())
-        return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ rule.weights))
+        return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ weights))
 
     def while_slipping(self, panel: Panel, log_r: Array, begin: Array, end: Array) -> Array:
         """Return by how much the pressure grew while these radii slipped."""
         extent = (end - begin)[:, None]
-        ahead = extent * self.rule.points
+        points, weights = self.rule
+        ahead = extent * points
         u = begin[:, None] + ahead
         depth = ((begin - log_r)[:, None] + ahead).ravel()
         t = panel.local(u).ravel()
         values = panel.pressure(t, np.exp(-depth), -np.expm1(-depth))
         values *= panel.increment(t) * np.exp(-2.0 * u.ravel())
-        return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ self.rule.weights))
+        return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ weights))
 
 
 def _crossed(panel: Panel, log_r: Array) -> Array:

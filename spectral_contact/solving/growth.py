@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import Radius
 from spectral_contact.solution import Solution
-from spectral_contact.spectral.jacobi import chebyshev_interpolation
+from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.threads import cached_property
 
 __all__ = ["Growth", "Panel", "Stage", "grown"]
@@ -94,8 +94,12 @@ class Panel:
 
     def increment(self, t: Array) -> Array:
         """Return ``dP/du``."""
-        slope = chebyshev.chebval(t, chebyshev.chebder(_FIT @ self.loads))
-        return np.asarray(np.exp(self.log_load(t)) * slope * 2.0 / (self.high - self.low))
+        return np.asarray(np.exp(self.log_load(t)) * self.rate(self.loads, t))
+
+    def rate(self, values: Array, t: Array) -> Array:
+        """Return the derivative in ``u`` of what has these values in the stages."""
+        slope = chebyshev.chebval(t, chebyshev.chebder(_FIT @ values))
+        return np.asarray(slope * 2.0 / (self.high - self.low))
 
     def log_stick(self, t: Array) -> Array:
         """Return ``ln c*``."""
@@ -181,7 +185,7 @@ class Growth:
     @cached_property
     def total_shear(self) -> float:
         """``Q = int Q* dP``."""
-        g, w = np.polynomial.legendre.leggauss(2 * _COUNT)
+        g, w = gauss_rule(2 * _COUNT)
         first = self.panels[0]
         # before the first panel there is next to no load
         total = first.flats[0].total_shear * math.exp(first.log_load(np.array([-1.0]))[0])
@@ -195,6 +199,19 @@ class Growth:
         """Estimate of the relative error of the shear."""
         worst = max((one.shear_error * self._share(one) for one in self.panels), default=0.0)
         return len(self.panels) * worst + 2.0 * self._of_flats("total_shear", "approach")
+
+    @cached_property
+    def stick_rate(self) -> float:
+        """``dln c*/dln b`` today."""
+        last = self.panels[-1]
+        return abs(float(last.rate(last.stick, np.ones(1))[0])) if last.slips else 0.0
+
+    @cached_property
+    def shear_rate(self) -> float:
+        """``dln Q/dln b`` today."""
+        last = self.panels[-1]
+        rate = float(last.increment(np.ones(1))[0]) * last.shears[-1]
+        return abs(rate / self.total_shear) if self.total_shear else 0.0
 
     @cached_property
     def error(self) -> float:
@@ -229,7 +246,12 @@ def _share(panel: Panel, radius: float, log_load: float) -> float:
 
 
 def grown(
-    stage: Stage, radius: float, least: float, onset: float | None, tolerance: float
+    stage: Stage,
+    radius: float,
+    load: float,
+    least: float,
+    onset: float | None,
+    tolerance: float,
 ) -> Growth:
     """Return the history of a contact.
 
@@ -237,7 +259,7 @@ def grown(
     ----------
     stage : callable
         Of a contact radius: its load, and a flat punch's solution.
-    radius : float
+    radius, load : float
         Today's.
     least : float
         Where the load is negligible.
@@ -251,12 +273,11 @@ def grown(
     NotComputedError
         If slip does not reach the edge at some radius, or the stick radius falls.
     """
-    log_load = math.log(stage(radius)[0])
     todo, panels = list(_ends(least, radius, onset))[::-1], []
     while todo:
         low, high = todo.pop()
         panel = _panel(stage, low, high)
-        off = panel.error * _share(panel, radius, log_load)
+        off = panel.error * _share(panel, radius, math.log(load))
         if off > _MARGIN * tolerance and high - low > _SHORTEST:
             middle = (low + high) / 2.0
             todo += [(middle, high), (low, middle)]

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from time import perf_counter
+from typing import Any
 
+from scipy.interpolate import barycentric_interpolate
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import find_radius
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.fields.series import Radius
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import GROWTH, NORMAL, PROFILE_QUANTITIES, Solution, StepState
 from spectral_contact.solving.grown_traction import grown_traction
@@ -26,6 +29,8 @@ __all__ = ["ProfileRun"]
 _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
 #: Their tolerance, of that asked for, and the least.
 _TIGHTER, _TIGHTEST = 0.1, 1e-12
+#: Scenes that are extrapolated from, and how far in a logarithm.
+_POINTS, _FARTHEST = 4, 1.0
 #: Share of the tolerance of the load or traction that is not looked for in the history.
 _NEGLIGIBLE = 0.01
 #: Tolerances of the critical friction and of the radius at which slip begins.
@@ -65,6 +70,8 @@ class ProfileRun(Run):
                 pointwise=pointwise,
             )
         else:
+            by_load = scene.load is not None
+            path = self.shared.get(NORMAL, (profile, alpha, by_load), _RadiusPath)
             solved, error = find_radius(
                 profile,
                 alpha,
@@ -73,7 +80,10 @@ class ProfileRun(Run):
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
+                near=path.near(scene.load or scene.approach or 0.0),
             )
+            best = solved.best.value if isinstance(solved, Refinement) else solved
+            path.add(best.load if by_load else best.approach, best.radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         self.pressure = found.pressure
         self.values.update(
@@ -87,9 +97,9 @@ class ProfileRun(Run):
             contact_radius=error,
             load=found.load_error,
             approach=found.approach_error,
-            stiffness=found.stiffness_error + error,
-            indentation_work=found.work_error + 5.0 * error,
-            pressure=found.pressure_error + error,
+            stiffness=found.stiffness_error,
+            indentation_work=found.work_error,
+            pressure=found.pressure_error,
         )
 
     def _grow(self) -> None:
@@ -97,7 +107,7 @@ class ProfileRun(Run):
         begin = perf_counter()
         history = _Stages(self.scene, self.rtol, self.max_unknowns)
         radius = self.values["contact_radius"]
-        growth = history.growth(radius)
+        growth = history.growth(radius, self.values["load"])
         today, friction = history.flat(radius), self.scene.friction
         assert friction is not None
         assert self.pressure is not None
@@ -105,10 +115,12 @@ class ProfileRun(Run):
             zones=today.zones, stick_radius=today.stick_radius, total_shear=growth.total_shear
         )
         moved = self.errors["contact_radius"]
+        of_stick = growth.stick_rate * moved
+        of_shear = growth.shear_rate * moved
         self.errors.update(
-            zones=(today.error.zones or 0.0) + moved,
-            stick_radius=(today.error.stick_radius or 0.0) + moved,
-            total_shear=growth.shear_error + 5.0 * moved + self.errors["load"],
+            zones=(today.error.zones or 0.0) + of_stick,
+            stick_radius=(today.error.stick_radius or 0.0) + of_stick,
+            total_shear=growth.shear_error + of_shear + self.errors["load"],
         )
         if "traction" in self.plan.quantities:
             outer = today.zones[0]
@@ -120,6 +132,26 @@ class ProfileRun(Run):
         self.record(GROWTH, growth, begin)
 
 
+class _RadiusPath:
+    """Loads or approaches and their contact radii, from scene to scene."""
+
+    def __init__(self) -> None:
+        self._known: list[tuple[float, float]] = []
+
+    def add(self, value: float, radius: float) -> None:
+        """Keep what a scene has found."""
+        self._known = [*self._known[-_POINTS:], (math.log(value), math.log(radius))]
+
+    def near(self, value: float) -> float | None:
+        """Return where the radius may be: a polynomial in logarithms through the last scenes."""
+        at = math.log(value)
+        known = [one for one in self._known if 0.0 < abs(one[0] - at) < _FARTHEST]
+        places = {place: log_radius for place, log_radius in known}
+        if len(places) < 2:
+            return None
+        return math.exp(float(barycentric_interpolate(list(places), list(places.values()), at)))
+
+
 class _Stages:
     """The loads and flat punches of a history."""
 
@@ -128,7 +160,8 @@ class _Stages:
         self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
         self.profile = scene.profile
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
-        self._flat = replace(scene, profile=None, contact_radius=None, load=None, approach=None)
+        without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
+        self._flat = replace(scene, **without)
         self._shared = Shared()
 
     def load(self, radius: float) -> float:
@@ -164,21 +197,21 @@ class _Stages:
         run = Run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
         return run.solution().critical_friction
 
-    def growth(self, radius: float) -> Growth:
+    def growth(self, radius: float, load: float) -> Growth:
         """Return the history up to a contact radius."""
-        least = self._least(radius)
+        least = self._least(radius, load)
 
         def stage(at: float) -> tuple[float, Solution]:
             return self.load(at), self.flat(at)
 
-        return grown(stage, radius, least, self._onset(least, radius), self.rtol)
+        return grown(stage, radius, load, least, self._onset(least, radius), self.rtol)
 
-    def _least(self, radius: float) -> float:
+    def _least(self, radius: float, load: float) -> float:
         """Return a radius at which load and traction are negligible."""
-        whole, share, at = self.load(radius), 1.0, radius
+        share, at = 1.0, radius
         while share > _NEGLIGIBLE * self.rtol:
             at /= 2.0
-            share = self.load(at) / whole * (radius / at) ** 2
+            share = self.load(at) / load * (radius / at) ** 2
             if share * (radius / at) > 1.0 and at < 1e-9 * radius:
                 break
         return at

@@ -90,23 +90,13 @@ class Run:
         done = self._done()
         wanted = {*done.quantities}
         errors = {k: v for k, v in self.errors.items() if k in wanted or k == "violation"}
-        converged = all(error <= self.rtol for error in self.bounded_errors())
-        ending = Ending.CONVERGED
-        if self.exceeded:
-            self.endings.append(Ending.UNKNOWNS)
-        if not converged or self.exceeded or Ending.ZONES in self.endings:
-            converged = False
-            ending = max(
-                (e for e in self.endings if e is not Ending.CONVERGED),
-                key=list(Ending).index,
-                default=Ending.ROUNDING,
-            )
+        ending = self._ending()
         return Solution(
             self.scene,
             self.rtol,
             done,
             ErrorEstimates(**errors),
-            converged,
+            ending is Ending.CONVERGED,
             ending,
             Work(tuple(self.work)),
             {k: v for k, v in self.values.items() if k in wanted or k == "opening"},
@@ -114,6 +104,16 @@ class Run:
             self.traction if "traction" in wanted else None,
             self.slip if "slip" in wanted else None,
         )
+
+    def _ending(self) -> Ending:
+        """Return the worst ending of a step, unless all is within the tolerance."""
+        if self.exceeded:
+            self.endings.append(Ending.UNKNOWNS)
+        within = all(error <= self.rtol for error in self.bounded_errors())
+        if within and not self.exceeded and Ending.ZONES not in self.endings:
+            return Ending.CONVERGED
+        found = [one for one in self.endings if one is not Ending.CONVERGED]
+        return max(found, key=list(Ending).index, default=Ending.ROUNDING)
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run what is to be run."""

@@ -58,6 +58,18 @@ class ZonePath:
             return None  # one stick disk is cheap to find anew
         if not 0.0 < abs(along) <= _FARTHEST:
             return layout if along == 0.0 else None
+        times, logits = self._on_the_line(ahead, along)
+        guess = _extrapolated(times, logits)
+        if (np.diff(guess) <= 0.0).any():
+            return layout
+        slopes = [one.slopes for _, one in self._known[-2:] if one.slopes is not None]
+        if len(times) > 1 and len(slopes) == 2 and len(layout.states) > 2:
+            layout = replace(layout, slopes=_extrapolated(times[:2], slopes[::-1]))
+        return replace(layout, logits=tuple(guess.tolist()))
+
+    def _on_the_line(self, ahead: Place, along: float) -> tuple[list[float], list[Array]]:
+        """Return the latest scenes behind the last one: how far, and their boundaries."""
+        last, layout = self._known[-1]
         times, logits = [0.0], [np.array(layout.logits)]
         for other, one in reversed(self._known[:-1]):
             back = _way(last, other)
@@ -67,13 +79,7 @@ class ZonePath:
                 break
             times.append(time)
             logits.append(np.array(one.logits))
-        guess = _extrapolated(times, logits)
-        if (np.diff(guess) <= 0.0).any():
-            return layout
-        slopes = [one.slopes for _, one in self._known[-2:] if one.slopes is not None]
-        if len(times) > 1 and len(slopes) == 2 and len(layout.states) > 2:
-            layout = replace(layout, slopes=_extrapolated(times[:2], slopes[::-1]))
-        return replace(layout, logits=tuple(guess.tolist()))
+        return times, logits
 
     def add(self, place: Place, layout: Layout | None) -> None:
         """Keep what a scene has found."""

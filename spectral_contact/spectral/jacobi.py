@@ -18,6 +18,7 @@ __all__ = [
     "chebyshev_interpolation",
     "chebyshev_values",
     "gauss_rule",
+    "graded_rule",
     "jacobi_values",
     "legendre_expansion_matrix",
     "legendre_interpolation_matrix",
@@ -108,6 +109,31 @@ def gauss_rule(
         Shape ``(points,)`` each, read-only; nodes increase.
     """
     return _RULES.get((points, a, b), lambda: _frozen_rule(points, a, b))
+
+
+def graded_rule(
+    points: int, panels: int, ratio: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a rule on (0, 1) whose panels shrink towards 0.
+
+    Parameters
+    ----------
+    points : int
+        Gauss-Legendre nodes on each panel.
+    panels : int
+        Their number; the last one ends at 0.
+    ratio : float
+        Of the lengths of neighbours, below 1.
+
+    Returns
+    -------
+    nodes, weights : ndarray
+        Shape ``(panels * points,)`` each.
+    """
+    g, w = gauss_rule(points)
+    ends = np.append(ratio ** np.arange(panels), 0.0)
+    low, width = ends[1:, None], -np.diff(ends)[:, None]
+    return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
 
 
 def _frozen_rule(

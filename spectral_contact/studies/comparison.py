@@ -210,15 +210,19 @@ class _Problem:
         self.scale = dict.fromkeys((*_FIELDS, "approach", "stick_radius", "total_shear"), 1.0)
         data = scene.physical
         if data is not None:
-            load = data.load_for(
-                checks.scalar("truth.approach", truth.approach), scene.poisson_ratio
-            )
-            moved = data.displacement_scale(load, scene.poisson_ratio)
-            stress = data.pressure_scale(load)
-            self.length = data.radius
+            nu = scene.poisson_ratio
+            if data.radius is None:  # a profile
+                radius = data.contact_radius or getattr(truth, "contact_radius", None)
+                self.length = checks.scalar("truth.contact_radius", radius)
+                load = stress = data.reduced_modulus(nu)
+                moved = 1.0
+            else:
+                self.length = data.radius
+                load = data.load_for(checks.scalar("truth.approach", truth.approach), nu)
+                stress, moved = data.pressure_scale(load), data.displacement_scale(load, nu)
             self.scale = {
                 **{"pressure": stress, "traction": stress, "slip": moved, "approach": moved},
-                **{"stick_radius": data.radius, "total_shear": load},
+                **{"stick_radius": self.length, "total_shear": load},
             }
 
     def number(self, name: str, value: Any) -> Agreement:
@@ -255,7 +259,7 @@ class _Problem:
         if not there.any():
             raise SceneError("s, from_edge", places, "somewhere where the truth is finite")
         scale = self.scale[name]
-        with np.errstate(over="ignore"):  # as wrong as can be, and said to be
+        with np.errstate(over="ignore", invalid="ignore"):  # as wrong as can be, and said to be
             errors = np.abs(values / scale - true)[there] / self._sizes(name, true, places)[there]
         errors = np.where(np.isnan(errors), np.inf, errors)
         worst = int(np.argmax(errors))

@@ -12,6 +12,7 @@ from spectral_contact.io.documents import path_text
 from spectral_contact.studies.fitting import Rate
 from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
+from spectral_contact.view.figures import new_figure
 from spectral_contact.view.plotting import save, scene_title, style
 
 if TYPE_CHECKING:
@@ -58,11 +59,9 @@ def _convergence(study: Convergence, wanted: Sequence[str]) -> Figure:
     """
     states = [state for state in wanted if _timed(study.points, state)]
     with style():
-        from matplotlib.figure import Figure
-
         count = 1 + len(states)
         rows = -(-len(study.quantities) // count)
-        figure = Figure(figsize=(1.4 + 3.4 * count, 3.9 + 0.18 * rows), layout="constrained")
+        figure = new_figure(figsize=(1.4 + 3.4 * count, 3.9 + 0.18 * rows), layout="constrained")
         axes = figure.subplots(1, count, sharey=True, squeeze=False)[0]
         for index, quantity in enumerate(study.quantities):
             _draw_rate(axes[0], study, quantity, index)
@@ -88,11 +87,9 @@ def _work_precision(study: WorkPrecision, states: Sequence[str]) -> Figure:
     Full markers are warm times, open ones cold times.
     """
     with style():
-        from matplotlib.figure import Figure
-
         rows, columns = len(study.scenes), len(study.quantities)
         width, height = max(1.4 + 3.0 * columns, 6.0), 0.5 + 3.2 * rows
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = new_figure(figsize=(width, height), layout="constrained")
         parts = figure.subfigures(rows, 1, squeeze=False)[:, 0]
         for part, scene in zip(parts, study.scenes, strict=True):
             axes = part.subplots(1, columns, sharey=True, squeeze=False)[0]

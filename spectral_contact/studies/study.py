@@ -17,7 +17,7 @@ from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.solvers import Solver, solver_name
 from spectral_contact.studies.store import Store
-from spectral_contact.studies.timing import Stopwatch, times_of
+from spectral_contact.studies.timing import Stopwatch, Times, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_named, truth_of
 from spectral_contact.view.progress import ProgressLine
 
@@ -260,20 +260,13 @@ class _Study:
         try:
             solution = case.solver(scene, resolution)
             errors = case.truth.errors(solution, wanted)
-            for name in errors:
-                estimate = estimate_of(solution, name)
-                estimates |= {} if estimate is None else {name: estimate}
+            known = {name: estimate_of(solution, name) for name in errors}
+            estimates = {name: one for name, one in known.items() if one is not None}
         except Exception as error:  # a user's solver may raise anything
             failure = _said(error)
-        lacking = [name for name in wanted if name not in errors]
-        if not failure and lacking and (self._asked or not errors):
-            allowed = f"one whose solutions have {' or '.join(lacking)}"
-            raise SceneError("solver", case.name, allowed)
-        if not failure and self._stopwatch is not None:
-            try:
-                times = times_of(case.solver, scene, resolution, self._stopwatch)
-            except Exception as error:
-                failure = _said(error)
+        else:
+            self._check_complete(case, [name for name in wanted if name not in errors], errors)
+            times, failure = self._timed(case, resolution)
         unknowns = _counted(solution, "unknowns")
         if unknowns is None and isinstance(resolution, int):
             unknowns = resolution
@@ -288,6 +281,21 @@ class _Study:
             times,
             failure,
         )
+
+    def _check_complete(self, case: _Case, lacking: list[str], errors: dict[str, float]) -> None:
+        """Refuse a solver that has not what was asked for, or nothing."""
+        if lacking and (self._asked or not errors):
+            allowed = f"one whose solutions have {' or '.join(lacking)}"
+            raise SceneError("solver", case.name, allowed)
+
+    def _timed(self, case: _Case, resolution: float) -> tuple[Times | None, str]:
+        """Return the times that are asked for, and what went wrong."""
+        if self._stopwatch is None:
+            return None, ""
+        try:
+            return times_of(case.solver, case.truth.scene, resolution, self._stopwatch), ""
+        except Exception as error:
+            return None, _said(error)
 
 
 def _said(error: Exception) -> str:

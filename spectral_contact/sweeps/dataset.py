@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import spectral_contact
-from spectral_contact.errors import MissingDependencyError
-from spectral_contact.profiles.control import refuse_profile
+from spectral_contact.errors import optional
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.chunk import Outcome, outcome_of
-from spectral_contact.sweeps.parameters import PARAMETERS, Indices, Parameters, row
+from spectral_contact.sweeps.parameters import Indices, Parameters, alone
 from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request, requested
 from spectral_contact.view.radii import graded_radii
 
@@ -29,6 +29,11 @@ _MEANINGS: Final = {
     "friction": ("coefficient of friction f", "1"),
     "s": ("radius s = r/a", "1"),
     "from_edge": ("distance from the edge 1 − r/a", "1"),
+    "contact_radius": ("contact radius a", "L"),
+    "load": ("load P", "E'L²"),
+    "stiffness": ("stiffness dP/dδ", "E'L"),
+    "indentation_work": ("work of the load", "E'L³"),
+    "profile": ("shape of the punch", ""),
     "approach": ("approach δ*", "4(1−ν²)P/(aE)"),
     "pressure": ("pressure p*", "P/a²"),
     "traction": ("traction q*", "P/a²"),
@@ -42,6 +47,16 @@ _MEANINGS: Final = {
     "zone_outer_from_edge": ("distance of it from the edge", "a"),
     "ending": ("how the solve ended", ""),
     "message": ("what is to be said of it", ""),
+}
+#: What is otherwise with a profile, E' = E/(4(1−ν²)).
+_WITH_PROFILE: Final = {
+    "normal_compliance": ("normal compliance αE'/L", "1"),
+    "tangential_compliance": ("tangential compliance βE'/L", "1"),
+    "approach": ("approach δ", "L"),
+    "pressure": ("pressure p", "E'"),
+    "traction": ("traction q", "E'"),
+    "stick_radius": ("stick radius c/a", "a"),
+    "total_shear": ("total shear Q", "E'L²"),
 }
 
 
@@ -90,36 +105,34 @@ def needed() -> Any:
     MissingDependencyError
         If it is not installed.
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise MissingDependencyError("xarray", "sweep") from error
-    return xarray
+    return optional("xarray", "sweep")
 
 
 def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.Dataset:
     """Return the dataset of a finished sweep."""
-    dims, shape = parameters.dims, parameters.shape
+    dims, shape, shaped = parameters.dims, parameters.shape, parameters.shaped
+    coordinates = _coordinates(parameters, request)
     variables = {}
     for name, values in table.values.items():
+        if name.removesuffix("_error") in coordinates:  # what is given of a contact
+            continue
         own = (request.places,) if name in FIELDS else ("zone",) * (values.ndim - 1)
         whole = values.reshape((*shape, *values.shape[1:]))
-        variables[name] = (*dims, *own), whole, _about(name)
+        variables[name] = (*dims, *own), whole, _about(name, shaped)
     ending = np.array(ENDINGS, dtype=object)[table.endings]
     message = np.full(parameters.size, "", dtype=object)
     for i, text in table.messages.items():
         message[i] = text
     for name, texts in (("ending", ending), ("message", message)):
-        variables[name] = dims, texts.reshape(shape), _about(name)
+        variables[name] = dims, texts.reshape(shape), _about(name, shaped)
+    punch, units = ("a flat punch", "docs/theory") if not shaped else ("a punch", "docs/profiles")
     attributes = {
-        "title": "scenes of a flat punch on a rough elastic half-space",
+        "title": f"scenes of {punch} on a rough elastic half-space",
         "source": f"spectral_contact {spectral_contact.__version__}",
         "rtol": request.rtol,
-        "convention": "dimensionless as in docs/theory; friction NaN: no friction at all",
+        "convention": f"dimensionless as in {units}; friction NaN: no friction at all",
     }
-    dataset: xarray.Dataset = needed().Dataset(
-        variables, _coordinates(parameters, request), attributes
-    )
+    dataset: xarray.Dataset = needed().Dataset(variables, coordinates, attributes)
     return dataset
 
 
@@ -127,22 +140,22 @@ def of_solution(
     solution: Solution, s: ArrayLike | None = None, from_edge: ArrayLike | None = None
 ) -> xarray.Dataset:
     """Return the dataset of one solution; see `Solution.to_xarray`."""
-    refuse_profile(solution.scene, "a dataset")
     needed()
-    quantities, radii = solution.plan.quantities, None
+    scene, quantities, radii = solution.scene, solution.plan.quantities, None
     if s is None and from_edge is None and not set(FIELDS).isdisjoint(quantities):
         radii = graded_radii(solution)
         request = Request(quantities, solution.rtol, 1, "s", radii.s, radii.from_edge)
     else:
-        request = requested(quantities, solution.rtol, 1, s, from_edge)
+        shaped = scene.profile is not None
+        request = requested(quantities, solution.rtol, 1, s, from_edge, shaped=shaped)
     outcome = outcome_of(solution, request)
     if radii is not None:  # each from the side on which it is accurate
         for name in set(FIELDS).intersection(quantities):
             outcome.values[name][0] = radii.evaluate(getattr(solution, name))
     table = Table(1)
     table.put(np.arange(1), outcome)
-    dataset = assembled(Parameters(row(solution.scene), {}), request, table)
-    if solution.scene.coupling:
+    dataset = assembled(alone(scene), request, table)
+    if scene.coupling:
         dataset.attrs["coupling"] = "elastic"
     return dataset
 
@@ -150,24 +163,29 @@ def of_solution(
 def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
     """Return what varies as dimensions, the rest as scalars, and both forms of the places."""
     found: dict[str, Any] = {}
-    for k, name in enumerate(PARAMETERS):
-        if parameters.table is not None:
-            found[name] = ("scene", parameters.table[k], _about(name))
-        elif name in parameters.axes:
-            found[name] = (name, parameters.axes[name], _about(name))
-        else:
-            found[name] = ((), parameters.fixed[k], _about(name))
+    for k, name in enumerate(parameters.names):
+        values: Any = parameters.fixed[k] if parameters.table is None else parameters.table[k]
+        values = parameters.axes.get(name, values)
+        # a load or radius that is not given of every contact is a result
+        if name not in CONTROLS or np.isfinite(values).all():
+            dims = parameters.dims if parameters.table is not None else (name,) * np.ndim(values)
+            found[name] = dims, values, _about(name, parameters.shaped)
+    if parameters.shaped:
+        briefs = [one.brief for one in parameters.profiles if one is not None]
+        profile = briefs[0] if parameters.table is None else np.array(briefs, dtype=object)
+        found["profile"] = parameters.dims * np.ndim(profile), profile, _about("profile")
     if request.places:
         for name in ("s", "from_edge"):
             found[name] = (request.places, getattr(request, name), _about(name))
     return found
 
 
-def _about(name: str) -> dict[str, str]:
+def _about(name: str, shaped: bool = False) -> dict[str, str]:
     """Return the attributes of a variable."""
+    meanings = {**_MEANINGS, **_WITH_PROFILE} if shaped else _MEANINGS
     quantity = name.removesuffix("_error")
     if quantity != name:
-        known = _MEANINGS.get(quantity, ("boundaries of the zones", ""))[0]
+        known = meanings.get(quantity, ("boundaries of the zones", ""))[0]
         return {"long_name": f"estimate of the relative error: {known}", "units": "1"}
-    meaning, unit = _MEANINGS[name]
+    meaning, unit = meanings[name]
     return {"long_name": meaning, **({"units": unit} if unit else {})}

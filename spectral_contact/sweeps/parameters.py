@@ -13,19 +13,29 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import reals
-from spectral_contact.profiles.control import refuse_profile
+from spectral_contact.profiles import Profile
+from spectral_contact.profiles.control import CONTROLS, profile_tree
 from spectral_contact.scene import Scene
 
-__all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "grid", "listed", "row"]
+__all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "alone", "changed", "grid", "listed"]
 
 Array = NDArray[np.float64]
 #: Numbers of scenes.
 Indices = NDArray[np.intp]
 
-#: The parameters of a scene, in the order of the columns and of the dimensions of a grid.
-PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
+#: The parameters of a scene, in the order of the columns and of the dimensions of a grid; those
+#: from the fifth on, with a profile alone.
+PARAMETERS: Final = (
+    "poisson_ratio",
+    "normal_compliance",
+    "tangential_compliance",
+    "friction",
+    *CONTROLS,
+)
+#: How many of them a flat punch has.
+_FLAT: Final = 4
 #: What varies slowest when scenes are solved: alpha, beta, nu, friction.
-_SLOWEST: Final = (1, 2, 0, 3)
+_SLOWEST: Final = (1, 2, 0, 3, 4, 5, 6)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,11 +44,14 @@ class Columns:
 
     Attributes
     ----------
-    values : ndarray, shape (4, scenes)
-        In the order of `PARAMETERS`. A friction of NaN stands for None, no friction at all.
+    values : ndarray, shape (4, scenes) or (7, scenes)
+        In the order of `PARAMETERS`. NaN stands for None: no friction at all, not given.
+    profiles : tuple of Profile or None
+        Of each, or one that is that of all.
     """
 
     values: Array
+    profiles: tuple[Profile | None, ...] = (None,)
 
     def __len__(self) -> int:
         return int(self.values.shape[1])
@@ -51,11 +64,12 @@ class Columns:
 
     def scene(self, index: int) -> Scene:
         """Return one of the scenes."""
-        nu, alpha, beta, friction = self.values[:, index].tolist()
-        return Scene(nu, alpha, beta, None if math.isnan(friction) else friction)
+        numbers = zip(PARAMETERS, self.values[:, index].tolist(), strict=False)
+        given: dict[str, Any] = {name: one for name, one in numbers if not math.isnan(one)}
+        return Scene(**given, profile=self.profiles[index if len(self.profiles) > 1 else 0])
 
     def __getitem__(self, chosen: slice | Indices | NDArray[np.bool_]) -> Columns:
-        return Columns(self.values[:, chosen])
+        return Columns(self.values[:, chosen], _chosen(self.profiles, chosen))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,13 +82,26 @@ class Parameters:
         What each parameter is where it does not vary.
     axes : dict of str to ndarray
         What varies, in the order of the dimensions; empty for a list.
-    table : ndarray or None, shape (4, scenes)
+    table : ndarray or None, shape (4, scenes) or (7, scenes)
         The scenes of a list.
+    profiles : tuple of Profile or None
+        Of each, or one that is that of all.
     """
 
     fixed: tuple[float, ...]
     axes: dict[str, Array]
     table: Array | None = None
+    profiles: tuple[Profile | None, ...] = (None,)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return PARAMETERS[: len(self.fixed)]
+
+    @property
+    def shaped(self) -> bool:
+        """Whether there are profiles."""
+        return self.profiles != (None,)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -103,7 +130,7 @@ class Parameters:
     def order(self) -> Indices:
         """Return the scenes in the order in which neighbours share most."""
         if self.table is not None:
-            return np.lexsort(self.table[list(reversed(_SLOWEST))])
+            return np.lexsort(self.table[[k for k in _SLOWEST if k < len(self.table)][::-1]])
         places = {name: i for i, name in enumerate(self.axes)}
         turned = [places[PARAMETERS[k]] for k in _SLOWEST if PARAMETERS[k] in places]
         return np.arange(self.size).reshape(self.shape).transpose(turned).ravel()
@@ -111,19 +138,21 @@ class Parameters:
     def columns(self, indices: Indices) -> Columns:
         """Return some of the scenes; the last dimension varies fastest in their numbers."""
         if self.table is not None:
-            return Columns(self.table[:, indices])
-        values = np.empty((len(PARAMETERS), len(indices)))
+            return Columns(self.table[:, indices], _chosen(self.profiles, indices))
+        values = np.empty((len(self.fixed), len(indices)))
         values.T[:] = self.fixed
         where = np.unravel_index(indices, self.shape) if self.shape else ()
         for (name, axis), place in zip(self.axes.items(), where, strict=True):
             values[PARAMETERS.index(name)] = axis[place]
-        return Columns(values)
+        return Columns(values, self.profiles)
 
     def fingerprint(self) -> str:
         """Return a digest that differs for other scenes, or the same ones in another order."""
         digest = hashlib.sha256(repr((self.fixed, list(self.axes))).encode())
         for values in self.axes.values() if self.table is None else [self.table]:
             digest.update(repr(values.shape).encode() + values.astype("<f8").tobytes())
+        for profile in self.profiles:
+            digest.update(b"" if profile is None else repr(profile_tree(profile)).encode())
         return digest.hexdigest()
 
 
@@ -142,10 +171,17 @@ def grid(base: Scene, axes: Mapping[str, Any]) -> Parameters:
     SceneError
         For values that are no list of numbers in the range of the parameter, or elastic coupling.
     """
+    _check_uncoupled(base)
     given = {
         name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None
     }
-    return Parameters(_row(base), given)
+    pressed = [name for name in given if name in CONTROLS]
+    if len(pressed) > 1:
+        told = f"None with {pressed[1]}: one of them tells how far the punch is pressed in"
+        raise SceneError(pressed[0], axes[pressed[0]], told)
+    if pressed:
+        base = changed(base, {pressed[0]: float(given[pressed[0]][0])})
+    return replace(alone(base), axes=given)
 
 
 def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> Parameters:
@@ -156,27 +192,61 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
     SceneError
         If it is empty, or something in it is no scene or has elastic coupling.
     """
-    rows = []
+    rows: list[tuple[float, ...]] = []
+    profiles: list[Profile | None] = []
     for number, scene in enumerate(scenes):
         if not isinstance(scene, Scene):
             raise SceneError(f"scenes[{number}]", scene, "a Scene")
-        rows.append(_row(replace(scene, **changes) if changes else scene))
+        one = changed(scene, changes or {})
+        _check_uncoupled(one)
+        if rows and (one.profile is None) != (profiles[0] is None):
+            told = "with a profile, as the first" if profiles[0] else "without one, as the first"
+            raise SceneError(f"scenes[{number}]", scene, told)
+        rows.append(_row(one))
+        profiles.append(one.profile)
     if not rows:
         raise SceneError("scenes", [], "at least one Scene")
-    return Parameters((math.nan,) * len(PARAMETERS), {}, np.array(rows).T.copy())
+    shaped = profiles[0] is not None
+    count = len(PARAMETERS) if shaped else _FLAT
+    table = np.array(rows).T[:count].copy()
+    return Parameters((math.nan,) * count, {}, table, tuple(profiles) if shaped else (None,))
+
+
+def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """Return a changed scene, in which a load takes the place of an approach, and so on.
+
+    Raises
+    ------
+    SceneError
+        If a value is out of its range.
+    """
+    dropped = dict.fromkeys(CONTROLS if any(changes.get(name) for name in CONTROLS) else ())
+    return replace(scene, **{**dropped, **changes})
+
+
+def alone(scene: Scene) -> Parameters:
+    """Return one scene as a grid without dimensions."""
+    count = _FLAT if scene.profile is None else len(PARAMETERS)
+    return Parameters(_row(scene)[:count], {}, profiles=(scene.profile,))
+
+
+def _check_uncoupled(scene: Scene) -> None:
+    if scene.coupling:
+        raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
 
 
 def _row(scene: Scene) -> tuple[float, ...]:
-    refuse_profile(scene, "sweep")
-    if scene.coupling:
-        raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
-    return row(scene)
+    """Return the parameters of a scene in the order of `PARAMETERS`; NaN for None."""
+    given = [getattr(scene, name) for name in PARAMETERS]
+    return tuple(math.nan if one is None else one for one in given)
 
 
-def row(scene: Scene) -> tuple[float, ...]:
-    """Return the parameters of a scene in the order of `PARAMETERS`; NaN for no friction."""
-    friction = math.nan if scene.friction is None else scene.friction
-    return scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, friction
+def _chosen(
+    profiles: tuple[Profile | None, ...], chosen: slice | Indices | NDArray[np.bool_]
+) -> tuple[Profile | None, ...]:
+    if len(profiles) == 1:
+        return profiles
+    return tuple(profiles[k] for k in np.arange(len(profiles))[chosen].tolist())
 
 
 def _axis(base: Scene, name: str, values: Any) -> Array:
@@ -188,6 +258,5 @@ def _axis(base: Scene, name: str, values: Any) -> Array:
     size = np.abs(array)
     suspects = [array.min(), array.max(), array[np.argmin(np.where(size > 0.0, size, np.inf))]]
     for suspect in suspects:  # NaN is all of them
-        changed: dict[str, Any] = {name: float(suspect)}
-        replace(base, **changed)
+        changed(base, {name: float(suspect)})
     return array

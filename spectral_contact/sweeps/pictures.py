@@ -13,7 +13,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real
 from spectral_contact.inputs.choices import instance, one_of
 from spectral_contact.sweeps.dataset import needed
-from spectral_contact.view.plotting import style
+from spectral_contact.view.figures import new_figure, style
 
 if TYPE_CHECKING:
     import xarray
@@ -72,9 +72,7 @@ def plot_slice(
         said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
         raise SceneError("at", dict(at or {}), said)
     with style():
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(5.6, 4.2), layout="constrained")
+        figure = new_figure(figsize=(5.6, 4.2), layout="constrained")
         axes = figure.add_subplot()
         (_curve if len(left) == 1 else _map)(axes, part, left)
         axes.set_title(_held(part), fontsize="medium")
@@ -105,12 +103,13 @@ def _sliced(part: xarray.DataArray, at: Any) -> xarray.DataArray:
 
 def _held(part: xarray.DataArray) -> str:
     """Return what is the same in a whole picture, with its values."""
-    numbers = {name: float(part[name]) for name in part.coords if part[name].ndim == 0}
-    held = [
+    held = [one for one in part.coords if part[one].ndim == 0 and part[one].dtype.kind == "f"]
+    numbers = {name: float(part[name]) for name in held}
+    texts = [
         "no friction" if np.isnan(value) else f"{_SYMBOLS.get(str(name), name)} = {value:.4g}"
         for name, value in numbers.items()
     ]
-    return ", ".join(held).replace("= inf", r"= $\infty$")
+    return ", ".join(texts).replace("= inf", r"= $\infty$")
 
 
 def _places(at: Any, dims: list[str]) -> dict[str, float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
-from spectral_contact.solution import QUANTITIES
+from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES
 from spectral_contact.solving.planning import asked_quantities
 from spectral_contact.solving.solver import checked_tolerance
 
@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: Quantities that are a number for each scene: what a sweep asks for by default.
 SCALARS: Final = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")
+#: The same with a profile.
+_PROFILE_SCALARS: Final = (*PROFILE_QUANTITIES, *SCALARS[:3])
 #: Quantities that are a function of the radius.
 FIELDS: Final = ("pressure", "traction", "slip")
 #: How a scene can end, by code: the endings of `solve` in small letters, and failure.
@@ -72,9 +74,15 @@ class Request:
 
 
 def requested(
-    quantities: Iterable[str] | None, rtol: float, max_unknowns: int, s: Any, from_edge: Any
+    quantities: Iterable[str] | None,
+    rtol: float,
+    max_unknowns: int,
+    s: Any,
+    from_edge: Any,
+    *,
+    shaped: bool = False,
 ) -> Request:
-    """Check what is asked.
+    """Check what is asked, of scenes with a profile if they are shaped.
 
     Raises
     ------
@@ -82,27 +90,33 @@ def requested(
         For a quantity that there is not, a field without places or places without a field, or
         a value out of its range.
     """
-    asked = frozenset(SCALARS) if quantities is None else asked_quantities(quantities)
+    if quantities is None:
+        asked = frozenset(_PROFILE_SCALARS if shaped else SCALARS)
+    else:
+        asked = asked_quantities(quantities, shaped=shaped)
     if not asked:
         raise SceneError("quantities", [], "at least one name")
-    chosen = tuple(name for name in QUANTITIES if name in asked)
-    fields = [name for name in chosen if name in FIELDS]
-    if s is None and from_edge is None:
-        if fields:
-            raise SceneError("s, from_edge", (s, from_edge), f"given for the {fields[0]}: either")
-        places, radii, distances = "", np.empty(0), np.empty(0)
-    else:
-        radii, distances = checks.radii(s, from_edge)
-        places = "s" if from_edge is None else "from_edge"
-        if not fields:
-            raise SceneError(places, s if from_edge is None else from_edge, "None without a field")
-        if radii.ndim != 1 or radii.size == 0:
-            raise SceneError(places, s if from_edge is None else from_edge, "a list of radii")
+    chosen = tuple(name for name in (*PROFILE_QUANTITIES, *QUANTITIES) if name in asked)
+    places = "s" if from_edge is None else "from_edge"
     return Request(
         chosen,
         checked_tolerance(rtol, chosen),
         checks.whole("max_unknowns", max_unknowns, 1),
-        places,
-        radii,
-        distances,
+        "" if s is None and from_edge is None else places,
+        *_radii(places, [name for name in chosen if name in FIELDS], s, from_edge),
     )
+
+
+def _radii(places: str, fields: list[str], s: Any, from_edge: Any) -> tuple[Array, Array]:
+    """Return where the fields are taken: radii and distances from the edge."""
+    if s is None and from_edge is None:
+        if fields:
+            raise SceneError("s, from_edge", (s, from_edge), f"given for the {fields[0]}: either")
+        return np.empty(0), np.empty(0)
+    radii, distances = checks.radii(s, from_edge)
+    given = s if from_edge is None else from_edge
+    if not fields:
+        raise SceneError(places, given, "None without a field")
+    if radii.ndim != 1 or radii.size == 0:
+        raise SceneError(places, given, "a list of radii")
+    return radii, distances

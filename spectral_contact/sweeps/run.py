@@ -17,11 +17,17 @@ from numpy.typing import ArrayLike
 import spectral_contact
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
-from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.sweeps.dataset import Table, assembled, needed
 from spectral_contact.sweeps.execution import outcomes
-from spectral_contact.sweeps.parameters import PARAMETERS, Indices, Parameters, grid, listed
+from spectral_contact.sweeps.parameters import (
+    PARAMETERS,
+    Indices,
+    Parameters,
+    changed,
+    grid,
+    listed,
+)
 from spectral_contact.sweeps.request import Request, requested
 from spectral_contact.sweeps.shortcuts import eligible
 from spectral_contact.sweeps.store import Store
@@ -35,6 +41,8 @@ __all__ = ["sweep"]
 
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
+#: The same with profiles, some of which take a hundred times as long.
+_SLOW_CHUNK: Final = 8
 #: The same where the spectra serve nearly all of them.
 _QUICK_CHUNK: Final = 16384
 #: From so many pairs of compliances on the spectra pay, which take a second or two.
@@ -48,6 +56,9 @@ def sweep(
     normal_compliance: ArrayLike | None = None,
     tangential_compliance: ArrayLike | None = None,
     friction: ArrayLike | None = None,
+    contact_radius: ArrayLike | None = None,
+    load: ArrayLike | None = None,
+    approach: ArrayLike | None = None,
     quantities: Iterable[str] | None = None,
     rtol: float = 1e-8,
     s: ArrayLike | None = None,
@@ -68,9 +79,11 @@ def sweep(
         The values that a parameter takes, dimensionless as in `Scene`; the grid has every
         combination, and a list of scenes takes none. A single number is that of all scenes, in
         the place of their own, and no dimension. With SI data friction alone can be given.
+    contact_radius, load, approach : array_like, optional
+        The same of scenes with a profile, one of them; it takes the place of what the scene has.
     quantities : iterable of str, optional
-        What to compute, out of `QUANTITIES`; approach, stick radius, total shear, edge ratio and
-        critical friction are the default. What is not asked for is not computed.
+        What to compute, out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, too; all
+        that is a number is the default. What is not asked for is not computed.
     rtol : float
         As of `solve`.
     s, from_edge : array_like, optional
@@ -120,16 +133,24 @@ def sweep(
     axes = dict(
         zip(
             PARAMETERS,
-            (poisson_ratio, normal_compliance, tangential_compliance, friction),
+            (
+                poisson_ratio,
+                normal_compliance,
+                tangential_compliance,
+                friction,
+                contact_radius,
+                load,
+                approach,
+            ),
             strict=True,
         )
     )
     parameters = _parameters(scenes, axes)
-    request = requested(quantities, rtol, max_unknowns, s, from_edge)
+    request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
-    request = replace(request, shared=parameters.pairs >= _MANY)
+    request = replace(request, shared=parameters.pairs >= _MANY and not parameters.shaped)
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     run = _Run(parameters, request, size, store)
     with one_thread(), tell:
@@ -140,7 +161,7 @@ def sweep(
 def _chunk(parameters: Parameters, request: Request) -> int:
     """Return how many scenes make some tenths of a second of work."""
     if not request.shared:
-        return _CHUNK
+        return _SLOW_CHUNK if parameters.shaped else _CHUNK
     sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
     quick = eligible(parameters.columns(sample), request)
     slow = frozenset(request.quantities) & {"stick_radius", "total_shear"}
@@ -156,8 +177,7 @@ def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:
     }
     axes = {name: one for name, one in axes.items() if name not in alone}
     if isinstance(scenes, Scene):
-        refuse_profile(scenes, "sweep")
-        return grid(replace(scenes, **alone), axes)
+        return grid(changed(scenes, alone), axes)
     given = [name for name, values in axes.items() if values is not None]
     if given:
         raise SceneError(given[0], axes[given[0]], "None with a list of scenes")

@@ -10,7 +10,7 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import AnnulusSeries, DiskSeries, LogSeries, ZonalField
 from spectral_contact.inputs.choices import instance
 from spectral_contact.solution import Solution
-from spectral_contact.view.figures import VERMILION, require, scene_title, style
+from spectral_contact.view.figures import VERMILION, new_figure, require, scene_title, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,11 +48,9 @@ def plot_coefficients(solution: Solution) -> Figure:
     if not series:
         raise NotComputedError("a series with coefficients", _why_no_series(solution))
     with style():
-        from matplotlib.figure import Figure
-
         columns = min(len(series), 2)
         rows = -(-len(series) // columns)
-        figure = Figure(figsize=(4.6 * columns, 0.4 + 3.2 * rows), layout="constrained")
+        figure = new_figure(figsize=(4.6 * columns, 0.4 + 3.2 * rows), layout="constrained")
         for i, (title, one) in enumerate(series):
             _draw_coefficients(figure.add_subplot(rows, columns, i + 1), title, one)
         figure.suptitle(scene_title(solution.scene))

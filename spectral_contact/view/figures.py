@@ -8,13 +8,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spectral_contact.errors import MissingDependencyError, SolutionFileError
+from spectral_contact.errors import SolutionFileError, optional
 from spectral_contact.inputs.choices import instance
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
@@ -30,6 +31,7 @@ __all__ = [
     "SLIP_GREY",
     "VERMILION",
     "math_number",
+    "new_figure",
     "require",
     "save",
     "scene_title",
@@ -42,6 +44,8 @@ FORMATS = (".png", ".pdf", ".svg")
 # Colours of Okabe and Ito: told apart by the colour-blind, and in grey by their line styles.
 BLUE, VERMILION, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 SLIP_GREY = "#DDDDDD"
+#: Dots per inch in a notebook.
+_SCREEN = 110
 _STYLE = {
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -65,11 +69,33 @@ def require() -> Any:
     MissingDependencyError
         If it is not installed.
     """
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise MissingDependencyError("matplotlib", "plot") from error
-    return matplotlib
+    return optional("matplotlib", "plot")
+
+
+def new_figure(**options: Any) -> Figure:
+    """Return an empty figure, which a notebook shows as a picture without pyplot.
+
+    Parameters
+    ----------
+    **options
+        As of `matplotlib.figure.Figure`.
+    """
+    figure: Figure = _picture_class()(**options)
+    return figure
+
+
+@cache
+def _picture_class() -> type[Any]:
+    from matplotlib.figure import Figure
+
+    class Picture(Figure):
+        def _repr_png_(self) -> bytes:
+            drawn = BytesIO()
+            with style():
+                self.savefig(drawn, format="png", dpi=_SCREEN)
+            return drawn.getvalue()
+
+    return Picture
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:

@@ -49,7 +49,7 @@ def of_scene(scene: Scene) -> str:
         value = getattr(scene, name, None)
         if name == "friction":
             rows.append((words, symbol, _friction(scene.friction)))
-        elif value is not None:
+        elif value is not None and (physical is None or name not in CONTROLS):
             rows.append((words, symbol + star, f"{value:.6g}"))
         si = getattr(physical, name, None)
         if si is not None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from spectral_contact.inputs import checks, choices
 from spectral_contact.interior import Inside
 from spectral_contact.interior.grids import QUANTITIES, unit_of
-from spectral_contact.view.figures import BLACK, SLIP_GREY, VERMILION, style
+from spectral_contact.view.figures import BLACK, SLIP_GREY, VERMILION, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,16 +63,14 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
         else checks.real("r_max", r_max, allowed="a length above 0", low=0.0, low_open=True)
     )
     with style():
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(6.6, 6.8), layout="constrained")
+        figure = new_figure(figsize=(6.6, 6.8), layout="constrained")
         figure.set_layout_engine("constrained", w_pad=0.15)
         top, main = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, 3.2])
         _draw_surface(top, body, far)
         _draw_contours(figure, main, body, quantity, far)
         if quantity in _LARGEST:
             _mark_largest(main, body, quantity, far)
-        unit = "m" if body.si else "a"
+        unit = body.unit_names.place
         main.set(xlabel=f"$r$ [{unit}]", ylabel=f"$z$ [{unit}]", aspect="equal")
         main.invert_yaxis()
     return figure
@@ -88,20 +86,26 @@ def _draw_contours(figure: Figure, axes: Axes, body: Inside, quantity: str, far:
     levels = np.linspace(low, high if high > low else low + 1.0, _LEVELS)
     filled = axes.contourf(grid, grid, values, levels, cmap="viridis", extend="both")
     axes.contour(grid, grid, values, levels[::2], colors="white", linewidths=0.4)
-    label = f"{QUANTITIES[quantity]} [{unit_of(quantity, body.si)}]"
+    label = f"{QUANTITIES[quantity]} [{unit_of(quantity, body.unit_names)}]"
     figure.colorbar(filled, ax=axes, label=label, format="%.3g")
 
 
 def _draw_surface(axes: Axes, body: Inside, far: float) -> None:
-    """Draw the deformed surface and the face of the punch, both magnified by the axis."""
+    """Draw the deformed surface and the punch, both magnified by the axis."""
     radius = body.radius
     r = np.concatenate([np.linspace(0.0, radius, 101), np.linspace(radius, far, 101)[1:]])
-    surface = body.surface(r, rtol=_RTOL)
-    face = float((surface.z + surface.gap)[0])
-    axes.fill_between([0.0, radius], [0.0, 0.0], [face, face], color=SLIP_GREY, lw=0.0)
-    axes.plot([0.0, radius, radius], [face, face, 0.0], color=BLACK, lw=1.0, label="punch")
+    surface, length = body.surface(r, rtol=_RTOL), body.unit_names.displacement
+    if body.flat:
+        r_face, face = np.array([0.0, radius, radius]), surface.z[:1] + surface.gap[:1]
+        face = np.append(np.repeat(face, 2), 0.0)
+    else:  # only what is near the body is drawn
+        face = np.where(r <= radius, surface.z + surface.gap, surface.z - surface.gap)
+        near = face > -0.3 * face[0]
+        r_face, face = r[near], face[near]
+    axes.fill_between(r_face, np.minimum(face.min(), 0.0), face, color=SLIP_GREY, lw=0.0)
+    axes.plot(r_face, face, color=BLACK, lw=1.0, label="punch")
     axes.plot(r, surface.z, color=VERMILION, label="surface")
-    axes.set(ylabel=f"$u_z$ [{'m' if body.si else '1'}]")
+    axes.set(ylabel=f"$u_z$ [{'1' if length.startswith('4') else length}]")
     axes.invert_yaxis()
     axes.legend(loc="lower right")
 

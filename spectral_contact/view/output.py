@@ -119,7 +119,7 @@ class Output:
         Raises
         ------
         SceneError
-            For both arguments, or a radius outside [0, 1]; for a scene with a profile.
+            For both arguments, or a radius outside [0, 1].
         MissingDependencyError
             If xarray is not installed (extra: sweep).
         """
@@ -127,9 +127,14 @@ class Output:
         return dataset
 
     def sensitivity(
-        self, parameters: Iterable[str] | None = None, *, progress: bool | None = None
+        self,
+        parameters: Iterable[str] | None = None,
+        *,
+        s: ArrayLike | None = None,
+        from_edge: ArrayLike | None = None,
+        progress: bool | None = None,
     ) -> Sensitivity:
-        """Return derivatives of approach, total shear and stick radius by the parameters.
+        """Return derivatives of approach, total shear, stick radius, and fields by the parameters.
 
         By closed forms where there are any, else by polynomials through ten to thirty solves a
         parameter, which takes seconds. Where one is not finite, or one-sided, its note says so.
@@ -139,23 +144,29 @@ class Output:
         parameters : iterable of str, optional
             Out of ``"normal_compliance"``, ``"tangential_compliance"``, ``"friction"`` and
             ``"poisson_ratio"``, dimensionless; by default all.
+        s, from_edge : array_like, optional
+            Radii in [0, 1], or distances from the edge, at which those of pressure and traction are
+            wanted; by default nowhere.
         progress : bool, optional
             Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
         Returns
         -------
         Sensitivity
-            ``found["stick_radius", "friction"]`` has value, estimated relative error, and a note.
+            ``found["stick_radius", "friction"]`` has value, estimated relative error, and a note;
+            ``found.fields["traction", "friction"]`` values, estimated absolute errors, and a note.
 
         Raises
         ------
         SceneError
-            For another parameter, or a scene with a profile.
+            For another parameter, a radius outside [0, 1], or a scene with a profile.
         NotComputedError
             With elastic coupling.
         """
         study = _above("studies.derivatives")
-        found: Sensitivity = study.sensitivity(self, parameters, progress=progress)
+        found: Sensitivity = study.sensitivity(
+            self, parameters, s=s, from_edge=from_edge, progress=progress
+        )
         return found
 
     def _repr_html_(self) -> str:

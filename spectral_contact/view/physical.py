@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.evaluation import over_r
 from spectral_contact.inputs import checks, choices
-from spectral_contact.interior import Inside, Units
+from spectral_contact.interior import Inside
+from spectral_contact.interior.grids import Units, si_units
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 
@@ -36,10 +37,18 @@ class PhysicalSolution:
         return self.solution.scene.physical
 
     @property
+    def _modulus(self) -> float | None:
+        """What tractions under a profile are in [Pa]; None for a flat punch."""
+        shaped = self.solution.scene.profile is not None
+        return float(self._data.reduced_modulus(self._nu)) if shaped else None
+
+    @property
     def load(self) -> float:
         """Normal load P [N]."""
         if self._data.load is not None:
             return float(self._data.load)
+        if self._modulus is not None:
+            return self.solution.load * self._modulus
         return float(self._data.load_for(self.solution.approach, self._nu))
 
     @property
@@ -47,16 +56,38 @@ class PhysicalSolution:
         """Approach [m]."""
         if self._data.approach is not None:
             return float(self._data.approach)
-        return self.solution.approach * self._length
+        if self._modulus is not None:
+            return self.solution.approach
+        return self.solution.approach * self.units.displacement
 
     @property
-    def _length(self) -> float:
-        return float(self._data.displacement_scale(self.load, self._nu))
+    def units(self) -> Units:
+        """What fields over ``s = r/a`` are multiplied by: a [m], stress [Pa], displacement [m]."""
+        if self._modulus is not None:
+            return si_units(self.radius, self._modulus, self.radius)
+        stress, load = self._data.pressure_scale, self.load
+        return si_units(self.radius, stress(load), self._data.displacement_scale(load, self._nu))
 
     @property
     def radius(self) -> float:
-        """Punch radius a [m]."""
-        return float(self._data.radius)
+        """Radius of the contact a [m]; that of a flat punch is the punch's."""
+        given = self._data.radius or self._data.contact_radius
+        return float(self.solution.contact_radius if given is None else given)
+
+    @property
+    def contact_radius(self) -> float:
+        """Radius of the contact a [m]."""
+        return self.radius
+
+    @property
+    def stiffness(self) -> float:
+        """Contact stiffness dP/dδ under a profile [N/m]."""
+        return self.solution.stiffness * (self._modulus or 1.0)
+
+    @property
+    def indentation_work(self) -> float:
+        """Work ∫P dδ of pressing a profile in [J]."""
+        return self.solution.indentation_work * (self._modulus or 1.0)
 
     @property
     def stick_radius(self) -> float | None:
@@ -67,7 +98,7 @@ class PhysicalSolution:
     @property
     def total_shear(self) -> float:
         """Measure of shear Q [N]."""
-        return self.solution.total_shear * self.load
+        return self.solution.total_shear * (self._modulus or self.load)
 
     @property
     def opening(self) -> float | None:
@@ -106,20 +137,19 @@ class PhysicalSolution:
     @property
     def inside(self) -> Inside:
         """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
-        stress = float(self._data.pressure_scale(self.load))
-        return Inside(self.solution, Units(self.radius, stress, self._length))
+        return Inside(self.solution, self.units)
 
     @over_r
     def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("pressure", self._data.pressure_scale(self.load), r, from_edge)
+        return self._scaled("pressure", self.units.stress, r, from_edge)
 
     @over_r
     def traction(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the traction [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("traction", self._data.pressure_scale(self.load), r, from_edge)
+        return self._scaled("traction", self.units.stress, r, from_edge)
 
     @over_r
     def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
-        return self._scaled("slip", self._length, r, from_edge)
+        return self._scaled("slip", self.units.displacement, r, from_edge)

@@ -24,13 +24,21 @@ from spectral_contact.view.figures import (
     SLIP_GREY,
     VERMILION,
     math_number,
+    new_figure,
     require,
     save,
     scene_title,
     style,
 )
 from spectral_contact.view.inside import plot_inside
-from spectral_contact.view.radii import Radii, graded_radii, known_zones, layer_depth
+from spectral_contact.view.radii import (
+    Radii,
+    bulk_limits,
+    from_zero,
+    graded_radii,
+    known_zones,
+    layer_depth,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,10 +116,8 @@ def plot_solution(solution: Solution) -> Figure:
     units = _Units.of(solution)
     rows = _field_rows(solution, radii, units)
     with style():
-        from matplotlib.figure import Figure
-
         heights = [2.5] * len(rows) + [0.5 + 0.22 * len(_estimates(solution))]
-        figure = Figure(figsize=(8.0, 0.9 + sum(heights)), layout="constrained")
+        figure = new_figure(figsize=(8.0, 0.9 + sum(heights)), layout="constrained")
         grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
         for i, (label, curves) in enumerate(rows):
             left, right = figure.add_subplot(grid[i, 0]), figure.add_subplot(grid[i, 1])
@@ -151,28 +157,30 @@ class _Units:
     def of(cls, solution: Solution) -> _Units:
         """Return the units of the scene; dimensionless if the load is not known."""
         profile, data = solution.scene.profile, solution.scene.physical
-        if profile is not None:
+        if profile is not None and data is None:
             radius = rf"$a = {math_number(solution.values['contact_radius'])}\,L$"
             title = (f"{profile.brief},   {radius}",)
             return cls(1.0, 1.0, stress_unit="$E'$", title=title)
-        known = data is not None and (data.load or "approach" in solution.plan.quantities)
+        known = data is not None and (
+            profile or data.load or "approach" in solution.plan.quantities
+        )
         if data is None or not known:
             return cls(1.0, 1.0)
         physical = solution.physical
-        stress = data.pressure_scale(physical.load)
-        slip = data.displacement_scale(physical.load, solution.scene.poisson_ratio)
-        length_power, stress_power, slip_power = map(_prefix_power, (data.radius, stress, slip))
+        scales = physical.units
+        sizes = scales.length, scales.stress, scales.displacement
+        length_power, stress_power, slip_power = map(_prefix_power, sizes)
         modulus = rf"$E = {math_number(data.youngs_modulus)}$ Pa"
-        radius = rf"$a = {math_number(data.radius)}$ m"
+        radius = rf"$a = {math_number(physical.radius)}$ m"
         load = rf"$P = {math_number(physical.load)}$ N"
         return cls(
-            data.radius / 10.0**length_power,
-            stress / 10.0**stress_power,
-            slip / 10.0**slip_power,
+            scales.length / 10.0**length_power,
+            scales.stress / 10.0**stress_power,
+            scales.displacement / 10.0**slip_power,
             f"{_PREFIXES[length_power]}m",
             f"{_PREFIXES[stress_power]}Pa",
             f"{_PREFIXES[slip_power]}m",
-            (",   ".join([modulus, radius, load]),),
+            (",   ".join([*([profile.brief] if profile else []), modulus, radius, load]),),
         )
 
     @property
@@ -246,18 +254,19 @@ def _draw_over_radius(
     for zone in known_zones(solution):
         if zone.kind == "slip":
             axes.axvspan(a * zone.inner, a * zone.outer, color=SLIP_GREY, lw=0.0, zorder=0.5)
-    values = np.concatenate([curve.values for curve in curves])
-    bulk = np.concatenate([curve.values[radii.from_edge >= 0.02] for curve in curves])
     # an edge much higher than the rest, or infinite, is left to the other panel
-    highest = np.nanmax(values)  # with coupling there may be no limit at the edge
-    cut = highest > 2.5 * bulk.max()
-    top = bulk.max() if cut else highest
-    if cut:
+    limits = bulk_limits(radii, [curve.values for curve in curves])
+    # with coupling there may be no limit at the edge
+    values = np.concatenate([curve.values for curve in curves])
+    highest = np.nanmax(values)
+    if highest > limits[1]:
         edge = f"up to {highest:.3g}" if np.isfinite(highest) else "infinite"
+        place = np.tile(radii.s, len(curves))[np.nanargmax(values)]
+        where = "the edge" if place == 1.0 else f"$s$ = {place:.3g}"
         corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
-        axes.text(0.97, 0.95, f"cut off: {edge} at the edge", **corner)
+        axes.text(0.97, 0.95, f"cut off: {edge} at {where}", **corner)
     axes.set_xlim(0.0, a)
-    axes.set_ylim(*_from_zero(bulk.min(), top))
+    axes.set_ylim(*limits)
     axes.legend(
         handles=[*axes.get_lines(), *_zone_patches(solution)],
         loc="lower left",
@@ -286,14 +295,7 @@ def _draw_over_distance(
         axes.set_yscale("log")
         axes.set_ylim(values.min() / 2.0, values.max() * 2.0)
     else:
-        axes.set_ylim(*_from_zero(values.min(), values.max()))
-
-
-def _from_zero(low: float, high: float) -> tuple[float, float]:
-    """Return limits that contain zero and the values, with a margin so that both are seen."""
-    low, high = min(low, 0.0), max(high, 0.0)
-    margin = 0.05 * (high - low) or 1.0
-    return low - margin, high + 2.0 * margin
+        axes.set_ylim(*from_zero(values.min(), values.max()))
 
 
 def _zone_patches(solution: Solution) -> list[Any]:

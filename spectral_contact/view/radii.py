@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -14,7 +14,7 @@ from spectral_contact.inputs.checks import values_at, whole
 from spectral_contact.inputs.choices import function, instance
 from spectral_contact.solution import Solution, Zone
 
-__all__ = ["Radii", "graded_radii", "known_zones", "layer_depth"]
+__all__ = ["Radii", "bulk_limits", "from_zero", "graded_radii", "known_zones", "layer_depth"]
 
 Array = NDArray[np.float64]
 _MOST: Final = 10_000_000
@@ -109,3 +109,25 @@ def layer_depth(solution: Solution) -> float:
     scales = [scene.normal_compliance, scene.tangential_compliance, 1e-3]
     scales += [zone.outer_from_edge for zone in known_zones(solution)]
     return 1e-3 * min(scale for scale in scales if scale > 0.0)
+
+
+def bulk_limits(radii: Radii, curves: Iterable[Array]) -> tuple[float, float]:
+    """Return the limits of an axis for curves over radii.
+
+    An edge that is much higher or lower than the rest, or infinite, is left outside; so is NaN.
+    """
+    values = np.concatenate([np.where(np.isnan(one), 0.0, one) for one in curves])
+    bulk = values[np.tile(radii.from_edge >= 0.02, len(values) // len(radii.s))]
+    bulk = bulk[np.isfinite(bulk)]  # at a tip it may be infinite, too
+    low, high = values.min(), values.max()
+    return from_zero(
+        bulk.min() if low < 2.5 * bulk.min() else low,
+        bulk.max() if high > 2.5 * bulk.max() else high,
+    )
+
+
+def from_zero(low: float, high: float) -> tuple[float, float]:
+    """Return limits that contain zero and the values, with a margin so that both are seen."""
+    low, high = min(low, 0.0), max(high, 0.0)
+    margin = 0.05 * (high - low) or 1.0
+    return float(low - margin), float(high + 2.0 * margin)

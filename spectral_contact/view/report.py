@@ -50,7 +50,7 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     parts = [_scene_text(solution), table(quantity_cells(solution))]
     if solution.scene.physical is not None:
         parts.append(table(si_cells(solution)))
-    remarks = [*remarks, *_odd_compliances(solution.scene)]
+    remarks = [*remarks, *_odd_compliances(solution)]
     if remarks:
         parts.append("\n".join(["remarks", *map(_indented, remarks)]))
     if "zones" in solution.plan.quantities:
@@ -142,13 +142,16 @@ def _si_rows(solution: Solution) -> list[_Row]:
     data = solution.scene.physical
     if data is None:
         return []
+    physical = solution.physical
+    units = {"pressure": "Pa", "traction": "Pa", "slip": "m", "approach": "m"}
+    units |= {"stick_radius": "m", "total_shear": "N", "contact_radius": "m", "load": "N"}
+    units |= {"stiffness": "N/m", "indentation_work": "J"}
+    if solution.scene.profile is not None:
+        return [row for row in _scalars(physical, solution, units) if row.unit]
     approach_error = solution.error.approach or 0.0
     # from an approach the load is computed, and everything scaled by it inherits its error
     inherited = 0.0 if data.approach is None else approach_error
-    physical = solution.physical
     rows = [_Row("load", physical.load, "N", inherited)]
-    units = {"pressure": "Pa", "traction": "Pa", "slip": "m", "approach": "m"}
-    units |= {"stick_radius": "m", "total_shear": "N"}
     for row in _scalars(physical, solution, units):
         if row.label == "approach":
             error: float | None = 0.0 if data.approach is not None else approach_error
@@ -169,10 +172,10 @@ def _scalars(
         unit, error = units.get(name, ""), getattr(solution.error, name)
         if name == "pressure":
             rows.append(_Row("pressure, centre", float(source.pressure(0.0)), unit, error))
-        if name in FIELDS:
+        if name in FIELDS and solution.scene.profile is None:  # under a profile it is zero
             edge = float(getattr(source, name)(from_edge=0.0))
             rows.append(_Row(f"{name}, edge", edge, unit, error))
-        elif name != "zones":
+        elif name not in (*FIELDS, "zones"):
             rows.append(_Row(name.replace("_", " "), getattr(source, name), unit, error))
     return rows
 
@@ -204,19 +207,21 @@ def _scene_text(solution: Solution) -> str:
     data = solution.scene.physical
     text = f"{scene_text(solution.scene)}; rtol = {solution.rtol!r}"
     if data is not None:
-        drive = f"P = {data.load!r} N" if data.approach is None else f"delta = {data.approach!r} m"
+        lengths = {"a": data.radius or data.contact_radius, "delta": data.approach}
+        given = [f"{name} = {one!r} m" for name, one in lengths.items() if one is not None]
+        given += [] if data.load is None else [f"P = {data.load!r} N"]
         text += (
-            f"\nE = {data.youngs_modulus!r} Pa, a = {data.radius!r} m, {drive}, "
+            f"\nE = {data.youngs_modulus!r} Pa, {', '.join(given)}, "
             f"alpha = {data.normal_compliance!r} m/Pa, beta = {data.tangential_compliance!r} m/Pa"
         )
     return text
 
 
-def _odd_compliances(scene: Scene) -> list[str]:
+def _odd_compliances(solution: Solution) -> list[str]:
     """Return a remark about every compliance in SI units that is far from that of roughness."""
-    remarks = []
+    scene, remarks = solution.scene, []
     for name, symbol in (("normal_compliance", "alpha"), ("tangential_compliance", "beta")):
-        star = getattr(scene, name)
+        star = getattr(scene, name) / solution.values.get("contact_radius", 1.0)
         if scene.physical is None or star == 0.0 or _LEAST <= star <= _MOST:
             continue
         limit = f"> {_MOST:g}" if star > _MOST else f"< {_LEAST:g}"
@@ -241,7 +246,8 @@ def si_cells(solution: Solution) -> list[tuple[str, ...]]:
 def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     cells: list[tuple[str, ...]] = [(title, "value", "error estimate")]
     for row in rows:
-        value = f"{_digits(row.value, row.error)} {row.unit}".rstrip()
+        unit = "" if row.value is None else row.unit
+        value = f"{_digits(row.value, row.error)} {unit}".rstrip()
         cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
     return cells
 

@@ -1,7 +1,8 @@
 """Fields below a contact by independent integrals, for tests.
 
-`stuck` has the half-integrals of a smooth contact, stuck all over, in closed form, and integrates
-elementary complex functions over them in mpmath, at any depth. `hankel` integrates the
+`stuck` and `bonded` have the half-integrals of a smooth contact, stuck all over, without and with
+coupling, in closed form, and integrate elementary complex functions over them in mpmath, at any
+depth. `hankel` integrates the
 loads of any solution times Bessel functions, twice, at depths that are not small. `ring` adds up
 the point forces of Boussinesq and Cerruti along a ring of load, in mpmath, at any distance; and
 `over_rings` integrates the library's rings, once they are met, by doubly exponential quadrature.
@@ -86,13 +87,36 @@ def stuck(nu: float, r: float, z: float, from_edge: float | None = None) -> Fiel
         nu, z = mp.mpf(nu), mp.mpf(z)
         kappa = (1 - 2 * nu) / (4 * (1 - nu))
         normal = _parts(radius, z, mp.mpf(1), 1, lambda value: -mp.im(value) / (2 * mp.pi))
-        shear = _over_stuck(radius, z, kappa)
+        shear = _over_t(radius, z, lambda rest: kappa / mp.pi * mp.log((2 - rest) / rest) / 2, 1)
         loads = {key: (normal[key], shear[key]) for key in normal}
         return Fields(*(float(value) for value in assemble(nu, radius, loads)))
 
 
-def _over_stuck(radius, z, kappa) -> dict[tuple, mp.mpf]:
-    """Integrate over t with Gauss's rule on panels graded to the edge and to the point."""
+def bonded(nu: float, r: float, z: float, from_edge: float | None = None) -> Fields:
+    """Return the fields of a smooth bonded punch, with coupling, at any place but the contact.
+
+    The half-integrals are ``A cos`` and ``A sin`` of ``theta ln((1 + t)/(1 - t))`` (Mossakovskii).
+    """
+    with mp.workdps(30):
+        radius = mp.mpf(r) if from_edge is None else 1 - mp.mpf(from_edge)
+        nu, z = mp.mpf(nu), mp.mpf(z)
+        theta = mp.log(3 - 4 * nu) / (2 * mp.pi)
+        size = mp.sinh(mp.pi * theta) / (4 * mp.pi * theta)
+
+        def wave(of):
+            return lambda rest: size * of(theta * mp.log((2 - rest) / rest))
+
+        of_a, of_b = (_over_t(radius, z, wave(of), k) for k, of in enumerate((mp.cos, mp.sin)))
+        loads = {key: (of_a[key], of_b[key]) for key in of_a}
+        return Fields(*(float(value) for value in assemble(nu, radius, loads)))
+
+
+def _over_t(radius, z, half_integral, odd) -> dict[tuple, mp.mpf]:
+    """Integrate over t with Gauss's rule on panels graded to the edge and to the point.
+
+    The half-integral is that of pressure, which is even in t, or of traction times t.
+    """
+    take = (lambda value: -mp.im(value)) if odd else mp.re
     here = 1 - radius
     places = {mp.mpf(0), mp.mpf(1), here}
     for step in range(-44, 1):
@@ -103,11 +127,11 @@ def _over_stuck(radius, z, kappa) -> dict[tuple, mp.mpf]:
     for low, high in pairwise(ends):
         for node, weight in _RULE:
             rest = low + (high - low) * (1 + node) / 2  # 1 - t, which may be tiny
-            share = weight * (high - low) / 2 * mp.log((2 - rest) / rest) / 2
-            parts = _parts(radius, z, 1 - rest, 0, lambda value: -mp.im(value))
+            share = weight * (high - low) / 2 * half_integral(rest)
+            parts = _parts(radius, z, 1 - rest, 0, take)
             for key, value in parts.items():
                 total[key] = total.get(key, 0) + share * value
-    return {key: 2 * kappa / mp.pi**2 * value for key, value in total.items()}
+    return {key: 2 / mp.pi * value for key, value in total.items()}
 
 
 def hankel(solution, r: float, z: float) -> Fields:
@@ -135,8 +159,8 @@ def _gauss(ends, order):
 
 def _over_contact(solution):
     """Return nodes graded to every boundary, from both sides, and to the edge."""
-    inner = [zone.outer_from_edge for zone in solution.zones if zone.outer_from_edge > 0.0]
-    boundaries = [1.0, *inner, 0.0]
+    inner = {zone.outer_from_edge for zone in solution.zones if zone.outer_from_edge > 0.0}
+    boundaries = sorted({1.0, 0.0, *inner, *_breaks(solution)}, reverse=True)
     ends = set(boundaries)
     for outer, one in pairwise(boundaries):
         half = (outer - one) / 2.0
@@ -196,10 +220,11 @@ def _point_forces(nu, r, z, s, ahead, phi):
 def over_rings(solution, from_edge, z, count=1500):
     """Return the fields of any solution at any point off the surface, and how well they are known.
 
-    The second is the change of each when every second node is left out.
+    The second is the change of each when every second node is left out, and what the rounding of
+    the radius of a break of the profile may do on a smooth surface.
     """
     nu, r = solution.scene.poisson_ratio, 1.0 - from_edge
-    inner = {zone.outer_from_edge for zone in solution.zones}
+    inner = {zone.outer_from_edge for zone in solution.zones} | set(_breaks(solution))
     ends = sorted({0.0, 1.0, *(one for one in (*inner, from_edge) if 0.0 < one < 1.0)})
     t = np.linspace(-4.3, 4.3, 2 * count + 1)
     step = 4.3 / count
@@ -210,10 +235,12 @@ def over_rings(solution, from_edge, z, count=1500):
         length = last - first
         d = first + length * low
         s = length * high if last == 1.0 else 1.0 - d
-        ahead = d - from_edge
-        ahead = length * low if first == from_edge else ahead
+        # from the end that is closer to the point, next to which the difference is exact
+        if abs(first - from_edge) < abs(last - from_edge):
+            ahead = (first - from_edge) + length * low
+        else:
+            ahead = (last - from_edge) - length * high
         if last == from_edge:
-            ahead = -length * high
             s = r - ahead
         near = np.where((s > 0.0) & (d > 0.0), 1.0, 0.0)
         s, d = np.maximum(s, 1e-300), np.maximum(d, 1e-300)
@@ -225,12 +252,28 @@ def over_rings(solution, from_edge, z, count=1500):
                 (rings.radial_stress, rings.radial_displacement),
             )
         ]
-        loads = solution.pressure(from_edge=d), solution.traction(from_edge=d)
+        loads = solution.pressure_field, solution.traction_field
+        loads = [np.zeros(len(s)) if load is None else load(s, d) for load in loads]
+        loads = [np.where(np.isfinite(load), load, 0.0) for load in loads]  # at a break
         for kernel, load in zip(five, loads, strict=True):
             terms = kernel * (load * s * slope * near * length * step)
             sums += np.array([terms.sum(axis=1), 2.0 * terms[:, ::2].sum(axis=1)])
+    size = 1.0 if solution.scene.profile is None else solution.contact_radius
     fields = [_fields(nu, r, *one) for one in sums]
-    return fields[0], Fields(*np.abs(np.subtract(*fields)))
+    fields = [one._replace(out=size * one.out, down=size * one.down) for one in fields]
+    doubt = 0.0
+    if solution.scene.normal_compliance == 0.0:  # the pressure may be infinite at a break
+        doubt = sum(1e-16 / np.hypot(one - from_edge, z) for one in _breaks(solution))
+    return fields[0], Fields(*np.abs(np.subtract(*fields)) + doubt * np.abs(fields[0][:4]).max())
+
+
+def _breaks(solution):
+    """Return how far from the edge the breaks of the profile are."""
+    profile = solution.scene.profile
+    if profile is None:
+        return []
+    a = solution.contact_radius
+    return [(a - b) / a for b in profile.breaks if b < a]
 
 
 def _fields(nu, r, zz, rz, hoop, harmonic, down):

@@ -250,3 +250,34 @@ def test_true_errors_are_within_their_estimates(name, exponent, radius, digits):
     size = np.maximum(np.abs(truth), best.load / (math.pi * radius**2))
     off = np.abs(rough.pressure(from_edge=from_edge) - truth) / size
     assert off.max() <= rough.error.pressure + best.error.pressure
+
+
+@pytest.mark.parametrize("known", ["load", "approach"])
+@pytest.mark.parametrize("alpha", [1e-4, 4.0])
+def test_what_grows_steeply_with_the_radius_has_room_for_its_error(alpha, known):
+    # indentation work grows like the radius to the power of 17 here
+    punch = profiles.PowerLaw(1.0, 8.0)
+    truth, s = solve(Scene(0.3, alpha, profile=punch, contact_radius=1.1), RTOL), [0.1, 0.6, 0.99]
+    found = solve(Scene(0.3, alpha, profile=punch, **{known: getattr(truth, known)}), 1e-3)
+    assert found.converged
+    assert found.error.contact_radius > 1e-9  # or there is nothing to have room for
+    for name in ("contact_radius", "load", "approach", "stiffness", "indentation_work"):
+        off = abs(getattr(found, name) / getattr(truth, name) - 1.0)
+        assert off <= getattr(found.error, name) + 1e-12, name
+    off = np.abs(found.pressure(s) / truth.pressure(s) - 1.0).max()
+    assert off <= found.error.pressure
+
+
+@pytest.mark.parametrize("known", ["load", "approach"])
+def test_the_pressure_next_to_a_corner_has_room_for_that_of_the_radius(known):
+    # at a given s the corner moves with the radius
+    punch, alpha, radius = profiles.TruncatedCone(0.15, 0.21), 8e-8, 0.1976
+    truth = solve(Scene(0.3, alpha, profile=punch, contact_radius=radius), RTOL, strict=False)
+    scene = Scene(0.3, alpha, profile=punch, **{known: getattr(truth, known)})
+    found = solve(scene, 1e-6)
+    shift = np.geomspace(1e-8, 1e-2, 40)
+    from_edge = 1.0 - 0.15 / radius + np.concatenate([-shift, shift])
+    exact, mean = truth.pressure(from_edge=from_edge), truth.load / (math.pi * radius**2)
+    off = np.abs(found.pressure(from_edge=from_edge) - exact) / np.maximum(exact, mean)
+    assert found.converged
+    assert off.max() <= found.error.pressure + truth.error.pressure

@@ -5,7 +5,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
-from oracles.inside_oracle import _parts, assemble, over_rings, ring
+from oracles.inside_oracle import _parts, assemble, bonded, over_rings, ring
 
 from spectral_contact import Scene, closed_forms, solve
 from spectral_contact.interior import rings
@@ -77,6 +77,21 @@ def test_the_bonded_punch_meets_its_closed_form_at_the_surface():
     np.testing.assert_allclose(stress.zz, -pressure, rtol=1e-10)
     traction = closed_forms.coupled_traction(nu, from_edge=from_edge)
     np.testing.assert_allclose(stress.rz, -traction, rtol=1e-10)
+
+
+@pytest.mark.parametrize(("from_edge", "z"), [(-0.2, 0.0), (-2.0, 0.0), (0.3, 0.4), (1e-6, 1e-5)])
+def test_the_bonded_punch_outside_the_contact_and_in_the_body(from_edge, z):
+    nu = 0.1
+    body, exact = (
+        solve(Scene(nu, friction=math.inf, coupling=True)).inside,
+        bonded(nu, None, z, from_edge),
+    )
+    stress = body.stress(from_edge=from_edge, z=z)
+    moved = body.displacement(from_edge=from_edge, z=z)
+    got = np.array([stress.rr, stress.tt, stress.zz, stress.rz])
+    assert np.abs(got - exact[:4]).max() <= stress.error * stress.norm
+    assert np.abs(np.array([moved.r, moved.z]) - exact[4:]).max() <= moved.error * moved.modulus
+    assert max(stress.error, moved.error) < 1e-9
 
 
 def test_the_work_of_one_load_on_the_displacement_of_another_is_mutual():

@@ -23,7 +23,7 @@ from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.zone_trial import Layout
 
-DIGITS = 16
+DIGITS = 15
 NU = 0.3
 #: In this order the tests of one scene follow each other, and it is solved once: `scenes`.
 SCENES = {

@@ -4,7 +4,9 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -106,7 +108,7 @@ def test_workers_end_with_their_parent(tmp_path, number, status, said):
         process.send_signal(number)
     out, err = process.communicate()
     assert (process.returncode, out) == (status, "")
-    assert said is None or err == said
+    assert said is None or err == said, err
     wait_until(lambda: not any(map(alive, own)))
 
 
@@ -120,6 +122,28 @@ def test_no_worker_ever_hears_ctrl_c():
     with workers(2) as pool:
         assert list(pool.map(blocked, range(2))) == [True, True]
     assert not blocked(None)
+
+
+def call_off_what_waits():
+    with workers(2) as pool:
+        futures = [pool.submit(time.sleep, 60.0) for _ in range(9)]
+        wait_until(futures[1].running)
+        assert [one.cancel() for one in futures][-5:] == [True] * 5
+        raise Terminated
+
+
+def test_what_is_called_off_and_loses_its_worker_is_no_error(monkeypatch):
+    complaints, shutdown = [], ProcessPoolExecutor.shutdown
+
+    def late(*arguments, **keywords):
+        time.sleep(0.3)  # the pool hears of what was done before
+        shutdown(*arguments, **keywords)
+
+    monkeypatch.setattr(threading, "excepthook", complaints.append)
+    monkeypatch.setattr(ProcessPoolExecutor, "shutdown", late)
+    with pytest.raises(Terminated):
+        call_off_what_waits()
+    assert not complaints
 
 
 POOL = """

@@ -7,9 +7,9 @@ import pytest
 
 import spectral_contact as sc
 
-MODULES = ["asperities", "calibration", "closed_forms", "gold", "paper", "plotting"]
+MODULES = ["asperities", "benchmarks", "calibration", "closed_forms", "gold", "paper", "plotting"]
 MODULES += ["precise", "studies", "testing"]
-FUNCTIONS = ["compare", "fit", "plan", "reference", "solve", "sweep"]
+FUNCTIONS = ["compare", "explore", "fit", "plan", "reference", "solve", "sweep"]
 
 
 def python(code):

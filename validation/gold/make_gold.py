@@ -22,7 +22,7 @@ import json
 import math
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -32,6 +32,7 @@ from mpmath import mp
 from spectral_contact import ConvergenceError, Scene, __version__
 from spectral_contact.io.documents import replace_file
 from spectral_contact.precise import reference
+from spectral_contact.view.progress import ProgressLine
 
 TABLES = Path(__file__).parents[2] / "spectral_contact" / "gold" / "tables"
 SCHEMA, VERSION, SCRIPT = "spectral_contact.gold", 1, "validation/gold/make_gold.py"
@@ -399,13 +400,23 @@ class Table:
         replace_file(str(self.path), (layout(document) + "\n").encode())
 
 
+def ready(running: dict[Future[Any], tuple[Table, Scene]], count: int) -> set[Future[Any]]:
+    """Wait for a scene, and return those that are solved; a line says what is worked at."""
+    with ProgressLine(None) as tell:
+        while not (found := wait(running, 1.0, FIRST_COMPLETED).done):
+            now = [named(scene) for one, (_, scene) in running.items() if one.running()]
+            tell("; ".join(now), 1.0 - len(running) / count)
+    return found
+
+
 def results(todo: list[tuple[Table, Scene]], digits: int, workers: int) -> Iterator[Any]:
     """Yield tables and scenes with their entries, or with what was raised, as they are ready."""
     pool = ProcessPoolExecutor(workers)
     try:
         running = {pool.submit(solved, scene, digits): (table, scene) for table, scene in todo}
-        for future in as_completed(running):
-            yield *running.pop(future), future.exception() or future.result()
+        while running:
+            for future in ready(running, len(todo)):
+                yield *running.pop(future), future.exception() or future.result()
     finally:  # of an interrupt, too
         pool.shutdown(cancel_futures=True)
 

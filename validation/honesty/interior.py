@@ -5,10 +5,11 @@
 Points lie at every distance from edge and surface (1e-12 to 30). Groups: rings of load against
 point forces added up in mpmath; Sneddon's punch against its closed form; smooth contacts that
 stick against complex integrals in mpmath; random scenes, with slip and coupling, against doubly
-exponential quadrature over the rings, with all digits and with rtol 1e-8; many points at once, to
-a tolerance, against one by one. Writes validation/results/interior.json and .md; what is there is
-not measured again, so a run that was stopped, or ran out of its seconds, goes on. Fails if a true
-error is above its estimate.
+exponential quadrature over the rings, with all digits and with rtol 1e-8; random profiles, with
+layers and friction, and points next to breaks and to zone boundaries, against the same; many
+points at once, to a tolerance, against one by one. Writes validation/results/interior.json and
+.md; what is there is not measured again, so a run that was stopped, or ran out of its seconds,
+goes on. Fails if a true error is above its estimate.
 """
 
 import argparse
@@ -24,6 +25,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 from oracles.inside_oracle import over_rings, ring, stuck
+from profiles import drawn
 
 import spectral_contact
 from spectral_contact import Scene, SpectralContactError, solve
@@ -35,7 +37,7 @@ SEED, POINTS, MANY = 20, 10, 6000
 #: Seconds for a solve.
 PATIENCE = 5
 #: How many rows each group has, but the random scenes.
-SIZES = {"rings": 100, "sneddon": 20, "sticking": 50, "many": 40}
+SIZES = {"rings": 100, "sneddon": 20, "sticking": 50, "many": 40, "profiles": 200, "zones": 200}
 #: What ring kernels may miss by, relative to the largest of the five, or one over the distance.
 RING_BOUND = 1e-13
 #: Largest error of the quadrature that is compared with, for a point to count.
@@ -135,36 +137,90 @@ def patience():
         signal.signal(signal.SIGALRM, before)
 
 
-def of_scene(rng):
-    """Compare a random scene with quadrature over rings, if it can be solved."""
-    scene, solution, why = draw(rng), None, ""
-    for rtol in (1e-12, 1e-10):
+def draw_profile(rng):
+    """Return a random scene with a profile: smooth or rough, one in eight with friction."""
+    profile, radius = drawn(rng)
+    alpha, beta = np.where(rng.random(2) < 0.25, 0.0, radius * 10.0 ** rng.uniform(-5.0, 2.0, 2))
+    friction = None
+    if rng.random() < 0.25 and not profile.breaks:
+        friction = math.inf if rng.random() < 0.3 else float(10.0 ** rng.uniform(-1.5, 0.3))
+    nu = rng.uniform(-0.3, 0.5)
+    scene = {"friction": friction, "profile": profile, "contact_radius": radius}
+    return Scene(nu, float(alpha), float(beta), **scene)
+
+
+def solved(scene, tolerances):
+    """Return the solution by the first tolerance that is met in time, or None and why not."""
+    why = ""
+    for rtol in tolerances:
         try:
             with patience():
-                solution = solve(scene, rtol=rtol)
-            break
+                return solve(scene, rtol=rtol), why
         except (SpectralContactError, ArithmeticError, TimeoutError) as error:
             why = repr(error)
+    return None, why
+
+
+def of_scene(rng):
+    """Compare a random scene with quadrature over rings, if it can be solved."""
+    scene = draw(rng)
+    solution, why = solved(scene, (1e-12, 1e-10))
     if solution is None:
         return {"values": 0, "scene": repr(scene), "why": why}
+    return of_solution(solution, *points(rng, POINTS))
+
+
+def of_profile(rng):
+    """Compare a random profile, points next to its breaks added."""
+    scene = draw_profile(rng)
+    solution, why = solved(scene, (1e-12, 1e-10) if scene.friction is None else (1e-5, 1e-3))
+    if solution is None:
+        return {"values": 0, "scene": repr(scene), "why": why}
+    breaks = [1.0 - b / scene.contact_radius for b in scene.profile.breaks]
+    return of_solution(solution, *next_to(solution, [one for one in breaks if one > 0.0], rng))
+
+
+def of_zones(rng):
+    """Compare a random scene with slip at points next to boundaries of its zones."""
+    scene = draw(rng)
+    solution, why = solved(scene, (1e-12, 1e-10))
+    if solution is None or len(solution.zones) < 2:
+        return {"values": 0, "scene": repr(scene), "why": why or "no boundary"}
+    return of_solution(solution, *next_to(solution, [], rng))
+
+
+def next_to(solution, places, rng):
+    """Return points, every second one next to one of these places or of the zone boundaries."""
+    from_edge, z = points(rng, POINTS)
+    zones = [zone.outer_from_edge for zone in solution.zones if zone.outer_from_edge > 0.0]
+    if places + zones:
+        place = rng.choice(places + zones, POINTS // 2)
+        size = 10.0 ** rng.uniform(-9.0, -1.0, POINTS // 2) * np.minimum(place, 1.0 - place)
+        from_edge[::2] = place + size * rng.choice([-1.0, 1.0], POINTS // 2)
+        z[::2] = size * rng.uniform(0.05, 5.0, POINTS // 2)
+    return from_edge, z
+
+
+def of_solution(solution, from_edges, depths):
+    """Compare the points that quadrature over rings is accurate at."""
     body, pairs = solution.inside, []
-    for from_edge, z in zip(*points(rng, POINTS), strict=True):
+    for from_edge, z in zip(from_edges, depths, strict=True):
         exact, known = over_rings(solution, float(from_edge), float(z))
         size = np.abs(exact[:4]).max(), np.abs(exact[4:]).max()
         if max(max(known[:4]) / size[0], max(known[4:]) / size[1]) < KNOWN:
             for rtol in (None, 1e-8):
                 pairs.append(compare(body, from_edge, z, exact, np.array(known), rtol))
-    return row_of(pairs) | {"scene": repr(scene)} if pairs else {"values": 0, "scene": repr(scene)}
+    told = {"scene": repr(solution.scene)}
+    return (row_of(pairs) if pairs else {"values": 0}) | told
 
 
 def of_many(rng):
     """Compare many points at once, to a tolerance, with some of them one by one."""
     scene = draw(rng)
-    try:
-        with patience():
-            body = solve(scene, rtol=1e-10).inside
-    except (SpectralContactError, ArithmeticError, TimeoutError) as error:
-        return {"values": 0, "scene": repr(scene), "why": repr(error)}
+    solution, why = solved(scene, (1e-10,))
+    if solution is None:
+        return {"values": 0, "scene": repr(scene), "why": why}
+    body = solution.inside
     from_edge, z = points(rng, MANY)
     some, rtol = rng.choice(MANY, 30, replace=False), float(10.0 ** rng.uniform(-9.0, -4.0))
     pairs = []
@@ -183,6 +239,8 @@ GROUPS = {
     "sticking": of_sticking,
     "scenes": of_scene,
     "many": of_many,
+    "profiles": of_profile,
+    "zones": of_zones,
 }
 
 
@@ -190,8 +248,8 @@ def text_of(rows):
     """Return the page: a row for each group."""
     counted = sum(row["values"] > 0 for row in rows["scenes"].values())
     lines = [
-        f"{counted} random scenes, {POINTS} points each, and the other groups; errors are relative "
-        "to the size of the stress or of the displacement.",
+        f"{counted} random scenes with a flat punch, {POINTS} points each, and the other groups; "
+        "errors are relative to the size of the stress or of the displacement.",
         "",
         "| group | rows | values | largest true error | median estimate | largest | exceeded |",
         "|---|---|---|---|---|---|---|",

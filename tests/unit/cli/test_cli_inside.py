@@ -59,6 +59,18 @@ def test_si_units_are_those_of_the_points(capsys, tmp_path):
     assert values["sigma_zz"] == pytest.approx(stress.zz * 1e3 / 1e-4, rel=1e-8)
 
 
+def test_a_profile(capsys, tmp_path):
+    path = tmp_path / "ball.csv"
+    scene = ("--profile", "parabola", "--radius", "1", "--contact-radius", "1")
+    assert main(["inside", *scene, "--r", "0", "--z", "0,1", "--output", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert "0.4808" in out  # depth of the largest von Mises stress
+    units, names, *rows = path.read_text().splitlines()
+    assert "u_z [L], sigma_rr [E']" in units
+    values = dict(zip(names.split(","), map(float, rows[1].split(",")), strict=True))
+    assert values["sigma_zz"] == pytest.approx(-4.0 / np.pi, rel=1e-8)  # half of the pressure
+
+
 def test_a_grid_as_a_dataset_and_a_plot(capsys, tmp_path):
     xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
     pytest.importorskip("matplotlib", reason="part of the extra: plot")

@@ -66,7 +66,7 @@ FAULTS = [
     (("--profile", "cone", "--half-angle", "1", "--load", "2 N"), "without a unit"),
     (
         ("--profile", "cone", "--half-angle", "1", "--load", "2", "--youngs-modulus", "1"),
-        "--youngs-modulus is in SI units",
+        "SI input needs --poisson-ratio",
     ),
     (("--profile", "sphere", "--radius", "1", "--contact-radius", "2"), "--contact-radius = 2.0"),
     (("--profile", "wedge"), "invalid choice: 'wedge'"),

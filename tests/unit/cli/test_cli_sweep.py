@@ -55,6 +55,20 @@ def test_a_table_has_a_row_for_each_scene(capsys, tmp_path):
         assert float(row["approach"]) == expected
 
 
+def test_a_curve_over_the_load_has_a_profile(capsys, tmp_path):
+    path = tmp_path / "curve.csv"
+    tip = ("--profile", "parabola", "--radius", "2", "--load", "0.1:10:3:log")
+    status, out, _ = run(capsys, *tip, "--output", str(path))
+    assert status == 0
+    assert out.startswith("3 scenes: 3 converged")
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert [float(row["load"]) for row in rows] == pytest.approx([0.1, 1.0, 10.0], rel=1e-15)
+    for row in rows:  # Hertz
+        a = float(row["contact_radius"])
+        assert float(row["load"]) == pytest.approx(16 / 3 * a**3 / 2.0, rel=1e-8)
+    assert {row["friction"] for row in rows} == {""}
+
+
 def test_one_scene_is_a_row_as_well(capsys, tmp_path):
     path = tmp_path / "one.csv"
     assert run(capsys, "--output", str(path), *APPROACH)[0] == 0
@@ -169,6 +183,10 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--workers", "0"), "--workers = 0: must be a whole number >= 1"),
         (("--output", "map.xls"), "map.xls: the suffix must be one of .nc, .csv"),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=VALUE"),
+        (("--load", "1,2"), "--load needs --profile"),
+        (("--profile", "cone", "--load", "1,2"), "--profile cone needs --half-angle"),
+        (("--profile", "cone", "--half-angle", "1", "--load", "1,0"), "--load = 0.0: must be"),
+        (("--profile", "cone", "--half-angle", "1"), "needs one of --contact-radius, --load"),
     ],
 )
 def test_bad_options_are_named(capsys, options, said):

@@ -20,7 +20,6 @@ from spectral_contact import (
 )
 from spectral_contact.scene import same_problem
 from spectral_contact.studies.truth import truth_of
-from spectral_contact.sweeps import sweep
 from spectral_contact.testing import check_solution
 from spectral_contact.view.report import report
 
@@ -212,22 +211,14 @@ SCENE = Scene(0.3, 0.5, profile=profiles.Parabola(1.0), contact_radius=1.0)
     "use",
     [
         lambda scene: reference(scene),
-        lambda scene: sweep(scene, normal_compliance=[0.1, 0.2]),
-        lambda scene: sweep([scene]),
-        lambda scene: solve(scene).inside,
         lambda scene: check_solution(solve(scene), scene, 1e-8),
         lambda scene: solve(scene).sensitivity(),
-        lambda scene: solve(scene).to_xarray(),
         lambda scene: truth_of(scene),
     ],
     ids=[
         "reference",
-        "sweep",
-        "sweep of a list",
-        "inside",
         "check",
         "sensitivity",
-        "dataset",
         "truth",
     ],
 )

@@ -3,9 +3,11 @@
 import math
 
 import mpmath
+import numpy as np
 import pytest
 
 from spectral_contact import NotComputedError, Scene, SceneError, solve
+from spectral_contact.studies.derivatives import PARAMETERS
 
 STUCK = Scene(0.3, 0.5, 0.5, math.inf)
 SLIPPING = Scene(0.1, 0.5, 0.5, 0.1)
@@ -24,6 +26,52 @@ TRUE = {
         ("stick_radius", "tangential_compliance"): 1.009630197142,
         ("total_shear", "friction"): 0.5718240986127,
         ("stick_radius", "friction"): 6.909246738154,
+    },
+}
+
+#: Of fields at these radii, by the same differences.
+RADII = [0.25, 0.6, 0.7, 0.999]
+TRUE_FIELDS = {
+    STUCK: {
+        ("pressure", "normal_compliance"): [
+            0.05323466613344,
+            0.02631986549594,
+            0.01107397036567,
+            -0.1107720911622,
+        ],
+        ("traction", "normal_compliance"): [
+            0.001456963477542,
+            0.002773204317384,
+            0.002766618305575,
+            -0.0004017889578139,
+        ],
+        ("traction", "tangential_compliance"): [
+            -0.008181367892435,
+            -0.02320608360275,
+            -0.02934212137073,
+            -0.06537173116974,
+        ],
+    },
+    SLIPPING: {
+        ("traction", "friction"): [
+            -0.0137897739709,
+            -0.05098735785417,
+            0.3131381835273,
+            0.3789057819253,
+        ],
+        ("pressure", "normal_compliance"): [
+            0.05323466613344,
+            0.02631986549594,
+            0.01107397036567,
+            -0.1107720911622,
+        ],
+        ("traction", "normal_compliance"): [
+            0.002485139121431,
+            0.005089755786919,
+            0.001107397036567,
+            -0.01107720911622,
+        ],
+        ("traction", "tangential_compliance"): [-0.01579285463522, -0.04730430524921, 0.0, 0.0],
     },
 }
 
@@ -140,3 +188,44 @@ def test_it_is_a_table():
     assert lines[0].split() == ["derivative", "of", "by", "value", "error", "estimate"]
     assert len(lines) == 13
     assert "<table>" in own._repr_html_()
+
+
+@pytest.mark.parametrize("scene", TRUE_FIELDS)
+def test_those_of_fields_are_right_and_their_errors_honest(scene):
+    fields = solve(scene, 1e-6, ["approach"]).sensitivity(s=RADII).fields
+    assert {name for _, name in fields} == {*PARAMETERS}
+    for pair, true in TRUE_FIELDS[scene].items():
+        one, size = fields[pair], np.max(np.abs(true))
+        off = np.abs(one.value - true)
+        assert (off <= one.error + 1e-13).all(), pair
+        assert (off < 1e-11 * size).all(), pair
+        assert (one.error < 5e-10 * size).all(), pair
+    for name in PARAMETERS:
+        if name != "normal_compliance":
+            assert (fields["pressure", name].value == 0.0).all()
+    # kappa alone, and friction as f/kappa
+    by, kappa = fields["traction", "poisson_ratio"].value, scene.kappa
+    f = scene.friction if math.isfinite(scene.friction) else 0.0
+    rest = solve(scene, 1e-12).traction(RADII) - f * fields["traction", "friction"].value
+    np.testing.assert_allclose(by, -0.25 / (1 - scene.poisson_ratio) ** 2 * rest / kappa, 1e-9)
+
+
+def test_where_those_of_fields_are_not_known_they_say_so():
+    c = solve(SLIPPING, 1e-12).stick_radius
+    own = solve(SLIPPING, 1e-3).sensitivity(["friction", "normal_compliance"], s=[0.0, c, 1.0])
+    one = own.fields["traction", "friction"]
+    assert np.isnan(one.value).tolist() == [False, True, False]
+    assert np.isinf(one.error).tolist() == [False, True, False]
+    assert np.isfinite(own.fields["pressure", "normal_compliance"].error).all()
+    smooth = solve(Scene(0.3, friction=0.05), 1e-3).sensitivity(["normal_compliance"], s=0.5)
+    for quantity in ("pressure", "traction"):
+        one = smooth.fields[quantity, "normal_compliance"]
+        assert one.value.shape == ()
+        assert (math.isnan(one.value), one.error, one.note) == (True, math.inf, "not computed at 0")
+    slides = solve(Scene(0.3, 0.5, 0.5, 0.0), 1e-3).sensitivity(["friction"], from_edge=[0.5, 0.1])
+    one = slides.fields["traction", "friction"]
+    np.testing.assert_allclose(one.value, solve(Scene(0.3, 0.5), 1e-12).pressure([0.5, 0.9]), 1e-12)
+    assert one.note == "one-sided"
+    assert found(SLIPPING).fields == {}
+    with pytest.raises(SceneError, match=r"s = 1\.5"):
+        solve(SLIPPING, 1e-3).sensitivity(s=1.5)

@@ -57,7 +57,7 @@ def refusal(call):
 @pytest.fixture(scope="module")
 def both():
     one = convergence(
-        OwnSolver(), Scene(0.3, 0.5, 0.5, math.inf), [1e-3, 1e-6], LIMIT, stopwatch=QUICK
+        OwnSolver(), Scene(0.1, 0.5, 0.5, math.inf), [1e-3, 1e-6], LIMIT, stopwatch=QUICK
     )
     many = work_precision(
         {"counted": (Counted(), COUNTS), "ours": OwnSolver(("approach",))},

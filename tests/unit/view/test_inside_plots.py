@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spectral_contact import Scene, SceneError, solve
+from spectral_contact import Scene, SceneError, profiles, solve
 
 pytest.importorskip("matplotlib", reason="part of the extra: plot")
 from spectral_contact.view.plotting import plot_inside
@@ -26,6 +26,16 @@ def test_without_bound_the_title_says_why_and_the_surface_meets_the_punch():
     surface = figure.axes[0].lines[-1].get_xydata()
     under = surface[surface[:, 0] <= 1.0]
     np.testing.assert_allclose(under[:, 1], solution.approach, rtol=1e-6)
+
+
+def test_under_a_profile_the_punch_is_drawn_where_it_is():
+    ball = profiles.Sphere(1.0)
+    solution = solve(Scene(0.3, profile=ball, contact_radius=0.8))
+    top = plot_inside(solution.inside, "u_z").axes[0]
+    r, face = top.lines[0].get_xydata().T
+    assert r[-1] == pytest.approx(1.25, abs=0.02)  # where the sphere ends
+    np.testing.assert_allclose(face, solution.approach - ball.height(0.8 * r), atol=1e-6)
+    assert "[L]" in top.get_ylabel()
 
 
 @pytest.mark.parametrize(

@@ -388,3 +388,9 @@ def test_an_approach_in_si_is_drawn_dimensionless_if_it_leaves_the_load_open():
     assert r"radius $s = r / a$" in labels(plotting.plot_solution(solve(scene, 1e-4, ["pressure"])))
     whole = solve(scene, 1e-4, ["approach", "pressure"])
     assert "$p$ [MPa]" in labels(plotting.plot_solution(whole))
+
+
+def test_a_notebook_shows_a_figure_without_pyplot():
+    picture = plotting.plot_solution(solve(Scene(0.3, 0.5), 1e-3))._repr_png_()
+    assert picture.startswith(b"\x89PNG")
+    assert len(picture) > 10_000

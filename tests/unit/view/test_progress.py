@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from spectral_contact import MissingDependencyError, Scene, SceneError, fit, reference
+from spectral_contact import MissingDependencyError, Scene, SceneError, fit, reference, solve
 from spectral_contact.calibration import ApproachData
 from spectral_contact.view.progress import ProgressLine
 
@@ -109,7 +109,7 @@ def test_something_else_is_refused():
         ProgressLine("yes")
 
 
-def test_fits_and_references_show_their_steps(capsys):
+def test_fits_references_and_energies_show_their_steps(capsys):
     data = ApproachData([0.3], sigma=0.1)
     fit(Scene(0.3, 0.5), data, "normal_compliance", progress=True)
     assert "evaluation 2" in capsys.readouterr().err
@@ -117,3 +117,5 @@ def test_fits_and_references_show_their_steps(capsys):
     err = capsys.readouterr().err
     assert "mesh 1 of 2: operators of a disk" in err
     assert "mesh 2 of 2: normal contact" in err
+    solve(Scene(0.3)).inside.energies(progress=True)
+    assert "energies" in capsys.readouterr().err

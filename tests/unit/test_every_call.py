@@ -1,0 +1,96 @@
+"""What is asked of a solution works for every kind of scene, or is refused by name.
+
+Parts that were written apart met here: scenes of all kinds, and all that a solution can do.
+"""
+
+import math
+
+import pytest
+
+import spectral_contact as sc
+from spectral_contact import Scene, Solution, SpectralContactError, plotting, profiles, solve
+
+pytest.importorskip("matplotlib", reason="part of the extra: plot")
+pytest.importorskip("xarray", reason="part of the extra: sweep")
+
+STEEL = {"youngs_modulus": 70e9, "poisson_ratio": 0.2}
+LAYER = {"normal_compliance": 2e-18, "tangential_compliance": 2e-18}
+BALL = profiles.Parabola(1.0)
+SCENES = {
+    "smooth": Scene(0.3),
+    "slip inside": Scene(0.3, 0.05, 1.0, 0.23 / 7),
+    "coupled": Scene(0.3, 0.5, 0.5, 0.1, coupling=True),
+    "SI": Scene.from_physical(**STEEL, radius=1e-6, load=1e-3, friction=0.1, **LAYER),
+    "SI, approach": Scene.from_physical(**STEEL, radius=1e-6, approach=1e-8, **LAYER),
+    "ball, sticking": Scene(0.3, 0.2, 0.2, math.inf, profile=BALL, contact_radius=1.0),
+    "smooth cone": Scene(0.3, profile=profiles.Cone(1.0), load=1.0),
+    "smooth corner": Scene(0.3, profile=profiles.TruncatedCone(0.5, 1.0), load=3.0),
+    "ball in SI": Scene.from_physical(
+        **STEEL, profile=profiles.Parabola(1e-5), load=5e-3, normal_compliance=2e-18
+    ),
+}
+
+
+def kept(solution, folder, suffix):
+    solution.save(folder / f"a{suffix}")
+    assert Solution.load(folder / f"a{suffix}").scene == solution.scene
+
+
+def shown(figure):
+    figure.draw_without_rendering()
+
+
+def own(solution):
+    """The solution in its scene's units."""
+    return solution.physical if solution.scene.physical is not None else solution
+
+
+def points(solution):
+    scale = own(solution).inside.radius
+    return [0.0, 0.5 * scale, 2.0 * scale], [0.5 * scale, 0.1 * scale, scale]
+
+
+CALLS = {
+    "summary": lambda x, _: x.summary(),
+    "plot": lambda x, _: shown(x.plot()),
+    "to_csv": lambda x, folder: x.to_csv(folder / "a.csv"),
+    "to_xarray": lambda x, _: x.to_xarray(),
+    "tables": lambda x, _: (x._repr_html_(), x.scene._repr_html_(), x.plan._repr_html_()),
+    "json": lambda x, folder: kept(x, folder, ".json"),
+    "npz": lambda x, folder: kept(x, folder, ".npz"),
+    "inside": lambda x, _: own(x).inside.to_table(*points(x)),
+    "inside, dataset": lambda x, _: own(x).inside.to_xarray(*points(x)),
+    "inside, picture": lambda x, _: shown(plotting.plot_inside(own(x).inside)),
+    "largest": lambda x, _: own(x).inside.largest("von_mises"),
+    "energies": lambda x, _: own(x).inside.energies(),
+    "compare": lambda x, _: sc.compare(x.scene, pressure=own(x).pressure, truth=x),
+    "gold": lambda x, _: sc.gold.find(x.scene),
+    "numbers": lambda x, _: [getattr(own(x), n) for n in ("approach", "total_shear", "zones")],
+    "indentation": lambda x, _: (x.stiffness, x.indentation_work, x.gap(s=[1.0, 2.0])),
+    "sweep": lambda x, _: sc.sweep([x.scene], rtol=1e-3),
+}
+#: What takes a second is tried where kinds differ.
+SLOW = {"inside, picture"}
+SLOWLY = {"coupled", "SI", "smooth corner", "ball in SI"}
+#: What is refused: everything else is done.
+FLAT_HAVE_NONE = {"indentation"}
+REFUSED = {
+    **dict.fromkeys(("smooth", "slip inside", "SI", "SI, approach"), FLAT_HAVE_NONE),
+    "coupled": FLAT_HAVE_NONE | {"sweep"},
+    "ball, sticking": {"energies"},
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_call_does_its_work_or_is_refused(name, tmp_path):
+    scene = SCENES[name]
+    solution = solve(scene, 1e-3 if scene.friction and scene.profile else 1e-6)
+    refused = set()
+    for call, use in CALLS.items():
+        if call in SLOW and name not in SLOWLY:
+            continue
+        try:
+            use(solution, tmp_path)
+        except SpectralContactError:
+            refused.add(call)
+    assert refused == REFUSED.get(name, set())
