@@ -113,10 +113,10 @@ SPECIAL: dict[str, Any] = {
 }
 #: What goes along with a parameter, so that it is looked at, or the work is short.
 COMPANY: dict[str, dict[str, Any]] = {
-    "PhysicalData": {"load": 1.0},
-    "PhysicalData.approach": {},
-    "Scene.from_physical": {"load": 1.0},
-    "Scene.from_physical.approach": {},
+    "PhysicalData": {"load": 1.0, "radius": 1e-3},
+    "PhysicalData.approach": {"radius": 1e-3},
+    "Scene.from_physical": {"load": 1.0, "radius": 1e-3},
+    "Scene.from_physical.approach": {"radius": 1e-3},
     "paper.reproduce.progress": {"folder": "\x00"},
     "paper.reproduce": {"progress": stop, "pictures": False},
     "studies.compare": {"approach": 0.3, "truth": Quarter(), "scene": NORMAL},
