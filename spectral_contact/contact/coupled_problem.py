@@ -217,7 +217,7 @@ class CoupledProblem:
     def factored(self, system: Tangential) -> Factored:
         """Return a system factored, in single precision where that serves."""
         alpha, beta, _, _ = self.parameters
-        thick = (system.given or alpha >= _SINGLE) and (beta == 0.0 or beta >= _SINGLE)
+        thick = alpha >= _SINGLE and (beta == 0.0 or beta >= _SINGLE)
         return factored(system, exact=not thick)
 
     # solutions
