@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_outcome import DISTANCES, CoupledSlip, checked, slip_annulus
-from spectral_contact.contact.coupled_problem import CoupledZones
+from spectral_contact.contact.coupled_assessment import CoupledZones
+from spectral_contact.contact.coupled_outcome import DISTANCES, CoupledSlip, checked
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import CENTRE, EDGE, ZonalField
 from spectral_contact.solution import Zone
-from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["slip_everywhere", "slip_in_annuli"]
@@ -32,7 +30,7 @@ def slip_in_annuli(solved: CoupledZones, parameters: Parameters) -> CoupledSlip:
         for part, p, u in zip(parts, solved.pressure, solved.shear, strict=True)
         if u is not None
     ]
-    return checked(solved, parameters, _misfits(solved), sticking)
+    return checked(solved, parameters, solved.slipping, sticking)
 
 
 def slip_everywhere(solved: CoupledZones, parameters: Parameters) -> CoupledSlip:
@@ -43,7 +41,7 @@ def slip_everywhere(solved: CoupledZones, parameters: Parameters) -> CoupledSlip
     NoCoupledSlipError
         If the surface slips with the traction anywhere.
     """
-    outcome = checked(solved, parameters, _misfits(solved), ())
+    outcome = checked(solved, parameters, solved.slipping, ())
     pieces = tuple(replace(one, factor=parameters.friction) for one in outcome.pressure.pieces)
     solved = replace(
         solved,
@@ -55,18 +53,3 @@ def slip_everywhere(solved: CoupledZones, parameters: Parameters) -> CoupledSlip
     )
     zones = (Zone.between("slip", CENTRE, EDGE),)
     return replace(outcome, solved=solved, zones=zones, traction=ZonalField(pieces))
-
-
-def _misfits(solved: CoupledZones) -> list[tuple[Annulus, list[NDArray[np.float64]]]]:
-    """Return the slip zones, and E at the sampling points of their halves."""
-    parts, misfits = solved.system.parts, []
-    for zone, state in enumerate(solved.states):
-        if state != 0:
-            halves = [part.family.panels for part in parts if part.zone == zone]
-            annulus = slip_annulus(solved.bounds[zone], solved.bounds[zone + 1], halves)
-            each = [
-                solved.system.slip_misfit(solved.solution[:, :2], family)
-                for family in annulus.families
-            ]
-            misfits.append((annulus, each))
-    return misfits

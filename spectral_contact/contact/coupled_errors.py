@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from spectral_contact.contact.coupled_parts import leading_depth, root_error, rounding_depth
 from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import (
+    LEAST_RATE,
     decay_rates,
     expected_error,
     series_of,
     share_of_change,
 )
-from spectral_contact.spectral.system import System
+from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["FieldErrors", "field_errors", "shares_of", "sizes_of"]
 
@@ -34,81 +35,65 @@ class FieldErrors:
 
 
 def field_errors(
-    spaces: list[Resolution], system: System, whole: Array, change: Array
+    spaces: list[Resolution], system: Tangential, whole: Array, change: Array
 ) -> FieldErrors:
     """Return what the change of a solution tells of the errors of its fields."""
-    pressure, shear = system.split(whole)
-    rates = [
-        [decay_rates(space, one) for one in (pressure[k], shear.get(k)) if one is not None]
-        for k, space in enumerate(spaces)
-    ]
-    expected = [
-        [expected_error(*pair) for pair in zip(*both, strict=True)]
-        for both in zip(shares_of(system, change, sizes_of(system, whole)), rates, strict=True)
-    ]
-    roots = _root_errors(system, change, whole)
-    return FieldErrors(
-        max(roots[0], *(float(one[0].max()) for one in expected)),
-        max(roots[1], *(float(one[-1].max()) for one in expected)),
-        np.concatenate([np.max(one, axis=0) for one in expected]),
-        np.concatenate([np.max(one, axis=0) for one in rates]),
-    )
+    fields, count = system.fields, system.count
+    rates = [decay_rates(spaces[one.part], one.of(whole)) for one in fields]
+    shares = shares_of(system, change, sizes_of(system, whole))
+    expected = [expected_error(*pair) for pair in zip(shares, rates, strict=True)]
+    pressure, traction = _root_errors(system, change, whole)
+    for one, errors in zip(fields, expected, strict=True):
+        if one.own.stop <= count:
+            pressure = max(pressure, float(errors.max()))
+        else:
+            traction = max(traction, float(errors.max()))
+    indicators = [np.zeros(len(one.degrees)) for one in spaces]
+    slowest = [np.full(len(one.degrees), LEAST_RATE) for one in spaces]
+    for own, errors, rate in zip(fields, expected, rates, strict=True):
+        np.maximum(indicators[own.part], errors, out=indicators[own.part])
+        np.maximum(slowest[own.part], rate, out=slowest[own.part])
+    return FieldErrors(pressure, traction, np.concatenate(indicators), np.concatenate(slowest))
 
 
-def sizes_of(system: System, values: Array) -> list[list[Array]]:
-    """Return what changes of p and of q/s in stick are relative to, at the ends of the panels.
+def sizes_of(system: Tangential, values: Array) -> list[Array]:
+    """Return what changes of the fields are relative to, at the ends of the panels.
 
-    Part by part. Where one of them changes sign in full stick it is the root of the sum of both
-    squares.
+    Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
-    pressure, shear = system.split(values)
-    sizes = []
-    for k, part in enumerate(system.parts):
-        ends = [series_of(part.family.panels, pressure[k]).at_ends()]
-        if k in shear:
-            ends.append(series_of(part.shear.panels, shear[k]).at_ends())
-        if system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
-            ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
-        sizes.append(ends)
-    return sizes
+    ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
+    if system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
+        ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
+    return ends
 
 
-def shares_of(system: System, change: Array, sizes: list[list[Array]]) -> list[list[Array]]:
-    """Return a change of p and of q/s in stick on every panel, relative to their sizes there."""
+def shares_of(system: Tangential, change: Array, sizes: list[Array]) -> list[Array]:
+    """Return a change of the fields on every panel, relative to their sizes there."""
     alpha, beta, _, _ = system.parameters
-    pressure, shear = system.split(change)
+    singular = {one.part for one in system.fields if one.panels.power}
     shares = []
-    for k, part in enumerate(system.parts):
-        fields = [(part.family.panels, pressure[k])]
-        if k in shear:
-            fields.append((part.shear.panels, shear[k]))
-        singular = any(panels.power for panels, _ in fields)
-        leading = leading_depth(alpha, beta, part.family.reach) if singular else inf
-        known = (
-            inf if part.boundary < 0 else rounding_depth(part.family.boundary, part.family.reach)
-        )
+    for one, size in zip(system.fields, sizes, strict=True):
+        part = system.parts[one.part]
+        reach = part.family.reach
+        leading = leading_depth(alpha, beta, reach) if one.part in singular else inf
+        known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
         shares.append(
-            [
-                share_of_change(panels, step, size, leading=leading, known=known)
-                for (panels, step), size in zip(fields, sizes[k], strict=True)
-            ]
+            share_of_change(one.panels, one.of(change), size, leading=leading, known=known)
         )
     return shares
 
 
-def _root_errors(system: System, change: Array, whole: Array) -> tuple[float, float]:
+def _root_errors(system: Tangential, change: Array, whole: Array) -> tuple[float, float]:
     """Return the errors of p and of q/s at an edge that sticks, where one has a root there.
 
     That is the one whose compliance is not zero if the other's is.
     """
-    part, (alpha, beta, _, _) = system.parts[-1], system.parameters
-    if part.state != 0 or (alpha > 0.0) == (beta > 0.0):
-        return 0.0, 0.0
-    moved, values = system.split(change), system.split(whole)
-    last = len(system.parts) - 1
-    panels = (part.family if beta == 0.0 else part.shear).panels
-    field = int(beta > 0.0)
-    error = root_error(
-        panels, moved[field][last], series_of(panels, values[field][last]).at_ends()[-1]
-    )
-    return (0.0, error) if field else (error, 0.0)
+    (alpha, beta, _, _), last = system.parameters, len(system.parts) - 1
+    rooted = system.parts[last].state == 0 and (alpha > 0.0) != (beta > 0.0)
+    errors = [0.0, 0.0]
+    for one in system.fields:
+        shear = one.own.start >= system.count
+        if rooted and one.part == last and shear == (beta > 0.0):
+            at_end = series_of(one.panels, one.of(whole)).at_ends()[-1]
+            errors[shear] = root_error(one.panels, one.of(change), at_end)
+    return errors[0], errors[1]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import atan, ceil, pi
@@ -36,7 +36,16 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matr
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["DISTANCES", "CoupledSlip", "NoCoupledSlipError", "Solved", "checked", "slip_annulus"]
+__all__ = [
+    "DISTANCES",
+    "CoupledSlip",
+    "NoCoupledSlipError",
+    "Solved",
+    "checked",
+    "slip_annulus",
+    "stick_series",
+    "with_misfits",
+]
 
 Array = NDArray[np.float64]
 
@@ -108,6 +117,12 @@ class Solved:
     def bounds(self) -> tuple[Radius, ...]:
         """Ends of the zones, from the centre to the edge."""
         return CENTRE, *self.radii, EDGE
+
+    @property
+    def depth(self) -> float:
+        """``-ln`` of the smallest scaled distance from the rim that was resolved."""
+        assert self.shear[0] is not None
+        return len(self.shear[0].coefficients) * self.shear[0].width
 
     @property
     def layout(self) -> Layout:
@@ -186,7 +201,7 @@ def checked(
     """
     beta, friction = parameters.beta, parameters.friction
     pressure, traction = _fields(solved, parameters)
-    slipping, lost = _slipping(solved, misfits)
+    slipping, lost = with_misfits(solved, misfits)
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, slipping, _InY(pressure), beta, friction
     )
@@ -231,7 +246,7 @@ def checked(
     )
 
 
-def _slipping(
+def with_misfits(
     solved: Solved, misfits: list[tuple[Annulus, list[Array]]]
 ) -> tuple[list[Slipping], float]:
     """Return the slip zones with E, and the largest change of E."""
@@ -249,22 +264,29 @@ def _excess(sticking: Iterable[tuple[Array, LogSeries, LogSeries]], friction: fl
     return max((float(one.max()) - 1.0 for one in ratios), default=0.0)
 
 
+def stick_series(solved: Solved) -> Iterator[tuple[int, DiskSeries | AnnulusSeries]]:
+    """Yield the stick zones with their tractions."""
+    shear, bounds = solved.shear, solved.bounds
+    for zone, state in enumerate(solved.states):
+        first, last = shear[max(2 * zone - 1, 0)], shear[2 * zone]
+        if state == 0 and first is not None and last is not None:
+            if zone:
+                yield zone, AnnulusSeries(bounds[zone], bounds[zone + 1], first, last)
+            else:
+                yield zone, DiskSeries(bounds[1], first.times(bounds[1].value))
+
+
 def _fields(solved: Solved, parameters: Parameters) -> tuple[ZonalField, ZonalField]:
     """Return pressure and traction."""
-    rim, shear = solved.radii[0], solved.shear
+    rim, sticks = solved.radii[0], dict(stick_series(solved))
     series = [*solved.pressure[:-1], _to_the_edge(solved, parameters)]
-    assert shear[0] is not None
     pressure = [ZonePiece(rim, DiskSeries(rim, series[0], power=0))]
-    traction = [ZonePiece(rim, DiskSeries(rim, shear[0].times(rim.value)))]
+    traction = [ZonePiece(rim, sticks[0])]
     for zone, (inner, outer) in enumerate(pairwise(solved.bounds[1:]), start=1):
-        state, a, b = solved.states[zone], 2 * zone - 1, 2 * zone
-        own = AnnulusSeries(inner, outer, series[a], series[b], power=0)
+        own = AnnulusSeries(inner, outer, series[2 * zone - 1], series[2 * zone], power=0)
         pressure.append(ZonePiece(outer, own))
-        above, below = shear[a], shear[b]
-        if above is None or below is None:
-            traction.append(ZonePiece(outer, own, state * parameters.friction))
-        else:
-            traction.append(ZonePiece(outer, AnnulusSeries(inner, outer, above, below)))
+        slip = ZonePiece(outer, own, solved.states[zone] * parameters.friction)
+        traction.append(ZonePiece(outer, sticks[zone]) if zone in sticks else slip)
     return ZonalField(tuple(pressure)), ZonalField(tuple(traction))
 
 

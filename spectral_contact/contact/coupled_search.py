@@ -18,14 +18,14 @@ from spectral_contact.contact.active_set import ring_layout
 from spectral_contact.contact.boundaries import NoBoundariesError
 from spectral_contact.contact.coupled_annuli import slip_everywhere, slip_in_annuli
 from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
-from spectral_contact.contact.coupled_problem import CoupledProblem
-from spectral_contact.contact.coupled_radii import scanned, stick_radii
-from spectral_contact.contact.coupled_stick import CoupledStick
-from spectral_contact.contact.coupled_zones import (
+from spectral_contact.contact.coupled_problem import (
+    CoupledProblem,
     find_coupled_zones,
     solve_coupled_slip,
     solve_coupled_zones,
 )
+from spectral_contact.contact.coupled_radii import scanned, stick_radii
+from spectral_contact.contact.coupled_stick import CoupledStick
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius

@@ -6,6 +6,7 @@ layers are felt at the edge, to which the pressure rises. At the rim they are fe
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import ceil, log
 
@@ -18,7 +19,7 @@ from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["first_spaces"]
+__all__ = ["first_spaces", "with_known_slip"]
 
 #: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, and on the first
 #: two panels, on the disk, above its rim, where the far end is a singularity ln 2 before them, and
@@ -30,6 +31,9 @@ _INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
 #: second space. At the centre, where q/s is weakly determined, degrees that tolerances ask for
 #: would be rounding.
 _STUCK_BEND, _BEFORE, _STUCK_SPARE = 0.2, 3.0, (4, 2, 1)
+#: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
+#: which boundaries are only looked for, where it is the tolerance.
+_QUADRATURE, _FINEST, _ROUGHLY = 0.01, 1e-11, 1e-3
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
 
@@ -70,6 +74,21 @@ def first_spaces(
                 space = without_rounding(space, bounds[end], extent)
             spaces.append(space)
     return spaces
+
+
+def with_known_slip(
+    spaces: list[Resolution], states: tuple[int, ...], tolerance: float
+) -> list[Resolution]:
+    """Return first spaces with the degrees with which a pressure that is given is right in slip."""
+    accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < _ROUGHLY else tolerance
+    # the far end of a part is a singularity ln 2 before the first panel
+    degree = 4 * ceil((4.0 - 0.7 * log(accuracy)) / 4.0)
+    return [
+        Resolution(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
+        if states[(k + 1) // 2]
+        else one
+        for k, one in enumerate(spaces)
+    ]
 
 
 def _to_a_boundary(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.factored import Factored
-from spectral_contact.spectral.system import System
+from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
 __all__ = ["CoupledState", "Effect"]
@@ -36,6 +36,15 @@ class Effect:
     mismatch: Array
     approach: float
 
+    def times(self, factor: float) -> Effect:
+        """Return so much of it."""
+        return Effect(
+            factor * self.change,
+            factor * self.lifts,
+            factor * self.mismatch,
+            factor * self.approach,
+        )
+
 
 class CoupledState:
     """The solution for unit approach with a continuous traction.
@@ -50,20 +59,24 @@ class CoupledState:
         They make the traction continuous; without tangential compliance they are zero.
     """
 
-    def __init__(self, system: System, factored: Factored, solution: Array, lifts: Array) -> None:
+    def __init__(
+        self, system: Tangential, factored: Factored, solution: Array, lifts: Array
+    ) -> None:
         self.system, self.factored = system, factored
         self.solution, self.lifts = solution, lifts
 
     @classmethod
-    def begin(cls, system: System, factored: Factored) -> CoupledState:
+    def begin(cls, system: Tangential, factored: Factored) -> CoupledState:
         """Return a first solution: that of a symmetric matrix, or nothing, to be corrected."""
         solution, lifts = np.zeros(system.unknowns), np.zeros(len(system.radii))
-        if system.symmetric:
+        if system.given:
+            solution[0] = 1.0
+        elif system.symmetric:
             solution[: system.count] = system.load
             solution = factored.step(solution)
         return cls(system, factored, solution, lifts)
 
-    def at(self, system: System) -> CoupledState:
+    def at(self, system: Tangential) -> CoupledState:
         """Return the same coefficients with other boundaries."""
         return CoupledState(system, self.factored, self.solution, self.lifts)
 
@@ -102,6 +115,16 @@ class CoupledState:
         drive, balance = self.system.balances
         return np.asarray((balance @ self.solution - self.lifts) / (drive @ self.solution))
 
+    @property
+    def unbalanced(self) -> Effect:
+        """What would meet the conditions of the boundaries, with a jump of the traction there.
+
+        But for the square of what the boundaries are off it is the error of the fields.
+        """
+        drive, _ = self.system.balances
+        lifts = self.mismatch * (drive @ self.solution)
+        return self._at_unit_load(self.factored.responses @ lifts, lifts)
+
     def effects(self) -> list[Effect]:
         """Return what the top two degrees of every panel contribute, and what the top one does."""
         return [self._moved(one) for one in self.factored.change(self.solution, self.system)]
@@ -109,6 +132,9 @@ class CoupledState:
     def _moved(self, change: Array) -> Effect:
         """Return what a change at given lifts becomes with a continuous traction and unit load."""
         lifts, change = self._continuous(change)
+        return self._at_unit_load(change, lifts)
+
+    def _at_unit_load(self, change: Array, lifts: Array) -> Effect:
         drive, balance = self.system.balances
         raised = -self.bearing(change) / self.bearing(self.solution)
         return Effect(
@@ -118,7 +144,7 @@ class CoupledState:
             raised,
         )
 
-    def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array | None]:
-        """Return E at the nodes of every part, of a vector that has an approach and lifts."""
+    def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array]:
+        """Return E at the nodes of the parts, of a vector that has an approach and lifts."""
         misfit = self.system.misfit(values[:, None], np.array([approach]), lifts[:, None])
-        return [None if one is None else one[:, 0] for one in misfit.tangential]
+        return [one[:, 0] for one in misfit.tangential]

@@ -14,17 +14,17 @@ from math import atan2, exp, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.coupled_assessment import CoupledZones
 from spectral_contact.contact.coupled_errors import shares_of, sizes_of
 from spectral_contact.contact.coupled_parts import ended
-from spectral_contact.contact.coupled_problem import CoupledZones
-from spectral_contact.contact.coupled_zones import solve_coupled_zones
+from spectral_contact.contact.coupled_problem import solve_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import ROUNDING, panel_of, series_of
 from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.system import System
+from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["CoupledStick", "solve_coupled_stick"]
 
@@ -140,7 +140,7 @@ def _with_fields(stick: CoupledStick, solved: CoupledZones) -> CoupledStick:
     return stick
 
 
-def _with_ratios(stick: CoupledStick, system: System, solution: Array) -> CoupledStick:
+def _with_ratios(stick: CoupledStick, system: Tangential, solution: Array) -> CoupledStick:
     """Return full stick with q/p at the edge and at its largest."""
     panels = system.parts[0].family.panels
     assert stick.pressure is not None
@@ -148,7 +148,7 @@ def _with_ratios(stick: CoupledStick, system: System, solution: Array) -> Couple
     edge, critical, where = largest_ratio(
         stick.pressure, stick.traction, panels.panels * panels.width
     )
-    [shares] = shares_of(system, solution[:, 1], sizes_of(system, solution[:, 0]))
+    shares = shares_of(system, solution[:, 1], sizes_of(system, solution[:, 0]))
     at_edge = _change_at_edge(system, solution) if 0.0 < edge < inf else 0.0
 
     def error(y: float) -> float:
@@ -165,11 +165,12 @@ def _with_ratios(stick: CoupledStick, system: System, solution: Array) -> Couple
     )
 
 
-def _change_at_edge(system: System, solution: Array) -> float:
+def _change_at_edge(system: Tangential, solution: Array) -> float:
     """Return what the top two degrees or the top one change at the edge, the larger of both."""
-    [part], (pressure, shear) = system.parts, system.split(solution)
-    pairs = (part.family.panels, pressure[0]), (part.shear.panels, shear[0])
-    limits = [[abs(series_of(own, one).limit) for one in values.T] for own, values in pairs]
+    limits = [
+        [abs(series_of(one.panels, values).limit) for values in one.of(solution).T]
+        for one in system.fields
+    ]
     return sum(max(changes) / whole for whole, *changes in limits)
 
 

@@ -121,41 +121,43 @@ class Drive:
         return values
 
     @staticmethod
-    def targets_from_rim(
-        drives: Sequence[Drive], radius: Radius, d: Array
+    def targets_from(
+        drives: Sequence[Drive], boundary: Radius, reach: float, d: Array
     ) -> tuple[Array, Array, Array]:
-        """Return R at the rim of a disk, and inside.
+        """Return R at a boundary, and next to it.
 
         Parameters
         ----------
         drives : sequence of Drive
             That of a pressure, or of several of its changes: k.
-        radius : Radius
-            The rim.
+        boundary : Radius
+            Short of the edge.
+        reach : float
+            Unit of the distances in ``s**2``: negative inward.
         d : ndarray, shape (n,)
-            Distances ``1 - s**2/c**2``, falling.
+            Distances, falling but for those where R is smooth.
 
         Returns
         -------
-        rim : ndarray, shape (k,)
+        at : ndarray, shape (k,)
         far : ndarray, shape (k, m)
             Values at the first of the distances.
         near : ndarray, shape (k, n - m)
-            Values at the others less those at the rim, without the subtraction: the Chebyshev
+            Values at the others less those at the boundary, without the subtraction: the Chebyshev
             interpolant of R, from which the factor ``d`` is split off.
         """
         # R is singular at the edge, however weakly
-        reach = min(0.2 * radius.rest / radius.square, 1.0)
-        split = int(np.count_nonzero(d > reach))
-        places = np.concatenate([[0.0], reach * (1.0 + _NODES) / 2.0, d[:split]])
-        values = Drive.targets(drives, radius.rest + radius.square * places)
-        rim = values[:, 0]
+        analytic = min(0.2 * boundary.rest / abs(reach), 1.0)
+        split = int(np.count_nonzero(d > analytic))
+        places = np.concatenate([[0.0], analytic * (1.0 + _NODES) / 2.0, d[:split]])
+        values = Drive.targets(drives, boundary.rest - reach * places)
+        at = values[:, 0]
         # a flat stretch must come out flat: its rounding would be amplified by the division
-        fit = _FIT @ (values[:, 1 : 1 + len(_NODES)] - rim[:, None]).T
-        fit[np.abs(fit) < 4e-16 * np.abs(rim)] = 0.0
-        x = 2.0 * d[split:] / reach - 1.0
-        near = np.array([chebyshev_sums(x, one[:, None]) for one in (_QUOTIENT @ fit).T])
-        return rim, values[:, 1 + len(_NODES) :], (x + 1.0) * near
+        fit = _FIT @ (values[:, 1 : 1 + len(_NODES)] - at[:, None]).T
+        fit[np.abs(fit) < 4e-16 * np.abs(at)] = 0.0
+        x = 2.0 * d[split:] / analytic - 1.0
+        near = chebyshev_sums(np.tile(x, (len(drives), 1)), (_QUOTIENT @ fit)[:, :, None])
+        return at, values[:, 1 + len(_NODES) :], (x + 1.0) * near
 
     def mean_inside(self, y: Array) -> Array:
         """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""

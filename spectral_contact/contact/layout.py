@@ -9,32 +9,12 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import Resolution
-
-__all__ = ["Layout", "ZonesSpace", "logit_at"]
+__all__ = ["Layout", "logit_at"]
 
 
 def logit_at(x: float) -> float:
     """Return the logit ``ln(z/y)`` of the radius with ``y = exp(-x)``."""
     return float(np.log(-np.expm1(-x)) + x)
-
-
-@dataclass(frozen=True, slots=True)
-class ZonesSpace:
-    """A space that was enough for a tolerance.
-
-    Attributes
-    ----------
-    tolerance : float
-    counts : tuple of (int, int)
-        Panels of either half of the stick annuli.
-    resolution : Resolution
-        The disk's panels, with its degrees and then those of the annuli.
-    """
-
-    tolerance: float
-    counts: tuple[tuple[int, int], ...]
-    resolution: Resolution
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,23 +27,13 @@ class Layout:
         ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
     states : tuple of int
         One more than boundaries; the first is 0.
-    slopes : ndarray, shape (values, boundaries), optional
-        By what the conditions at the boundaries rise with the logits, if known; with slip inside
-        the shear is the last of the values.
-    slopes_at : tuple of float
-        The logits for which they were last known in every direction.
-    good : bool
-        Whether the slopes have been seen to be good at these boundaries.
-    space : ZonesSpace, optional
-        What to begin with.
+    slopes : ndarray, shape (boundaries, boundaries), optional
+        By what the conditions at the boundaries rise with the logits, if known.
     """
 
     logits: tuple[float, ...]
     states: tuple[int, ...]
     slopes: NDArray[np.float64] | None = None
-    slopes_at: tuple[float, ...] = ()
-    good: bool = False
-    space: ZonesSpace | None = None
 
     def mended(self, missing: tuple[tuple[float, float], ...]) -> Layout | None:
         """Return the layout with stick where it is missing, or None if that makes no zone."""

@@ -48,10 +48,8 @@ class SlipSource:
         Relative accuracy of the integrals.
     nearest : float
         The least ``inner**2 - t**2`` > 0 for which they are asked.
-    rim : Radius, optional
-        Rim of the stick disk; by default the inner end.
     samples : Samples, optional
-        Of the stick disk, if its rim is the inner end: what is near the rim is then summed with a
+        Of the stick disk inside: what is near the rim is then summed with a
         matrix that is kept.
     """
 
@@ -63,7 +61,6 @@ class SlipSource:
         alpha: float,
         tolerance: float,
         nearest: float,
-        rim: Radius | None = None,
         samples: Samples | None = None,
     ) -> None:
         width = gap(inner, outer)
@@ -92,10 +89,8 @@ class SlipSource:
         densities *= np.concatenate([near_weights, half * far_weights]) / (2.0 * np.sqrt(z))
         # seen from inside, what varies over the outer half is a polynomial: a few points do
         from_inner, from_outer = densities[:, : len(near)].T, gather @ densities[:, len(near) :].T
-        #: distance of the points from the rim in s**2
+        #: distance of the points from the inner end in s**2
         self.above = np.concatenate([offset, width - half * (1.0 + FAR_NODES) / 2.0])
-        if rim is not None:
-            self.above += gap(rim, inner)
         self._root = np.sqrt(self.above)
         #: weights of ``p ds``
         self.values = np.concatenate([from_inner, from_outer])
@@ -261,7 +256,8 @@ def rim_target(
         The targets. Near the rim they are built from differences that do not cancel; beyond, from
         the parts, whose noise falls with their size.
     """
-    at_rim, far, near = (one.T for one in Drive.targets_from_rim(drives, radius, samples.distances))
+    demanded = Drive.targets_from(drives, radius, -radius.square, samples.distances)
+    at_rim, far, near = (one.T for one in demanded)
     balance = at_rim - sum(factor * source.at_rim for factor, source in sources)
     at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
     values, below = np.vstack([far - at_end, near + at_start]), radius.square * samples.distances

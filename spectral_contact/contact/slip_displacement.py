@@ -9,7 +9,6 @@ zero in stick by the tangential equation. Everything is for kappa = 1.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 from typing import Protocol
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
 from spectral_contact.fields.legendre import chebyshev_sums
-from spectral_contact.fields.series import EDGE, AnnulusSeries, DiskSeries, PressureField, Radius
+from spectral_contact.fields.series import EDGE, AnnulusSeries, DiskSeries, Radius
 from spectral_contact.spectral.annulus import (
     FAR_FIT,
     FAR_NODES,
@@ -42,10 +41,8 @@ __all__ = [
     "annulus_between",
     "free_displacement",
     "largest_displacement",
-    "pressure_expansion",
     "slip_displacement",
     "slip_misfit",
-    "smooth_between",
 ]
 
 Array = NDArray[np.float64]
@@ -109,36 +106,12 @@ def annulus_between(
         max(np.log(half / layers[0]), 0.0) + 0.6 * digits + 3.0,
         max(np.log(half / layers[1]), 0.0) + (digits + 3.0) / rate,
     )
-    return _with_depths(inner, outer, depths, digits)
-
-
-def smooth_between(inner: Radius, outer: Radius, tolerance: float) -> Annulus:
-    """Return panels for a function with singularities at the centre and at the edge only."""
-    half = gap(inner, outer) / 2.0
-    digits = -np.log(tolerance)
-    # the tails have three terms
-    first, second = (
-        max(np.log(half / d), 0.0) + digits / 3.0 + 2.0 for d in (inner.square, outer.rest)
-    )
-    return _with_depths(inner, outer, (first, second), digits)
-
-
-def _with_depths(
-    inner: Radius, outer: Radius, depths: tuple[float, float], digits: float
-) -> Annulus:
-    """Return panels that reach these depths in ``-ln`` of the distance from either end."""
     # the far end of the annulus is a singularity ln 2 before the first panel
     degree = 4 * int(np.ceil((4.0 + 0.7 * digits) / 4.0))
     # few distinct depths, so that caches are shared between scenes
     counts = (3 * int(np.ceil(d / (3.0 * PANEL_WIDTH))) for d in depths)
     first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
     return Annulus(inner, outer, first, second)
-
-
-def pressure_expansion(annulus: Annulus, pressure: PressureField) -> Array:
-    """Return the coefficients of p/s on an annulus."""
-    y, z = annulus.sampling
-    return annulus.expand(annulus.halves(pressure.at(y) / np.sqrt(z)))
 
 
 def slip_displacement(
@@ -261,39 +234,16 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     return DiskSeries(EDGE, series.times(-kappa)), error
 
 
-def slip_misfit(
-    drive: Drive,
-    annuli: list[Annulus],
-    signs: list[int],
-    friction: float,
-    others: list[Callable[[Points], Array]],
-) -> list[tuple[Array, Array]]:
-    """Return ``E = R - G`` at the sampling points of slip zones.
+def slip_misfit(drive: Drive, annulus: Annulus, friction: float) -> tuple[Array, Array]:
+    """Return ``E = R - G`` at the sampling points of a slip zone that reaches the edge.
 
     Parameters
     ----------
     drive : Drive
-    annuli : list of Annulus
-        The slip zones.
-    signs : list of int
-        Signs of their tractions.
+    annulus : Annulus
     friction : float
         ``f / kappa``.
-    others : list of callable
-        Further contributions to G, as functions of `Points`.
     """
-    expansions = [pressure_expansion(a, drive.pressure) for a in annuli]
-    result = []
-    for annulus in annuli:
-        misfit = drive.target(annulus.sampling[0])
-        points = [family.sampling() for family in annulus.families]
-        for other, sign, expansion in zip(annuli, signs, expansions, strict=True):
-            if other is annulus:
-                half = other.own_half_integral(expansion)
-            else:
-                half = np.concatenate([other.half_integral(one) @ expansion for one in points])
-            misfit -= sign * friction * half
-        for other_field in others:
-            misfit -= np.concatenate([other_field(one) for one in points])
-        result.append(annulus.halves(misfit))
-    return result
+    y, z = annulus.sampling
+    over = annulus.expand(annulus.halves(drive.pressure.at(y) / np.sqrt(z)))
+    return annulus.halves(drive.target(y) - friction * annulus.own_half_integral(over))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -33,8 +32,6 @@ from spectral_contact.contact.slip_displacement import (
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
-    AnnulusSeries,
-    DiskSeries,
     Radius,
     ZonalField,
     ZonePiece,
@@ -43,7 +40,7 @@ from spectral_contact.solution import Zone
 from spectral_contact.spectral.annulus import Annulus
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zones import ZonesSolution
+    from spectral_contact.contact.coupled_assessment import CoupledZones
 
 __all__ = ["PartialSlip", "all_slip", "no_slip", "one_disk_outcome", "zones_outcome"]
 
@@ -132,9 +129,9 @@ def all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> Pa
     """Return slip everywhere: the stick disk is smaller than 1e-65."""
     centre = Radius.from_logit(-74.0)
     annulus = _edge_annulus(drive, centre, beta, tolerance)
-    misfit = slip_misfit(drive, [annulus], [1], friction, [])
+    slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
     fields, samples, largest, unresolved = slip_displacement(
-        [], [Slipping(annulus, 1, misfit[0])], drive.pressure, beta, friction
+        [], [slipping], drive.pressure, beta, friction
     )
     error = drive.contact.pressure_error
     stray = unresolved + 4.0 * error + tolerance * 1e-3
@@ -170,8 +167,7 @@ def one_disk_outcome(
     radius = disk.radius
     annulus = _edge_annulus(drive, radius, beta, tolerance)
     pressure = drive.pressure
-    misfit = slip_misfit(drive, [annulus], [1], friction, [])
-    slipping = Slipping(annulus, 1, misfit[0])
+    slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
     fields, samples, largest, unresolved = slip_displacement(
         [disk.stuck], [slipping], pressure, beta, friction
     )
@@ -209,32 +205,30 @@ def _unknown_width(slip_error: float, zones: list[Zone]) -> float:
     return min(slip_error, 1.0) * max(widths, default=0.0)
 
 
-def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: float) -> PartialSlip:
+def zones_outcome(drive: Drive, solved: CoupledZones, beta: float, friction: float) -> PartialSlip:
     """Add displacement and checks to the solution on any zones."""
+    from spectral_contact.contact.coupled_outcome import stick_series, with_misfits
+
     pressure = drive.pressure
+    slipping, lost = with_misfits(solved, solved.slipping)
     fields, samples, largest, unresolved = slip_displacement(
-        solved.stuck, solved.slipping, pressure, beta, friction
+        solved.stuck, slipping, pressure, beta, friction
     )
-    bounds = solved.bounds
-    sticks: Iterator[DiskSeries | AnnulusSeries] = iter((solved.disk, *solved.annuli))
-    slips = iter(fields)
+    slips, sticks, bounds = iter(fields), dict(stick_series(solved)), solved.bounds
     traction, displacement, zones, excess = [], [], [], 0.0
-    for state, inner, outer in zip(solved.states, bounds[:-1], bounds[1:], strict=True):
+    for k, (state, inner, outer) in enumerate(zip(solved.states, bounds, bounds[1:], strict=False)):
         zones.append(Zone.between("stick" if state == 0 else "slip", inner, outer))
         if state == 0:
-            stuck = next(sticks)
-            traction.append(ZonePiece(outer, stuck))
+            traction.append(ZonePiece(outer, sticks[k]))
             displacement.append(ZonePiece(outer, None))
-            beyond = stick_excess(stuck, pressure, friction, inner, outer, solved.depth)
+            beyond = stick_excess(sticks[k], pressure, friction, inner, outer, solved.depth)
             excess = max(excess, beyond)
         else:
             traction.append(ZonePiece(outer, pressure, state * friction))
             displacement.append(ZonePiece(outer, next(slips)))
     error = max(solved.traction_error, drive.contact.pressure_error)
-    outermost = max(
-        (o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0), key=lambda r: r.value
-    )
-    stray, loose = solved.stray + unresolved, solved.loose_ends
+    outermost = [o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0][-1]
+    stray, loose = solved.stray + lost + unresolved, solved.loose_ends
     slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
     wrong = max(float(v.max()) for v in samples)
     slip_share = max(known_share(slip_error + loose), unknown_slip(solved.zones_error))
@@ -245,7 +239,7 @@ def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: fl
         solved.total_shear,
         error,
         solved.shear_error,
-        solved.boundary_errors[0][0],
+        solved.radius_error,
         max(solved.zones_error, _unknown_width(slip_share, zones)),
         slip_share,
         max(excess, wrong / largest, 0.0),
@@ -254,7 +248,7 @@ def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: fl
         True,
         tuple(
             interval
-            for zone, field, sample in zip(solved.slipping, fields, samples, strict=True)
+            for zone, field, sample in zip(slipping, fields, samples, strict=True)
             for interval in missing_stick(
                 zone.annulus,
                 sample,
@@ -263,5 +257,5 @@ def zones_outcome(drive: Drive, solved: ZonesSolution, beta: float, friction: fl
                 slip_error + min(loose, 0.5),
             )
         ),
-        solved.layout,
+        replace(solved.layout, slopes=solved.slopes),
     )

@@ -80,13 +80,13 @@ def chebyshev_sums(x: Array, table: Array) -> Array:
 
     Parameters
     ----------
-    x : ndarray, shape (n,)
-    table : ndarray, shape (terms, n) or (terms, 1)
+    x : ndarray, shape (..., n)
+    table : ndarray, shape (terms, ..., n) or (terms, ..., 1)
         Coefficients of the series that each point has, or of one for all.
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape (..., n)
     """
     rows = list(table)
     doubled, product, later, last = 2.0 * x, np.empty(x.shape), np.zeros(x.shape), np.empty(x.shape)

@@ -62,8 +62,8 @@ class ZonePath:
         guess = _extrapolated(times, logits)
         if (np.diff(guess) <= 0.0).any():
             return layout
-        slopes = [one.slopes for _, one in self._known[-2:] if one.good and one.slopes is not None]
-        if len(times) > 1 and len(slopes) == 2:
+        slopes = [one.slopes for _, one in self._known[-2:] if one.slopes is not None]
+        if len(times) > 1 and len(slopes) == 2 and len(layout.states) > 2:
             layout = replace(layout, slopes=_extrapolated(times[:2], slopes[::-1]))
         return replace(layout, logits=tuple(guess.tolist()))
 

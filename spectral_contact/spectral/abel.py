@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_rows_between
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.charges import EXTRA, charges_on
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_projection_matrix,
@@ -29,17 +29,16 @@ from spectral_contact.spectral.jacobi import (
 )
 
 __all__ = [
-    "EXTRA",
     "ROOT_TERMS",
     "TAIL_EXTRA",
     "TAIL_TERMS",
-    "Charges",
     "beyond",
-    "charges_on",
+    "beyond_tail",
     "deeper",
     "deeper_blocks",
     "deeper_tail",
     "fall",
+    "fall_of_tail",
     "far_fall",
     "outer",
     "outer_blocks",
@@ -53,8 +52,6 @@ Array = NDArray[np.float64]
 TAIL_TERMS = 3
 #: Tail polynomials in the square root of the distance, where half-integer powers follow.
 ROOT_TERMS = 9
-#: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
-EXTRA = 12
 #: Those beyond the terms of a tail.
 TAIL_EXTRA = 9
 #: Places in ``x`` that are the same to rounding.
@@ -318,10 +315,10 @@ def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
     Shapes are those of `deeper`.
     """
     blocks = _plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1))
-    return np.hstack([blocks, _beyond_tail(e, np.exp(-panels * width))])
+    return np.hstack([blocks, beyond_tail(e, np.exp(-panels * width))])
 
 
-def _beyond_tail(e: Array, end: float) -> Array:
+def beyond_tail(e: Array, end: float) -> Array:
     """Return the `beyond` integral of the tail polynomials, (n, TAIL_TERMS)."""
     g, w = gauss_rule(TAIL_TERMS + 1)
     a, b = np.sqrt(e)[:, None], np.sqrt(e + end)[:, None]
@@ -331,38 +328,6 @@ def _beyond_tail(e: Array, end: float) -> Array:
     return np.asarray(_panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
 
 
-class Charges:
-    """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
-
-    def __init__(self, width: float, degrees: tuple[int, ...]) -> None:
-        rules = [gauss_rule(n + EXTRA)[0] for n in degrees]
-        parts = [np.exp(-width * (j + (1.0 + g) / 2.0)) for j, g in enumerate(rules)]
-        #: distances of the points
-        self.d: Array = np.concatenate(parts)
-        self._blocks = [(0.25 * width) * legendre_projection_matrix(n + EXTRA, n) for n in degrees]
-
-    def onto(self, values: Array) -> Array:
-        """Return integrals over ``1/2 dx`` of kernels at the points, as rows, with functions."""
-        result = np.empty((len(values), sum(block.shape[1] for block in self._blocks)))
-        point = column = 0
-        for block in self._blocks:
-            stop, end = point + block.shape[0], column + block.shape[1]
-            np.matmul(values[:, point:stop], block, out=result[:, column:end])
-            point, column = stop, end
-        return result
-
-
-_CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
-    "charges on panels", 32
-)
-
-
-def charges_on(width: float, degrees: int | tuple[int, ...], panels: int = 0) -> Charges:
-    """Return functions of these degrees on panels, or of one on so many, as charges (cached)."""
-    degrees = (degrees,) * panels if isinstance(degrees, int) else degrees
-    return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
-
-
 def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> tuple[Array, Array]:
     """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels.
 
@@ -370,17 +335,27 @@ def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> 
     """
     end = np.exp(-panels * width)
     charges = charges_on(width, degree, panels)
-    near, far = np.sqrt(charges.d), np.sqrt(charges.d + e[:, None])
-    plain = np.hstack([charges.onto(charges.d / far), _beyond_tail(e, end)])
-    blocks = charges.onto(near * (e[:, None] / (far * (near + far))))
-    tail = _beyond_tail(np.zeros(1), end) - plain[:, -TAIL_TERMS:]
+    near, far = np.sqrt(charges.d), charges.d + e[:, None]
+    np.sqrt(far, out=far)
+    work = charges.d / far
+    plain = np.hstack([charges.onto(work), beyond_tail(e, end)])
+    far *= np.add(near, far, out=work)
+    np.divide(e[:, None], far, out=far)
+    far *= near
+    return plain, np.hstack([charges.onto(far), fall_of_tail(e, panels, width)])
+
+
+def fall_of_tail(e: Array, panels: int, width: float) -> Array:
+    """Return by how much `beyond_tail` is less than at the boundary, (n, TAIL_TERMS)."""
+    end = np.exp(-panels * width)
+    tail = beyond_tail(np.zeros(1), end) - beyond_tail(e, end)
     small = (e > 0.0) & (e < 1e-3 * end)
-    tail[small] = _fall_of_tail(e[small], end)
-    return plain, np.hstack([blocks, tail])
+    tail[small] = _far_below(e[small], end)
+    return np.asarray(tail)
 
 
-def _fall_of_tail(e: Array, end: float) -> Array:
-    """Return the tail's part of `fall` far below its end, with ``d' = e sinh(phi)**2``."""
+def _far_below(e: Array, end: float) -> Array:
+    """Return `fall_of_tail` far below its end, with ``d' = e sinh(phi)**2``."""
     grown = np.exp(np.arcsinh(np.sqrt(end / e)))
     one, two, three, five = (grown ** float(n) - 1.0 for n in (1, -1, -3, -5))
     # of the powers of d'/end

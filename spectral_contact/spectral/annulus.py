@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +28,6 @@ from spectral_contact.threads import cached_property
 __all__ = [
     "FAR_FIT",
     "FAR_NODES",
-    "UNIT",
     "Annulus",
     "Family",
     "Points",
@@ -68,10 +66,6 @@ class Points:
         return self.anchor.rest - self.offset
 
 
-#: An annulus whose halves have unit extent in ``s**2``.
-UNIT = Radius(0.0, 1.0), Radius(sqrt(2.0), 1.0 - sqrt(2.0))
-
-
 @dataclass(frozen=True, slots=True)
 class Family:
     """Panels in the logarithm of the distance to one end of an annulus.
@@ -100,11 +94,6 @@ class Family:
     def sampling(self) -> Points:
         """Return the sampling points: panels, then tail."""
         return self.points(transforms(self.panels).distances)
-
-    def nodes(self) -> tuple[Points, Array]:
-        """Return Galerkin nodes and the weights of ``ds**2`` there."""
-        d, weights = self.panels.distance_nodes(mirrored=self.sign > 0)
-        return self.points(d), self.reach * weights
 
     def half_integral(self, points: Points) -> Array:
         """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)``, shape (points, size)."""
@@ -151,11 +140,6 @@ class Family:
         matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
         points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
         return points, 0.5 * self.reach * matrix
-
-    def mass(self, columns: NDArray[np.int_]) -> Array:
-        """Return ``int psi psi s^3 ds`` of some functions: the mass matrix for ``q = s psi``."""
-        half = self.reach / 2.0
-        return self.panels.mass(columns, half * self.boundary.square, half * self.sign * self.reach)
 
     def table(self, coefficients: Array) -> Array:
         """Return panel coefficients as (panels, degree + 1)."""
@@ -217,15 +201,6 @@ class Annulus:
         points = [family.sampling() for family in self.families]
         return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
 
-    @property
-    def size(self) -> int:
-        """Number of coefficients of both halves."""
-        return self.toward_inner.size + self.toward_outer.size
-
-    def half_integral(self, points: Points) -> Array:
-        """Return the half-integrals of both families, shape (points, size)."""
-        return np.hstack([f.half_integral(points) for f in self.families])
-
     def inner_integral(self, points: Points) -> Array:
         """Return the `inner_integral` of both families, shape (points, size)."""
         return np.hstack([f.inner_integral(points) for f in self.families])
@@ -244,20 +219,6 @@ class Annulus:
         inner, outer, a, b = self._split(coefficients)
         above = inner.outer(a) + outer.across(b, self.toward_inner)
         return self._scale * np.concatenate([above, outer.deeper(b)])
-
-    def half_integral_inside(self, coefficients: Array, points: Points) -> Array:
-        """Return the half-integral of a smooth function at points of the annulus, interpolated."""
-        values, split = self.own_half_integral(coefficients), self.sampling_split
-        half = gap(self.inner, self.outer) / 2.0
-        above, below = -points.before(self.inner) / half, points.before(self.outer) / half
-        # at the outer end it vanishes like a square root
-        root = np.sqrt(transforms(self.toward_outer).distances)
-        first = sampled_series(self.toward_inner, values[:split])
-        second = sampled_series(self.toward_outer, values[split:] / root)
-        total, near = np.empty(len(above)), above < below
-        total[near] = first(np.clip(above[near], 0.0, 1.0))
-        total[~near] = np.sqrt(below[~near]) * second(np.clip(below[~near], 0.0, 1.0))
-        return total
 
     def own_inner_integral(self, coefficients: Array) -> Array:
         """Return the inner integral of a function at the annulus's own sampling points."""

@@ -10,7 +10,7 @@ places.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import (
-    Charges,
     beyond,
-    charges_on,
+    beyond_tail,
     deeper,
     fall,
+    fall_of_tail,
     far_fall,
     outer,
     rise,
@@ -30,25 +30,29 @@ from spectral_contact.spectral.abel import (
 )
 from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.charges import Charges, charges_on
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     GradedNodes,
     PlainNodes,
+    SmoothNodes,
     far_values,
     graded_nodes,
 )
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.samples import root_sums
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
-__all__ = ["Block", "Seen", "block", "disk_gram", "points_of"]
+__all__ = ["Block", "Fields", "Seen", "across", "block", "disk_gram", "points_of"]
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
 Used: TypeAlias = tuple[int, ...] | LogPanels
-Nodes: TypeAlias = GradedNodes | PlainNodes
+Nodes: TypeAlias = GradedNodes | SmoothNodes | PlainNodes
+Fields: TypeAlias = Sequence[Array] | Mapping[int, Array]
 
 #: Distances, in units of a part's extent, up to which a difference is taken as such.
 _NEAR = 0.5
@@ -123,14 +127,14 @@ class Seen:
         By the part that is integrated.
     """
 
-    nodes: GradedNodes
+    nodes: GradedNodes | SmoothNodes
     blocks: dict[int, Block]
 
-    def at(self, values: Sequence[Array]) -> Array:
+    def at(self, values: Fields) -> Array:
         """Return integrals at the boundary, of coefficients part by part, as columns."""
         return np.asarray(sum(one.scale * (one.at @ values[k]) for k, one in self.blocks.items()))
 
-    def more(self, values: Sequence[Array]) -> Array:
+    def more(self, values: Fields) -> Array:
         """Return by how much they are more at the nodes."""
         direct: Array | float = 0.0
         sampled: Array | float = 0.0
@@ -307,6 +311,32 @@ def block(source: Family, degrees: Degrees, target: Family, used: Used, side: in
     if target.boundary.from_edge == 0.0:
         return replace(kept, at=np.zeros_like(kept.at), more=kept.whole, scale=scale)
     return replace(kept, scale=scale)
+
+
+def across(
+    source: Family, degrees: Degrees, target: Family, used: Used, values: Array
+) -> tuple[Array, Array]:
+    """Return what known functions across a common boundary contribute there, and how it falls.
+
+    Parameters are those of `block`, without a matrix; and the coefficients of the functions, as
+    columns.
+
+    Returns
+    -------
+    at : ndarray, shape (k,)
+    more : ndarray, shape (samples, k)
+        Negative.
+    """
+    panels, scale = source.panels, float(np.sqrt(source.reach))
+    form = panels.panels, panels.width
+    charges: Charges = charges_on(panels.width, degrees)
+    split = len(values) - panels.tail_terms
+    weights, on_tail = charges.back(values[:split]) * charges.d[:, None], values[split:]
+    root = np.sqrt(charges.d)
+    e = target.reach / source.reach * points_of(target.panels, used).samples
+    at = (1.0 / root) @ weights + beyond_tail(np.zeros(1), panels.end)[0] @ on_tail
+    falls = e[:, None] * root_sums(e, charges.d, weights / root[:, None], root)
+    return scale * at, -scale * (falls + fall_of_tail(e, *form) @ on_tail)
 
 
 def points_of(panels: LogPanels, used: Used) -> Nodes:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.spectral.cholesky import Cholesky
-from spectral_contact.spectral.system import System
+from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
 __all__ = ["Factored", "Symmetric", "factored"]
@@ -19,7 +19,7 @@ __all__ = ["Factored", "Symmetric", "factored"]
 Array = NDArray[np.float64]
 
 
-def factored(system: System, *, exact: bool = True) -> Factored:
+def factored(system: Tangential, *, exact: bool = True) -> Factored:
     """Return a system factored: by Cholesky if it is symmetric, else by LU; see `Factored`."""
     return Symmetric(system) if system.symmetric else Factored(system, exact=exact)
 
@@ -29,12 +29,12 @@ class Factored:
 
     Parameters
     ----------
-    system : System
+    system : Tangential
     exact : bool
         Factor in double precision.
     """
 
-    def __init__(self, system: System, *, exact: bool = True) -> None:
+    def __init__(self, system: Tangential, *, exact: bool = True) -> None:
         self.system, self.exact = system, exact
         matrix = system.matrix()
         self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
@@ -62,20 +62,21 @@ class Factored:
         """The solutions for a unit lift at every boundary, without approach, as columns."""
         lifts = np.eye(len(self.system.radii))
         values = np.zeros((self.system.unknowns, len(lifts)))
-        for _ in range(2):
+        for _ in range(1 + self.exact):  # they serve corrections, as rough as the factors
             values += self.step(self.system.residual(values, np.zeros(len(lifts)), lifts))
         return values
 
-    def change(self, values: Array, system: System) -> list[Array]:
+    def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.
 
-        They are the differences to the solution without them, at the same approach and lifts.
+        They are the differences to the solution without them, at the same approach and lifts. A
+        pressure that is given lacks its two changes with them.
 
         Parameters
         ----------
         values : ndarray, shape (unknowns,)
             A solution.
-        system : System
+        system : Tangential
             Whose it is: that of the factors or a like one.
         """
         first, count = system.shed[0], len(values)
@@ -88,6 +89,8 @@ class Factored:
             forces = np.linalg.solve(columns[shed] / own[:, None], values[shed] / own)
             forced[shed, i] = forces / own
             changes[:, i] = columns @ forces
+        if system.given:  # by as much less is known of the pressure
+            changes[1 : system.count] = np.eye(system.count - 1, 2)
         nothing = np.zeros(2), np.zeros((len(system.radii), 2))
         return [*(changes + self.step(system.residual(changes, *nothing) + forced)).T]
 
@@ -95,7 +98,7 @@ class Factored:
 class Symmetric(Factored):
     """A symmetric positive definite system by Cholesky, what coarser spaces lack last."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: Tangential) -> None:
         self.system, self.exact = system, True
         lacking = np.zeros(system.unknowns, dtype=int)
         for places in system.shed:
@@ -110,7 +113,7 @@ class Symmetric(Factored):
         step[self._order] = self._cholesky.solve(right[self._order].T).T
         return step
 
-    def change(self, values: Array, system: System) -> list[Array]:
+    def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute."""
         changes = []
         for kept in self._kept:

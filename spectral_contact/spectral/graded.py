@@ -6,6 +6,8 @@ points still.
 
 from __future__ import annotations
 
+from itertools import groupby
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +22,15 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.panels import SAMPLES, LogPanels
 from spectral_contact.threads import cached_property
 
-__all__ = ["FAR_FIT", "FAR_NODES", "GradedNodes", "PlainNodes", "far_values", "graded_nodes"]
+__all__ = [
+    "FAR_FIT",
+    "FAR_NODES",
+    "GradedNodes",
+    "PlainNodes",
+    "SmoothNodes",
+    "far_values",
+    "graded_nodes",
+]
 
 Array = NDArray[np.float64]
 
@@ -33,7 +43,7 @@ _TAIL_POINTS = 36
 _CENTRAL = 40
 
 
-_NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes] = BoundedCache(
+_NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes | SmoothNodes] = BoundedCache(
     "graded nodes", 48
 )
 
@@ -84,10 +94,7 @@ class GradedNodes:
             self.end.append(h * np.cos(phi) ** 2)
             weights.append(w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi))
         x = np.concatenate([np.minimum(j * h + a, (j + 1) * h) for j, a in enumerate(self.start)])
-        g, w = gauss_rule(_TAIL_POINTS)
-        phi = np.pi / 4.0 * (1.0 + g)
-        tail = panels.end * np.sin(phi) ** 2
-        on_tail = w * np.pi / 2.0 * panels.end * np.sin(phi) * np.cos(phi)
+        tail, on_tail = _tail_rule(panels)
         self.d: Array = np.concatenate([np.exp(-x), tail])
         self.rest: Array = np.concatenate([-np.expm1(-x), 1.0 - tail])
         self.weights: Array = np.concatenate([np.exp(-x) * np.concatenate(weights), on_tail])
@@ -104,28 +111,32 @@ class GradedNodes:
         return far_values(self.samples)
 
     @cached_property
-    def _from_samples(self) -> list[Array]:
-        """The matrices from samples to nodes; panels with as many nodes share one."""
-        each = {len(one): one for one in self._spread}
-        known = {n: legendre_interpolation_matrix(one, SAMPLES) for n, one in each.items()}
-        return [known[len(one)] for one in self._spread]
+    def _from_samples(self) -> list[tuple[int, Array]]:
+        """How many panels in a row have as many nodes, and the matrix from samples to these."""
+        runs = [(len(list(run)), n) for n, run in groupby(map(len, self._spread))]
+        each = {len(one): legendre_interpolation_matrix(one, SAMPLES) for one in self._spread}
+        return [(count, each[n]) for count, n in runs]
 
     def spread(self, values: Array) -> Array:
         """Return what has values at the samples, as columns, at the nodes."""
-        start = self._direct
+        start, columns = self._direct, values.shape[1]
         parts = [values[:start]]
-        for block in self._from_samples:
-            parts.append(block @ values[start : start + SAMPLES])
-            start += SAMPLES
+        for count, block in self._from_samples:
+            stop = start + count * SAMPLES
+            own = block @ values[start:stop].reshape(count, SAMPLES, columns)
+            parts.append(own.reshape(count * len(block), columns))
+            start = stop
         return np.concatenate([*parts, values[start:]])
 
     def gathered(self, values: Array) -> Array:
         """Return the transpose of `spread`, of values at the nodes as columns."""
-        start = self._direct
+        start, columns = self._direct, values.shape[1]
         parts = [values[:start]]
-        for block in self._from_samples:
-            parts.append(block.T @ values[start : start + len(block)])
-            start += len(block)
+        for count, block in self._from_samples:
+            stop = start + count * len(block)
+            own = block.T @ values[start:stop].reshape(count, len(block), columns)
+            parts.append(own.reshape(count * SAMPLES, columns))
+            start = stop
         return np.concatenate([*parts, values[start:]])
 
 
@@ -149,14 +160,44 @@ class PlainNodes:
         return values
 
 
+class SmoothNodes(PlainNodes):
+    """Nodes for what is analytic in ``x``, and on the tail: they are their own samples.
+
+    Attributes are those of `GradedNodes`.
+    """
+
+    def __init__(self, panels: LogPanels) -> None:
+        _, w = gauss_rule(SAMPLES)
+        x, (tail, on_tail) = panels.sampling(SAMPLES).ravel(), _tail_rule(panels)
+        super().__init__(np.concatenate([np.exp(-x), tail]))
+        self.rest: Array = np.concatenate([-np.expm1(-x), 1.0 - tail])
+        on_panels = np.exp(-x) * np.tile(w * panels.width / 2.0, panels.panels)
+        self.weights: Array = np.concatenate([on_panels, on_tail])
+
+
+def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
+    """Return nodes on the tail, clustered at both ends, and weights of ``dd``."""
+    g, w = gauss_rule(_TAIL_POINTS)
+    phi = np.pi / 4.0 * (1.0 + g)
+    weights = w * np.pi / 2.0 * panels.end * np.sin(phi) * np.cos(phi)
+    return panels.end * np.sin(phi) ** 2, weights
+
+
 def far_values(d: Array) -> Array:
     """Return the matrix from values at `FAR_NODES`, as distances, to those at other distances."""
     return np.asarray(chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_FIT)
 
 
-def graded_nodes(panels: LogPanels, degrees: tuple[int, ...]) -> GradedNodes:
-    """Return the nodes of a part (cached); its far end is like the centre of a disk."""
-    return _NODES.get((panels, degrees), lambda: GradedNodes(panels, degrees, centred=True))
+def graded_nodes(panels: LogPanels, degrees: tuple[int, ...]) -> GradedNodes | SmoothNodes:
+    """Return the nodes of a part (cached), without degrees for what is smooth.
+
+    The far end of a part is like the centre of a disk.
+    """
+
+    def made() -> GradedNodes | SmoothNodes:
+        return GradedNodes(panels, degrees, centred=True) if degrees else SmoothNodes(panels)
+
+    return _NODES.get((panels, degrees), made)
 
 
 def _node_count(degree: int) -> int:

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import (
-    EXTRA,
     ROOT_TERMS,
     TAIL_EXTRA,
     TAIL_TERMS,
     tail_values,
 )
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.charges import EXTRA
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
 __all__ = ["SAMPLES", "LogPanels", "Nodes", "top_functions"]
@@ -25,6 +26,11 @@ Array = NDArray[np.float64]
 #: Gauss points that represent on a panel what is analytic in ``x`` up to an imaginary part of pi,
 #: as functions of ``d + e`` are: the error is 6.4**-20 for panels of width 2.
 SAMPLES = 20
+
+
+_FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...]], NDArray[np.int_]] = BoundedCache(
+    "functions in use", 256
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +108,10 @@ class LogPanels:
         return 2 * self.degree + extra + 8, 2 * self.degree + extra
 
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
-        """Return the basis functions up to these degrees on the panels, and the tail."""
+        """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
+        return _FUNCTIONS.get((self, degrees), lambda: self._functions(degrees))
+
+    def _functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         terms = self.degree + 1
         used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
         return np.concatenate([*used, np.arange(self.panels * terms, self.size)])
@@ -176,27 +185,6 @@ class LogPanels:
         values = legendre_values(g, self.degree)
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)
-
-    def distance_nodes(self, mirrored: bool) -> tuple[Array, Array]:
-        """Return Galerkin nodes ``d`` and weights of ``int_0^1 . dd``, panels then tail.
-
-        Parameters
-        ----------
-        mirrored : bool
-            Cluster at the shallow ends of the panels instead of the deep ones: there the
-            half-integrals of functions graded to an inner boundary have their square roots.
-        """
-        g, w = gauss_rule(self.node_counts[1])
-        v, h = (1.0 + g) / 2.0, self.width
-        start = h * np.arange(self.panels)[:, None]
-        x = start + h * v**2 if mirrored else start + h - h * v**2
-        d = np.exp(-x)
-        weights = d * (w * h * v)
-        tail = self.end * (1.0 - v**2 if mirrored else v**2)
-        return (
-            np.concatenate([d.ravel(), tail]),
-            np.concatenate([weights.ravel(), w * v * self.end]),
-        )
 
     def mass(
         self,

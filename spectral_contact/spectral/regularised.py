@@ -138,12 +138,6 @@ class Regularised(Generic[S]):
                 misfit = target - space.half_integral(coefficients)
         return coefficients
 
-    def compliance_energy(self, left: Array, right: Array) -> Array:
-        """Return the compliance times the inner products of functions of the space, as columns."""
-        index = self.space.index
-        product: Array = left[index].T @ (self.space.mass @ right[index])
-        return self.compliance * product
-
     def dual(self, functional: Array) -> Array:
         """Return the dual solution of a linear functional: what its value is most sensitive to.
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_rows
 from spectral_contact.spectral.abel import (
-    EXTRA,
     deeper,
     deeper_blocks,
     deeper_tail,
@@ -19,6 +18,7 @@ from spectral_contact.spectral.abel import (
     outer_blocks,
 )
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.charges import EXTRA
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,

@@ -9,8 +9,8 @@ from unittest import mock
 
 import numpy as np
 
+from spectral_contact.contact import coupled_problem
 from spectral_contact.contact import resolution as first_spaces
-from spectral_contact.contact import zone_system
 from spectral_contact.spectral import factored as factors
 from spectral_contact.spectral import galerkin
 from spectral_contact.spectral.cache import clear_caches
@@ -20,7 +20,7 @@ from spectral_contact.spectral.cholesky import Cholesky
 @contextmanager
 def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
     """Make the solver start in spaces of this degree everywhere, with more panels."""
-    first_space, annulus = first_spaces._first_space, zone_system.annulus_between
+    first_space, all_parts = first_spaces._first_space, coupled_problem.first_spaces
 
     def larger(layer, tolerance, *options):
         space = first_space(layer, tolerance, *options)
@@ -30,14 +30,14 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
         panels = replace(space.panels, panels=count, degree=degree)
         return replace(space, panels=panels, degrees=(degree,) * count)
 
-    def finer(inner, outer, layers, tolerance, rate=1.0):
-        tighter = tolerance if tolerance > 1e-7 else 1e-4 * tolerance
-        return annulus(inner, outer, layers, tighter, rate)
+    def finer(alpha, beta, radii, states, tolerance):
+        tighter = tolerance if tolerance > 1e-7 or len(radii) < 2 else 1e-4 * tolerance
+        return all_parts(alpha, beta, radii, states, tighter)
 
     clear_caches()
     with (
         mock.patch.object(first_spaces, "_first_space", larger),
-        mock.patch.object(zone_system, "annulus_between", finer),
+        mock.patch.object(coupled_problem, "first_spaces", finer),
     ):
         yield
     clear_caches()
@@ -48,9 +48,8 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     """Collect the condition of the last scaled matrix of each kind that the solver factors."""
     found: dict[str, float] = {}
     last: dict[str, galerkin.Factored] = {}
-    systems: list[np.ndarray] = []
     pairs: list[np.ndarray] = []
-    solve = zone_system.scaled_solve
+    systems: list[factors.Factored] = []
 
     class RecordedCholesky(Cholesky):
         def __init__(self, matrix):
@@ -63,13 +62,14 @@ def condition_numbers() -> Iterator[dict[str, float]]:
             super().__init__(space, compliance)
             last["T" if space.operator.measure[1] else "N"] = self
 
-    def recorded(matrix, vector):
-        systems.append(matrix)
-        return solve(matrix, vector)
+    class RecordedSystem(factors.Factored):
+        def __init__(self, system, *, exact=True):
+            super().__init__(system, exact=exact)
+            systems[:] = [self]
 
     with (
         mock.patch.object(galerkin, "Factored", Recorded),
-        mock.patch.object(zone_system, "scaled_solve", recorded),
+        mock.patch.object(factors, "Factored", RecordedSystem),
         mock.patch.object(factors, "Cholesky", RecordedCholesky),
     ):
         yield found
@@ -79,5 +79,5 @@ def condition_numbers() -> Iterator[dict[str, float]]:
     if pairs:
         found["coupled"] = float(np.linalg.cond(pairs[-1]))
     if systems:
-        scale = 1.0 / np.sqrt(np.abs(systems[-1].diagonal()))
-        found["annuli"] = float(np.linalg.cond(systems[-1] * scale * scale[:, None]))
+        matrix, scale = systems[-1].system.matrix(), systems[-1].scale
+        found["annuli"] = float(np.linalg.cond(matrix * scale * scale[:, None]))

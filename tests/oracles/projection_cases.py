@@ -5,21 +5,23 @@ lowest and highest degree that two panels have in a space of the solver.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from math import log, pi, sqrt
 
 import numpy as np
 
 from oracles.projection_oracle import Place, basis, entries, moments, mp, rows
+from spectral_contact.contact.coupled_problem import CoupledProblem
+from spectral_contact.contact.coupled_spaces import first_spaces, with_known_slip
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
 from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import load_vector
-from spectral_contact.contact.zones import _ZonesProblem
-from spectral_contact.fields.series import EdgeWeight
+from spectral_contact.fields.series import EdgeWeight, Radius
 from spectral_contact.spectral.galerkin import disk_operators
+from spectral_contact.spectral.parameters import Parameters
 
 TAIL = -1
 
@@ -142,46 +144,50 @@ class Zones:
     """Stick, slip and stick to the edge: the matrices of the solver at these boundaries."""
 
     def __init__(self, alpha: float, beta: float, friction: float, boundaries, tolerance: float):
-        contact = solve_normal(alpha, tolerance, 3000).best.value
+        drive = Drive(solve_normal(alpha, tolerance, 3000).best.value)
         logits = tuple(log(b * b / (1.0 - b * b)) for b in boundaries)
-        layout = Layout(logits, (0, 1, 0))
-        problem = _ZonesProblem(Drive(contact), beta, friction, layout, tolerance, None)
-        space = problem.start()
-        trial = problem._at(space, problem.quadrature)(problem.logits)
-        self.radii, self.sticks = trial.radii, trial.sticks
-        self.space = trial.factored.space
-        rim, disk = trial.radii[0], self.space.operator.disk
-        self.disk = Resolution(disk.panels, self.space.degrees)
-        falls, shares, at_rim = self.sticks.falls(disk.panels, rim)
-        functions = at_rim - falls @ shares
-        # the solver adds what is inside the rim to the rest when it eliminates the disk
-        system = replace(problem.system, beta=0.0)
-        self.gram, _ = system._annulus_system(self.sticks, trial.grid)
-        weights = rim.value**3 * disk.tangential.weights
-        self.gram += functions.T @ (weights[:, None] * functions)
-        self.cross = np.zeros((disk.panels.size, len(at_rim)))
-        self.cross[self.space.index] = rim.value**3 * self.space.moments(functions.T).T
+        parameters = Parameters(alpha, beta, 1.0, friction)
+        problem = CoupledProblem(parameters, Layout(logits, (0, 1, 0)), tolerance, drive=drive)
+        radii = tuple(Radius.from_logit(one) for one in logits)
+        spaces = first_spaces(alpha, beta, radii, (0, 1, 0), tolerance)
+        spaces = with_known_slip(spaces, (0, 1, 0), tolerance)
+        system = problem.system(spaces, problem.logits)
+        self.radii, self.parts = system.radii, system.parts
+        self.fields = {one.part: one for one in system.fields}
+        self.gram = np.zeros((system.unknowns, system.unknowns))
+        for i, weights in enumerate(system.shear_weights):
+            seen = system._g[i]
+            for k, j, product in seen.products(seen, weights, whole=True):
+                self.gram[self.fields[k].own, self.fields[j].own] += product
+
+    def space(self, k: int) -> Resolution:
+        """Return the space of a part: 0 is the disk, the last two are the stick annulus."""
+        return Resolution(self.fields[k].panels, self.fields[k].degrees)
+
+    def places(self, k: int, number: int, degrees) -> list[int]:
+        """Return where functions of a panel are in a vector."""
+        own = self.fields[k]
+        found = np.searchsorted(own.used, rows(own.panels, number, degrees))
+        return (own.own.start + found).tolist()
+
+    @property
+    def disk(self) -> Resolution:
+        """The space on the disk."""
+        return self.space(0)
 
     def half(self, half: int) -> Resolution:
         """Return the space on a half of the annulus (0: inner, 1: outer)."""
-        family, part = list(self.sticks.parts())[half]
-        panels, columns = family.panels, self.sticks.columns - part.start
-        terms = panels.degree + 1
-        inside = columns[(columns >= 0) & (columns < panels.panels * terms)]
-        degrees = np.bincount(inside // terms, minlength=panels.panels) - 1
-        return Resolution(panels, tuple(degrees.tolist()))
+        return self.space(3 + half)
 
     def panel(self, half: int, number: int):
         """Return a panel of a half of the annulus, and its places."""
         space = self.half(half)
         degrees = extremes(space, number)
-        _, part = list(self.sticks.parts())[half]
-        places = [part.start + row for row in rows(space.panels, number, degrees)]
         inner, rest = self._exact(self.radii[-1])
         # the outer end is the edge; the families meet in the middle, in s^2
         ends = Place(inner**2, rest, rest / 2), Place(mp.mpf(1), mp.mpf(0), -rest / 2)
         piece = basis(space.panels, number, degrees, ends[half])
-        return piece, np.searchsorted(self.sticks.columns, places).tolist()
+        return piece, self.places(3 + half, number, degrees)
 
     @staticmethod
     def _exact(radius):
@@ -199,20 +205,13 @@ class Zones:
 
     def cross_case(self, number: int, other: tuple[int, int]) -> Case:
         """Return a panel of the disk and one of the annulus."""
-        radius = self.radii[0]
-        c, rest = self._exact(radius)
+        c, rest = self._exact(self.radii[0])
         degrees = extremes(self.disk, number)
-        # the disk's functions belong to q = (s/c) phi
         one = basis(self.disk.panels, number, degrees, Place(c * c, rest, -c * c))
         two, right = self.panel(*other)
-        left = rows(self.disk.panels, number, degrees)
-        gram, columns = solver_matrix(self.disk, "K2")
-        own = np.sqrt(radius.value**3 * gram.diagonal()[np.searchsorted(columns, left)])
-        scale = np.sqrt(self.gram.diagonal())[right]
-        doubles = {"K2": (self.cross[np.ix_(left, right)], own, scale)}
-        return Case(
-            doubles, (left, right), lambda density: {"K2": entries(one, two, density)[1] / c}
-        )
+        left, scale = self.places(0, number, degrees), np.sqrt(self.gram.diagonal())
+        doubles = {"K2": (self.gram[np.ix_(left, right)], scale[left], scale[right])}
+        return Case(doubles, (left, right), lambda density: {"K2": entries(one, two, density)[1]})
 
 
 @cache

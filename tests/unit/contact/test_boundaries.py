@@ -1,12 +1,12 @@
-"""Newton's method for boundaries, on equations whose roots and slopes are known."""
+"""What the search for boundaries needs, on equations whose roots and slopes are known."""
 
 import numpy as np
 import pytest
 
 from spectral_contact.contact.boundaries import (
-    NoBoundariesError,
     differences,
-    find_boundaries,
+    longest,
+    through_secants,
     zones_error,
 )
 from spectral_contact.fields.series import Radius
@@ -23,83 +23,27 @@ def values(x):
 SLOPES = np.array([[1.0, 0.2], [0.0, 0.5], [1.0, -3.0]])
 
 
-def find(start, slopes=SLOPES, enough=1e-13, near=True):
-    trials = []
-
-    def trial_at(x):
-        trials.append(x)
-        return x
-
-    found = find_boundaries(trial_at, values, start, slopes, 1e-11, enough, near=near)
-    assert found.trial is trials[-1] is found.logits
-    return found, len(trials)
-
-
 def test_differences_are_the_slopes():
     assert np.allclose(differences(values, ROOT), SLOPES, rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("near", [True, False])
-def test_the_root(near):
-    found, _ = find(ROOT + np.array([0.1, -0.2]), near=near)
-    assert np.abs(found.logits - ROOT).max() < 1e-11
-    assert np.allclose(found.slopes, SLOPES, rtol=0, atol=0.2)
-
-
-def test_far_from_the_root_with_the_slopes_there():
-    start = ROOT + np.array([2.0, -1.5])
-    found, _ = find(start, differences(values, start), near=False)
-    assert np.abs(found.logits - ROOT).max() < 1e-11
-
-
-def test_what_is_left_is_taken_from_the_slopes():
-    found, trials = find(ROOT + np.array([1e-7, 2e-7]), enough=1e-6)
-    assert trials == 1
-    assert not found.known
-    assert not found.good
-    assert np.abs(found.logits + found.left - ROOT).max() < 1e-13
-    shear = values(found.logits)[2] + found.slopes[2] @ found.left
-    assert shear == pytest.approx(values(ROOT)[2], abs=1e-13)
-
-
-def test_slopes_are_learnt_from_the_steps():
+def test_slopes_are_learnt_from_steps():
     wrong = SLOPES + 0.1 * np.array([[1.0, -1.0], [0.5, 1.0], [1.0, 1.0]])
-    found, _ = find(ROOT + np.array([1e-3, -2e-3]), wrong, enough=1e-5)
-    assert found.known
-    assert found.good
-    assert np.abs(found.slopes - SLOPES).max() < 0.02
-    # with the right ones there is but one step, and one direction
-    found, _ = find(ROOT + np.array([1e-3, -2e-3]), enough=1e-5)
-    assert not found.known
-    assert np.abs(found.slopes - SLOPES).max() < 0.02
-
-
-def test_wrong_slopes_from_near_by_are_noticed():
-    with pytest.raises(NoBoundariesError):
-        find(ROOT + np.array([0.1, 0.1]), -SLOPES)
-
-
-def test_rounding_does_not_shrink_and_is_no_reason_to_stop():
-    noise = np.random.default_rng(0)
-
-    def noisy(x):
-        return values(x) + 1e-10 * noise.normal(size=3)
-
-    found = find_boundaries(lambda x: x, noisy, ROOT + 1e-3, SLOPES, 1e-11, 1e-13, near=True)
-    assert np.abs(found.logits - ROOT).max() < 1e-8
+    steps = [1e-4 * np.array(way) for way in ([1.0, 0.0], [1.0, 1.0])]
+    secants = [(step, values(ROOT + step) - values(ROOT)) for step in steps]
+    found = through_secants(wrong, secants)
+    assert np.abs(found - SLOPES).max() < 1e-3
+    # of one step they are learnt in its direction alone
+    found = through_secants(wrong, secants[:1])
+    assert np.abs((found - SLOPES)[:, 0]).max() < 1e-3
+    assert np.array_equal(found[:, 1], wrong[:, 1])
 
 
 def test_boundaries_stay_in_order():
-    seen = []
-
-    def trial_at(x):
-        seen.append(x)
-        return x
-
-    # the first step would put the inner boundary beyond the outer one
-    flat = SLOPES * np.array([[0.05], [1.0], [1.0]])
-    find_boundaries(trial_at, values, ROOT - np.array([1.0, 0.0]), flat, 1e-11, 1e-13, near=False)
-    assert all(np.diff(x) > 0.0 for x in seen)
+    step = np.array([2.0, -1.0])
+    factor = longest(ROOT, step)
+    assert 0.0 < factor < 1.0
+    assert np.diff(ROOT + factor * step)[0] > 0.0
 
 
 @pytest.mark.parametrize("share", [0.4, 0.6])

@@ -10,8 +10,8 @@ from spectral_contact import Ending, Scene, solve
 from spectral_contact.contact import coupled_search
 from spectral_contact.contact.coupled_annuli import slip_in_annuli
 from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
+from spectral_contact.contact.coupled_problem import find_coupled_zones, solve_coupled_zones
 from spectral_contact.contact.coupled_stick import solve_coupled_stick
-from spectral_contact.contact.coupled_zones import find_coupled_zones, solve_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.spectral.parameters import Parameters
 

@@ -31,25 +31,32 @@ ONE_DISK = FULL_STICK | {
 PROFILE = NORMAL | {"contact_radius", "coupled_parts", "indented", "smooth_indented"}
 ONSET = FULL_STICK | {"onset"}
 RINGS = {"active_set", "ring_law", "zone_search"}
-ANY_ZONES = ONE_DISK | ONSET | RINGS | {"boundaries", "stick_annuli", "zone_system", "zones"}
-COUPLED_STICK = NORMAL | {
+ZONES = {
     "boundaries",
-    "corrections",
+    "coupled_assessment",
     "coupled_errors",
     "coupled_outcome",
     "coupled_parts",
     "coupled_problem",
     "coupled_spaces",
     "coupled_state",
-    "coupled_stick",
-    "coupled_zones",
-    "drive",
-    "friction_law",
-    "layout",
-    "ratio",
-    "slip_displacement",
-    "stick_radius",
+    "driven",
+    "newton",
 }
+ANY_ZONES = ONE_DISK | ONSET | RINGS | ZONES
+COUPLED_STICK = (
+    NORMAL
+    | ZONES
+    | {
+        "coupled_stick",
+        "drive",
+        "friction_law",
+        "layout",
+        "ratio",
+        "slip_displacement",
+        "stick_radius",
+    }
+)
 ALPHAS = (0.0, 1e-8, 0.5, 1e4)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import one_disk, partial_slip, zone_system
+from spectral_contact.contact import coupled_problem, one_disk, partial_slip
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -91,9 +91,9 @@ def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):
 
 def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monkeypatch):
     systems, searches = [], []
-    solve_system, search = zone_system.ZoneSystem.solve, partial_slip._Search._searched
+    solve_system, search = coupled_problem.CoupledProblem.system, partial_slip._Search._searched
     monkeypatch.setattr(
-        zone_system.ZoneSystem, "solve", lambda *a: systems.append(1) or solve_system(*a)
+        coupled_problem.CoupledProblem, "system", lambda *a: systems.append(1) or solve_system(*a)
     )
     monkeypatch.setattr(
         partial_slip._Search, "_searched", lambda *a: searches.append(1) or search(*a)
@@ -166,11 +166,10 @@ def test_the_path_is_a_polynomial_through_its_last_scenes():
     slopes = np.array([[1.0, 0.0], [0.0, 1.0], [0.5, 0.5]])
     for t in at:
         logits = (float(cubic(t)), float(cubic(t)) + 20.0)
-        path.add((0.0, 0.0, t), Layout(logits, (0, 1, 0), t * slopes, logits, True))
+        path.add((0.0, 0.0, t), Layout(logits, (0, 1, 0), t * slopes))
     near = path.near((0.0, 0.0, at[-1] + 0.2))
     assert near.logits[0] == pytest.approx(cubic(at[-1] + 0.2), abs=1e-11)
     assert np.allclose(near.slopes, (at[-1] + 0.2) * slopes, atol=1e-12)
-    assert near.slopes_at == logits
     # boundaries in the wrong order are no guess
     path.add((0.0, 0.0, at[-1] + 0.1), Layout((0.0, 1e-6), (0, 1, 0), slopes))
     assert path.near((0.0, 0.0, at[-1] + 0.9)).logits == (0.0, 1e-6)

@@ -351,15 +351,6 @@ def test_a_panel_sheds_its_highest_degrees_and_the_tail_one_function():
     assert set(space.index[space.kept_but_one :]) == both - {4, terms + 1}
 
 
-def test_the_compliance_energy_is_that_of_the_mass_matrix():
-    space = some_space()
-    rng = np.random.default_rng(3)
-    left, right = np.zeros((2, space.operator.panels.size, 3))
-    left[space.index], right[space.index] = rng.normal(size=(2, len(space.index), 3))
-    expected = 0.5 * left.T @ space.operator.mass @ right
-    assert_allclose(space.factor(0.5).compliance_energy(left, right), expected, rtol=1e-12)
-
-
 def test_energies_of_the_change_are_by_panel():
     space = some_space()
     factored = space.factor(0.5)

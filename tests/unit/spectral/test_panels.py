@@ -121,35 +121,6 @@ def test_nodes_integrate_products_of_roots_at_the_deep_ends(panels):
             assert_allclose(value, float(mp.quad(integrand, [0, 1])), rtol=1e-14)
 
 
-# --- nodes in d -----------------------------------------------------------------------------------
-
-
-@MESHES
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_distance_nodes_integrate_over_d(panels, mirrored):
-    d, weights = panels.distance_nodes(mirrored)
-    assert np.all((d > 0) & (d < 1))
-    for m in range(4):
-        assert_allclose(weights @ d**m, 1 / (m + 1), rtol=2e-15)
-
-
-@MESHES
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_distance_nodes_resolve_the_roots_of_their_side(panels, mirrored):
-    d, weights = panels.distance_nodes(mirrored)
-    count = len(d) // (panels.panels + 1)
-    h, j = panels.width, panels.panels // 2
-    part = slice(j * count, (j + 1) * count)
-    x = -np.log(d[part]) / h - j
-    root = np.sqrt(x if mirrored else 1 - x)
-    value = weights[part] @ root / np.exp(-j * h)
-
-    def integrand(v):
-        return v * (mp.exp(-h * v * v) if mirrored else mp.exp(-h * (1 - v * v))) * 2 * h * v
-
-    assert_allclose(value, float(mp.quad(integrand, [0, 1])), rtol=1e-14)
-
-
 # --- Gram matrix of the polynomials ---------------------------------------------------------------
 
 

@@ -1,0 +1,294 @@
+"""What the solution on any zones is worth: the one assessment, with elastic coupling or without."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf, pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.boundaries import NoBoundariesError, zones_error
+from spectral_contact.contact.coupled_errors import field_errors
+from spectral_contact.contact.coupled_outcome import Solved, slip_annulus
+from spectral_contact.contact.coupled_state import CoupledState, Effect
+from spectral_contact.contact.refine import Attempt, Resolution
+from spectral_contact.contact.resolution import (
+    LEAST_RATE,
+    ROUNDING,
+    SAFETY,
+    TRACTION_ROUNDING,
+    boundary_error,
+    series_of,
+)
+from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
+from spectral_contact.fields.series import EDGE
+from spectral_contact.spectral.annulus import Annulus, Points, gap
+from spectral_contact.spectral.factored import Symmetric
+from spectral_contact.spectral.tangential import Tangential
+from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_problem import CoupledProblem
+
+__all__ = ["CoupledZones", "assessed"]
+
+Array = NDArray[np.float64]
+
+#: What slopes change by over the width of a zone, of themselves.
+_BENT = 8.0
+#: Where all sticks q/s rounds by so much more at the centre, where it is weakly determined.
+_CENTRE = 5.0
+#: What rounding leaves of a pressure; and of approach and shear, with boundaries, under a pressure
+#: that is given, and without boundaries.
+_PRESSURE_ROUNDING = 20.0 * ROUNDING
+_NOISE, _GIVEN_NOISE, _STUCK_NOISE = 40.0 * ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
+
+
+@dataclass(frozen=True, slots=True)
+class CoupledZones(Solved):
+    """Coupled partial slip on any zones, for unit load.
+
+    Attributes
+    ----------
+    system : Tangential
+    solution : ndarray, shape (unknowns, 3)
+        The vector of the system, and what the top two degrees and the top one contribute to it.
+    boundary_errors : tuple of (float, float)
+        Relative errors of every boundary from the centre and from the edge.
+    slopes : ndarray
+        By how much the conditions of the boundaries rise with their logits.
+    """
+
+    system: Tangential
+    solution: Array
+    boundary_errors: tuple[tuple[float, float], ...]
+    slopes: Array
+
+    @property
+    def slipping(self) -> list[tuple[Annulus, list[Array]]]:
+        """The slip zones, and E at the sampling points of their halves, with its change."""
+        parts, bounds, found = self.system.parts, self.bounds, []
+        for zone, state in enumerate(self.states):
+            if state:
+                halves = [part.family.panels for part in parts if part.zone == zone]
+                annulus = slip_annulus(bounds[zone], bounds[zone + 1], halves)
+                each = [
+                    self.system.slip_misfit(self.solution[:, :2], family)
+                    for family in annulus.families
+                ]
+                found.append((annulus, each))
+        return found
+
+    @property
+    def loose_ends(self) -> float:
+        """What the errors of its ends make of slip in a narrow zone, relative to the largest.
+
+        Next to an end slip goes like the distance to the power 3/2.
+        """
+        ends = zip(self.radii, self.boundary_errors, strict=True)
+        shifts = [0.0, *(2.0 * r.square * e[0] for r, e in ends), 0.0]
+        loosest = 0.0
+        for i in np.flatnonzero(self.states).tolist():
+            width = gap(*self.bounds[i : i + 2])
+            loosest = max(loosest, (shifts[i] + shifts[i + 1]) / width if width > 0.0 else inf)
+        return 10.0 * loosest * sqrt(loosest)
+
+
+def assessed(
+    problem: CoupledProblem, spaces: list[Resolution], state: CoupledState, left: float
+) -> Attempt[CoupledZones]:
+    """Return a solution with its errors.
+
+    Parameters
+    ----------
+    problem : CoupledProblem
+        Whose boundaries and slopes these are.
+    spaces : list of Resolution
+    state : CoupledState
+    left : float
+        What corrections leave of the fields.
+
+    Raises
+    ------
+    NoBoundariesError
+        If the solution is not finite.
+    """
+    if not np.isfinite(state.solution).all():
+        raise NoBoundariesError("the system has no solution that is finite")
+    return _Assessment(problem, spaces, state, left).attempt()
+
+
+class _Assessment:
+    """The parts of `assessed`."""
+
+    def __init__(
+        self, problem: CoupledProblem, spaces: list[Resolution], state: CoupledState, left: float
+    ) -> None:
+        self.problem, self.state, self.left = problem, state, left
+        self.system, self.effects = state.system, state.effects()
+        self.whole = state.solution * state.approach
+        self.moved = [state.approach * one.change for one in self.effects]
+        self.fields = field_errors(spaces, self.system, self.whole, self.moved[0])
+        self.noise = _STUCK_NOISE
+        if self.system.radii:
+            self.noise = _GIVEN_NOISE if self.system.given else _NOISE
+        self.noise += left * 1e-2
+
+    @cached_property
+    def loose(self) -> Effect:
+        """What would meet the conditions of the boundaries, twice, under a given pressure."""
+        return self.state.unbalanced.times(2.0 if self.system.given else 0.0)
+
+    @cached_property
+    def inverse(self) -> Array:
+        """How far what a condition misses moves the boundaries."""
+        return np.asarray(np.abs(np.linalg.inv(self.problem.slopes)))
+
+    @cached_property
+    def off(self) -> float:
+        """What the boundaries still are off, which is felt everywhere."""
+        off = 2.0 * float((self.inverse @ np.abs(self.state.mismatch)).max(initial=0.0))
+        if self.system.given:
+            return min(self.problem.size(self.state, self.loose.change), off)
+        return off
+
+    @cached_property
+    def squared(self) -> float:
+        """The square of the error: what superconverges may change less by accident, but hardly."""
+        error = float(self.fields.indicators.max()) + self.left + self.off + TRACTION_ROUNDING
+        return error**2
+
+    @cached_property
+    def missed(self) -> Array:
+        """What the conditions of the boundaries may miss."""
+        kept, mismatch = 2.0 * SAFETY * LEAST_RATE, self.state.mismatch
+        missed = kept * np.max([np.abs(one.mismatch) for one in self.effects], axis=0)
+        missed += self.squared + self.noise + self.left + 2.0 * np.abs(mismatch)
+        return np.asarray(missed)
+
+    @cached_property
+    def shifts(self) -> Array:
+        """How far the boundaries may be off, as logits."""
+        logits = self.problem.logits
+        shifts = self.inverse @ self.missed + float(np.finfo(float).eps) * np.abs(logits)
+        # slopes change within the width of a zone, that of a narrow one next to the onset of slip
+        gaps = np.concatenate([[inf], np.diff(logits), [inf]])
+        return np.asarray(shifts * (1.0 + _BENT * shifts / np.minimum(gaps[1:], gaps[:-1])))
+
+    def attempt(self) -> Attempt[CoupledZones]:
+        """Return everything together."""
+        state, system, fields = self.state, self.system, self.fields
+        known = self.squared + self.noise + (0.0 if system.given else self.off)
+        left = self.left + self.off
+        rounding = TRACTION_ROUNDING * (1.0 if system.radii else _CENTRE)
+        errors = fields.pressure + left + _PRESSURE_ROUNDING, fields.traction + left + rounding
+        boundary_errors = tuple(
+            boundary_error(float(d), r) for d, r in zip(self.shifts, system.radii, strict=True)
+        )
+        stuck, stray = self._displacements()
+        pressure, shear = system.split(self.whole)
+        value = CoupledZones(
+            system.radii,
+            system.states,
+            state.approach,
+            system.total_shear(self.whole),
+            [series_of(one.panels, own) for one, own in zip(system.fields, pressure, strict=False)],
+            [
+                series_of(p.shear.panels, shear[k]) if k in shear else None
+                for k, p in enumerate(system.parts)
+            ],
+            stuck,
+            max(abs(one.approach) for one in self.effects) + known,
+            self._sheared() + known,
+            *errors,
+            max((one[0] for one in boundary_errors[:1]), default=0.0),
+            zones_error(system.radii, boundary_errors),
+            stray,
+            system,
+            np.column_stack([self.whole, *self.moved]),
+            boundary_errors,
+            self.problem.slopes,
+        )
+        # no degree lowers what rounding leaves
+        fields.indicators[fields.indicators <= self.left] = 0.0
+        attempt = Attempt(value, max(errors), fields.indicators, fields.rates, system.unknowns)
+        return self._by_energies(attempt) if system.symmetric else attempt
+
+    def _sheared(self) -> float:
+        """Return the relative error of the shear by changes, and by how far boundaries are off."""
+        shear, state = self.system.total_shear, self.state
+        changes = max(abs(shear(one)) for one in self.moved)
+        if self.system.given:
+            drive, _ = self.system.balances
+            lifts = state.approach * np.abs(drive @ state.solution) * self.missed
+            felt = np.abs(self.system.shear_functional @ state.factored.responses)
+            return (changes + float(felt @ lifts)) / abs(shear(self.whole))
+        rest = np.array([one.rest for one in self.system.radii])
+        bend = 2.0 * float((self.shifts**2 * rest).max(initial=0.0))
+        return changes / abs(shear(self.whole)) + bend
+
+    def _by_energies(self, attempt: Attempt[CoupledZones]) -> Attempt[CoupledZones]:
+        """Return full stick with the errors of approach and shear as energies of changes.
+
+        That of the shear is a product with its dual: no accident makes either small.
+        """
+        state, system, rates = self.state, self.system, attempt.rates**2
+        factors = state.factored
+        assert isinstance(factors, Symmetric)
+        own = factors.energies(state.solution)
+        dual = factors.energies(factors.step(system.shear_functional))
+        raised = own.sum(axis=0) / state.bearing(state.solution)
+        products = np.sqrt(own * dual).sum(axis=0)
+        sheared = products / abs(system.total_shear(state.solution))
+        errors = [float(one[:-1] @ rates + one[-1]) + self.noise for one in (raised, sheared)]
+        value = replace(
+            attempt.value, approach_error=errors[0], shear_error=sum(errors) + _STUCK_NOISE
+        )
+        attempt = replace(attempt, value=value)
+        if self.problem.pointwise:
+            return attempt
+        error, indicators = max(value.approach_error, value.shear_error), raised + sheared
+        return replace(attempt, error=error, indicators=indicators[:-1], rates=rates)
+
+    def _displacements(self) -> tuple[list[Stuck], float]:
+        """Return what the slip zones see of E in stick, and the most that errors make there."""
+        system, state = self.system, self.state
+        if not any(system.states):
+            return [], 0.0
+        scale = state.approach
+        whole = state.lacking(self.whole, scale, scale * state.lifts)
+        lost = _stuck(system, state.lacking(self.moved[0], 0.0, scale * self.effects[0].lifts))
+        # at the boundaries E and q have steps
+        jumps = np.abs(system.jumps @ self.loose.change)
+        steps = np.abs(self.loose.lifts) + system.parameters.beta * jumps
+        stray = _largest_displacement(system, lost) + scale * float(steps.max(initial=0.0))
+        return _stuck(system, whole), SAFETY * stray
+
+
+def _stuck(system: Tangential, misfit: Sequence[Array]) -> list[Stuck]:
+    """Return the quadrature of ``t^2 E dt`` over the stick zones."""
+    stuck = []
+    for zone, state in enumerate(system.states):
+        if state == 0:
+            # farther out than the last that sticks E is not known
+            each = zip(system.parts, system.offsets, system.shear_weights, misfit, strict=False)
+            parts = tuple(
+                (Points(part.family.boundary, offsets), pi * weights * missed)
+                for part, offsets, weights, missed in each
+                if part.zone == zone
+            )
+            stuck.append(Stuck((*system.radii, EDGE)[zone], parts))
+    return stuck
+
+
+def _largest_displacement(system: Tangential, stuck: list[Stuck]) -> float:
+    """Return the largest displacement in the slip zones that E in the stick zones makes."""
+    bounds = (*system.radii, EDGE)
+    return max(
+        largest_displacement(stuck, bounds[k - 1], bounds[k])
+        for k, state in enumerate(system.states)
+        if state != 0
+    )

@@ -1,0 +1,328 @@
+r"""The tangential equation on any zones of stick and slip, whatever pressure drives it.
+
+    beta q + T q - kappa g = 0 in stick,
+
+the unknown is ``u = q/s`` there, and in slip q is ``f p`` with the sign of the zone. With
+
+    E(t) = kappa R(t) - G(t),    R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2)
+
+and G the half-integral of q, the equation asks ``E``, tested with the half-integrals of all
+functions, for what the compliance takes. It is taken as its value at the nearest boundary and a
+difference to it, in which nothing cancels. ``E(b)``, which is small or zero, is an unknown of its
+own at every boundary between zones, a `lift`: together they make the traction continuous. That
+each is what p and q make it is the condition of its boundary.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.annulus import Family
+from spectral_contact.spectral.blocks import Fields, Seen, disk_gram
+from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes
+from spectral_contact.spectral.moments import unit_masses
+from spectral_contact.spectral.panels import LogPanels, top_functions
+from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.zone_parts import zone_parts
+from spectral_contact.threads import cached_property
+
+__all__ = ["AT_END", "Field", "Misfit", "Tangential"]
+
+Array = NDArray[np.float64]
+Degrees = tuple[int, ...]
+
+#: Values of the functions of a tail at its end.
+AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
+
+#: Values of the functions of a tail at its end.
+AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
+
+
+class Field(NamedTuple):
+    """An unknown field on a part: its panels, the degrees on them and its place in a vector."""
+
+    part: int
+    panels: LogPanels
+    degrees: Degrees
+    own: slice
+
+    @property
+    def used(self) -> NDArray[np.int_]:
+        """The functions in use, among those of the panels."""
+        return self.panels.functions(self.degrees)
+
+    def of(self, values: Array) -> Array:
+        """Return the coefficients in the whole basis."""
+        whole = np.zeros((self.panels.size, *values.shape[1:]))
+        whole[self.used] = values[self.own]
+        return whole
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """W and E at the nodes of the parts; E is not felt farther out than the last that sticks."""
+
+    normal: list[Array]
+    tangential: list[Array]
+
+
+class Tangential(ABC):
+    """The tangential equation on zones that stick or slip.
+
+    Vectors hold `count` coefficients of the pressure, then those of ``u = q/s`` on the parts that
+    stick, outward.
+
+    Parameters
+    ----------
+    radii : tuple of Radius
+        Boundaries between zones, outward.
+    states : tuple of int
+        0 for stick, +1 or -1 for slip with this sign; the first is 0.
+    panels : sequence of LogPanels
+        Of the disk, then toward the inner and the outer end of every zone.
+    degrees : sequence of tuple of int
+        Highest degrees on them.
+    parameters : Parameters
+
+    Attributes
+    ----------
+    fields : list of Field
+        What is unknown, as vectors hold it.
+    load : ndarray, shape (count,)
+        ``int p s ds``.
+    """
+
+    count: int
+    fields: list[Field]
+    load: Array
+    #: half-integrals of q/s at the nodes of every part, and the weights with which E is tested
+    _g: list[Seen]
+    _shear_tests: list[Array]
+
+    def __init__(
+        self,
+        radii: tuple[Radius, ...],
+        states: tuple[int, ...],
+        panels: Sequence[LogPanels],
+        degrees: Sequence[Degrees],
+        parameters: Parameters,
+    ) -> None:
+        self.radii, self.states, self.parameters = radii, states, parameters
+        self.parts = zone_parts(radii, states, list(panels), list(degrees), parameters.beta)
+        self.stick = [k for k, part in enumerate(self.parts) if part.state == 0]
+        #: whether the equations are tested without weights, so that their coupling is of moments
+        self._plain = tuple(c > 0.0 or not radii for c in parameters[:2])
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the matrix is, and positive definite: everything sticks."""
+        return not self.radii
+
+    @property
+    def given(self) -> bool:
+        """Whether the pressure is: a vector has the coefficient 1 of it, and 0 of its changes."""
+        return len(self.fields) == len(self.stick)
+
+    def _place_shear(self) -> None:
+        """Give u its places on the parts that stick."""
+        start = self.count
+        for k in self.stick:
+            panels, degrees = self.parts[k].shear.panels, self.parts[k].degrees
+            stop = start + len(panels.functions(degrees))
+            self.fields.append(Field(k, panels, degrees, slice(start, stop)))
+            start = stop
+        #: places of u
+        self.shear = {one.part: one.own for one in self.fields[-len(self.stick) :]}
+        self.unknowns = start
+
+    def _place_nodes(self, each: Sequence[Degrees]) -> None:
+        """Find Galerkin nodes for functions of these degrees on the first parts."""
+        self.nodes, self.offsets, self._t = (
+            list[GradedNodes | SmoothNodes](),
+            list[Array](),
+            list[Array](),
+        )
+        #: weights of ``t**2 dt / pi``
+        self.shear_weights: list[Array] = []
+        for part, degrees in zip(self.parts, each, strict=False):
+            family, b = part.family, part.family.boundary
+            nodes = graded_nodes(family.panels, degrees)
+            offset = family.sign * family.reach * nodes.d
+            t = b.value * np.sqrt(nodes.rest) if part.zone == 0 else np.sqrt(b.square + offset)
+            self.nodes.append(nodes)
+            self.offsets.append(offset)
+            self._t.append(t)
+            self.shear_weights.append(nodes.weights * family.reach / (2.0 * np.pi) * t)
+
+    @cached_property
+    def shed(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+        """Places in a vector of the top two degrees of every panel, and of the top one."""
+        parts = [(one.panels, one.degrees) for one in self.fields]
+        first = self.fields[0].own.start
+        return first + top_functions(parts, 2), first + top_functions(parts, 1)
+
+    def split(self, values: Array) -> tuple[list[Array], dict[int, Array]]:
+        """Return the coefficients in the whole bases: of p on all parts, of u on those in stick."""
+        first = len(self.fields) - len(self.stick)
+        pressure = [one.of(values) for one in self.fields[:first]]
+        return pressure, {one.part: one.of(values) for one in self.fields[first:]}
+
+    # functionals
+
+    @cached_property
+    def shear_functional(self) -> Array:
+        """``2 pi int q s ds`` as a functional of vectors."""
+        row = np.zeros(self.unknowns)
+        if self.radii:
+            row[: self.count] = 2.0 * np.pi * self.parameters.friction * self._slipping_load()
+        for k, own in self.shear.items():
+            part = self.parts[k]
+            if part.zone == 0:  # int q s ds = int t G dt
+                seen = self._g[k].blocks[k]
+                weights = np.pi * self.nodes[k].weights * part.family.reach
+                row[own] = seen.scale * (weights @ seen.whole)
+            else:
+                points, matrix = part.shear.sources()
+                used = part.shear.panels.functions(part.degrees)
+                row[own] = (2.0 * np.pi * np.sqrt(points.z) @ matrix)[used]
+        return row
+
+    @abstractmethod
+    def _slipping_load(self) -> Array:
+        """Return ``int p s ds`` over the slip zones, with their signs, as a functional."""
+
+    def total_shear(self, values: Array) -> float:
+        """Return ``2 pi int q s ds`` of a vector."""
+        return float(self.shear_functional @ values)
+
+    @cached_property
+    def masses(self) -> list[tuple[slice, Array]]:
+        """Masses of what is unknown times their compliances, by their place."""
+        return self._assemble_masses()
+
+    def _assemble_masses(self) -> list[tuple[slice, Array]]:
+        blocks = []
+        for k, own in self.shear.items() if self.parameters.beta > 0.0 else ():
+            family = self.parts[k].shear
+            one, d = unit_masses(family.panels, self.parts[k].degrees)
+            mass = family.boundary.square * one + family.sign * family.reach * d
+            blocks.append((own, 0.5 * self.parameters.beta * family.reach * mass))
+        return blocks
+
+    @cached_property
+    def jumps(self) -> Array:
+        """What q exceeds friction by in stick, at every boundary, as functionals of vectors."""
+        rows = np.zeros((len(self.radii), self.unknowns))
+        for k, own in self.shear.items():
+            part, j = self.parts[k], self.parts[k].boundary
+            if j >= 0:
+                rows[j, own.stop - TAIL_TERMS : own.stop] = part.family.boundary.value * AT_END
+                friction = float(self.states[j] + self.states[j + 1]) * self.parameters.friction
+                rows[j, : self.count] -= friction * self._pressure_at(k)
+        return rows
+
+    @abstractmethod
+    def _pressure_at(self, k: int) -> Array:
+        """Return the pressure at the boundary of a part that sticks, as a functional."""
+
+    @cached_property
+    def balances(self) -> tuple[Array, Array]:
+        """``kappa R(b)`` and ``E(b)`` at every boundary, as functionals of vectors."""
+        drive, balance = np.zeros((2, len(self.radii), self.unknowns))
+        for i, part in enumerate(self.parts[: len(self.nodes)]):
+            if part.boundary >= 0 and part.family.sign < 0:
+                j = slice(part.boundary, part.boundary + 1)
+                drive[j, : self.count], balance[j, : self.count] = self._driven_at(i)
+                for k, one in self._g[i].blocks.items():
+                    self._add(balance[j], -one.scale * one.at[None], k)
+        return drive, balance
+
+    @abstractmethod
+    def _driven_at(self, i: int) -> tuple[Array, Array]:
+        """Return ``kappa R`` at the boundary of a part, and with it what is known of G there."""
+
+    # equations
+
+    @abstractmethod
+    def _driven(self, i: int, values: Array) -> Array:
+        """Return by how much more `_driven_at` is at the nodes of a part."""
+
+    @abstractmethod
+    def matrix(self) -> Array:
+        """Return the matrix of the equations; it is that of `residual` but for roundings."""
+
+    @abstractmethod
+    def misfit(self, values: Array, approach: Array, lifts: Array) -> Misfit:
+        """Return W and E at the nodes of every part.
+
+        Parameters
+        ----------
+        values : ndarray, shape (unknowns, k)
+        approach : ndarray, shape (k,)
+            delta.
+        lifts : ndarray, shape (boundaries, k)
+            ``E(b)``.
+        """
+
+    def _tangential(self, values: Array, traction: Fields, lifts: Array) -> list[Array]:
+        """Return E as `misfit` does."""
+        missed = []
+        for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
+            own: Array = self._driven(i, values) - self._g[i].more(traction)
+            missed.append(own + lifts[part.boundary] if part.boundary >= 0 else own)
+        return missed
+
+    def residual(self, values: Array, approach: Array, lifts: Array) -> Array:
+        """Return what the equations miss, tested with all functions; see `misfit`."""
+        missed = self._tested(self.misfit(values, approach, lifts))
+        for own, mass in self.masses:
+            missed[own] -= mass @ values[own]
+        return missed
+
+    @abstractmethod
+    def slip_misfit(self, values: Array, target: Family) -> Array:
+        """Return E at the sampling points of a half of a slip zone, of vectors as columns."""
+
+    def _tested(self, misfit: Misfit) -> Array:
+        """Return the sums over the nodes of a misfit times the half-integrals of all functions."""
+        tested = np.zeros((self.unknowns, misfit.tangential[0].shape[1]))
+        for i, missed in enumerate(misfit.tangential):
+            for k, sums in self._stuck(i).tested(self._shear_tests[i][:, None] * missed):
+                tested[self.shear[k]] += sums
+        return tested
+
+    def _stuck(self, i: int) -> Seen:
+        """Return half-integrals of the functions in stick at the nodes of a part."""
+        own = self._g[i]
+        return Seen(own.nodes, {k: one for k, one in own.blocks.items() if k in self.shear})
+
+    def _add(self, rows: Array, columns: Array, k: int) -> None:
+        """Add to rows of a matrix what q/s of a part contributes."""
+        rows[:, self.shear[k]] += columns
+
+    def _add_tangential(self, matrix: Array) -> None:
+        """Add what the traction does to the tangential equation, and the masses."""
+        for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
+            stuck, weights = self._stuck(i), self._shear_tests[i]
+            kept = None
+            if part.zone == 0 and self._plain[1]:
+                gram = disk_gram(part.shear.panels, part.degrees, shear=True)
+                kept = part.family.boundary.value**3 * gram
+            for k, j, product in stuck.products(
+                self._g[i], weights, whole=self._plain[1], own=kept
+            ):
+                self._add(matrix[self.shear[k]], product, j)
+            if self._plain[1] and part.boundary >= 0:
+                at_boundary = self.balances[1][part.boundary]
+                for k, sums in stuck.tested(weights[:, None]):
+                    matrix[self.shear[k]] += sums * at_boundary
+        for own, mass in self.masses:
+            matrix[own, own] += mass
