@@ -76,8 +76,8 @@ MUTANTS = (
     Mutant(
         "the least bad ending is told",
         f"{_PACKAGE}/solving/run.py",
-        "ending = max(",
-        "ending = min(",
+        "return max(found, key=",
+        "return min(found, key=",
         _ENDINGS,
     ),
     Mutant(
@@ -90,7 +90,7 @@ MUTANTS = (
     Mutant(
         "zones that break the law converge",
         f"{_PACKAGE}/solving/run.py",
-        " or Ending.ZONES in self.endings",
+        " and Ending.ZONES not in self.endings",
         "",
         _ENDINGS,
     ),
@@ -282,14 +282,14 @@ MUTANTS = (
     ),
     Mutant(
         "SI compliances have the wrong sign of the square of nu",
-        f"{_PACKAGE}/scene.py",
+        f"{_PACKAGE}/inputs/physical.py",
         "4 * (1 - Fraction(",
         "4 * (1 + Fraction(",
         f"{_UNIT}/test_scene.py -k compliances_become",
     ),
     Mutant(
         "nu = -1 is a scene",
-        f"{_PACKAGE}/scene.py",
+        f"{_PACKAGE}/inputs/physical.py",
         "low=-1.0, high=0.5, low_open=True",
         "low=-1.0, high=0.5",
         f"{_UNIT}/test_scene.py -k out_of_range",
@@ -317,15 +317,15 @@ MUTANTS = (
     ),
     Mutant(
         "the opening in metres is dimensionless",
-        f"{_PACKAGE}/solution.py",
+        f"{_PACKAGE}/view/physical.py",
         "value = self.solution.opening\n        return None if value is None else value *",
         "value = self.solution.opening\n        return None if value is None else value + 0.0 *",
         f"{_UNIT}/view/test_report.py",
     ),
     Mutant(
         "slip in metres is a share of the radius",
-        f"{_PACKAGE}/solution.py",
-        'self._scaled("slip", self._length,',
+        f"{_PACKAGE}/view/physical.py",
+        'self._scaled("slip", self.units.displacement,',
         'self._scaled("slip", self.radius,',
         f"{_SOLVER} -k physical_fields",
     ),
@@ -432,7 +432,7 @@ MUTANTS = (
     Mutant(
         "the truth of another scene is taken",
         f"{_PACKAGE}/studies/truth.py",
-        "and not _same_problem(own, scene)",
+        "and not same_problem(own, scene)",
         "and False",
         f"{_UNIT}/studies/test_studies.py -k truth",
     ),
