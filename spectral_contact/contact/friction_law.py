@@ -73,7 +73,7 @@ def missing_stick(
     touching = _TOUCHING * gap(annulus.inner, annulus.outer)
     near, far = annulus.outer.rest + touching, annulus.inner.rest - touching
     return tuple(
-        (float(y[a]) or float(y[a - 1]), 0.0 if b == last else float(y[b]))
+        (float(y[a]) or float(y[a - 1]), float(y[b]))
         for a, b in zip(starts, ends, strict=True)
         if y[a] < far
         and (

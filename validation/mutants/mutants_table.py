@@ -159,13 +159,6 @@ MUTANTS = (
         f"{_UNIT}/contact/test_boundaries.py",
     ),
     Mutant(
-        "Newton's method believes in boundaries that are not near",
-        f"{_CONTACT}/newton.py",
-        'raise NoBoundariesError("no boundaries near by")',
-        "pass",
-        f"{_UNIT}/solving/test_continuation.py",
-    ),
-    Mutant(
         "of several stick annuli one is solved for",
         f"{_PACKAGE}/spectral/tangential.py",
         "if part.state == 0]",
@@ -178,13 +171,6 @@ MUTANTS = (
         "return inf if boundary_error == inf else 0.0",
         "return 0.0",
         f"{_SOLVER} -k slip_is_unknown",
-    ),
-    Mutant(
-        "the wrong sense of slip ends short of the edge",
-        f"{_CONTACT}/friction_law.py",
-        "0.0 if b == last else float(y[b])",
-        "float(y[b])",
-        f"{_UNIT}/contact/test_friction_law.py",
     ),
     Mutant(
         "slip with the traction is consistent",
