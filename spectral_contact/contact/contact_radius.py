@@ -104,11 +104,9 @@ def find_radius(
     search.run(solved(tolerance, False), off, rough=True)
     search.run(solved(tolerance, pointwise), off)
     found, error = search.found()
-    if pointwise:
-        rate = _pressure_rate(_value(found), profile)
-        if rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
-            search.run(solved(tolerance, pointwise), max(off / rate, _ROUNDING))
-            return search.found()
+    if search.rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
+        search.run(solved(tolerance, pointwise), max(off / search.rate, _ROUNDING))
+        found, error = search.found()
     return found, error
 
 
@@ -121,13 +119,16 @@ class _RadiusSearch:
         self.profile, self.load, self.approach = profile, load, approach
         self.at = _RadiusScale(profile)
         size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
-        known = near is not None and profile.flat_part < near < profile.reach
-        self.v = self.at.place(near if known and near else profile.flat_part + 0.5 * size)
+        if near is None or not profile.flat_part < near < profile.reach:
+            near = profile.flat_part + 0.5 * size
+        self.v = self.at.place(near)
         self.low, self.high = -inf, inf
         self.last: Contact | None = None
         self.misfit = inf
         self.known = 0.0
         self.slope = 1.0
+        #: by how much the pressure found hangs on the radius
+        self.rate = 0.0
         self.before: float | None = None
 
     def run(self, solve: Callable[[float], Contact], near: float, *, rough: bool = False) -> None:
@@ -197,13 +198,13 @@ class _RadiusSearch:
         # by how much the approach moves with the radius, and with it P = dW/ddelta
         moved = one.growth * one.radius * error
         of_load = one.stiffness * moved / one.load
+        self.rate = _pressure_rate(one, self.profile)
         best = replace(
             one,
             work_error=one.work_error + one.load * moved / one.work,
             # grows like the radius on a smooth surface, like its square in a layer
             stiffness_error=one.stiffness_error + 2.0 * error,
-            pressure_error=one.pressure_error
-            + max(of_load, _pressure_rate(one, self.profile) * error),
+            pressure_error=one.pressure_error + max(of_load, self.rate * error),
         )
         if self.approach is None:
             assert self.load is not None
@@ -226,8 +227,8 @@ def _pressure_rate(one: Indentation, profile: Profile) -> float:
         return 0.0
     a, mean = one.radius, one.load / (pi * one.radius**2)
     inside = [b / a for b in profile.breaks if b < a]
-    from_edge = np.concatenate([[1.0], _PLACES, *(1.0 - b + _PLACES for b in inside)])
-    from_edge = np.append(from_edge, [one for b in inside for one in 1.0 - b - _PLACES])
+    around = [1.0 - b + sign * _PLACES for b in inside for sign in (-1.0, 1.0)]
+    from_edge = np.concatenate([[1.0], _PLACES, *around])
     from_edge = np.unique(from_edge[(from_edge >= 0.0) & (from_edge <= 1.0)])
     s = 1.0 - from_edge
     p, flat = one.pressure(s, from_edge), one.flat(s, from_edge)

@@ -60,7 +60,9 @@ class ProfileRun(Run):
         assert profile is not None
         error = 0.0
         solved: Indentation | Refinement[Indentation]
-        if scene.contact_radius is not None:
+        value = scene.approach if scene.load is None else scene.load
+        if value is None:
+            assert scene.contact_radius is not None
             solved = solve_indentation(
                 profile,
                 scene.contact_radius,
@@ -70,8 +72,7 @@ class ProfileRun(Run):
                 pointwise=pointwise,
             )
         else:
-            by_load = scene.load is not None
-            path = self.shared.get(NORMAL, (profile, alpha, by_load), _RadiusPath)
+            path = self.shared.get(NORMAL, (profile, alpha, scene.load is None), _RadiusPath)
             solved, error = find_radius(
                 profile,
                 alpha,
@@ -80,11 +81,11 @@ class ProfileRun(Run):
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
-                near=path.near(scene.load or scene.approach or 0.0),
+                near=path.near(value),
             )
-            best = solved.best.value if isinstance(solved, Refinement) else solved
-            path.add(best.load if by_load else best.approach, best.radius)
         found: Indentation = self.record(NORMAL, solved, begin)
+        if value is not None:
+            path.add(value, found.radius)
         self.pressure = found.pressure
         self.values.update(
             contact_radius=found.radius,

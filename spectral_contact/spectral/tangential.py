@@ -42,9 +42,6 @@ Degrees = tuple[int, ...]
 #: Values of the functions of a tail at its end.
 AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
 
-#: Values of the functions of a tail at its end.
-AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
-
 
 class Field(NamedTuple):
     """An unknown field on a part: its panels, the degrees on them and its place in a vector."""
