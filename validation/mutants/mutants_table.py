@@ -159,6 +159,13 @@ MUTANTS = (
         f"{_UNIT}/contact/test_boundaries.py",
     ),
     Mutant(
+        "Newton's method believes in boundaries that are not near",
+        f"{_CONTACT}/newton.py",
+        'raise NoBoundariesError("no boundaries near by")',
+        "pass",
+        f"{_UNIT}/solving/test_continuation.py -k given_up",
+    ),
+    Mutant(
         "of several stick annuli one is solved for",
         f"{_PACKAGE}/spectral/tangential.py",
         "if part.state == 0]",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import coupled_problem, one_disk, partial_slip
+from spectral_contact.contact import coupled_problem, newton, one_disk, partial_slip
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -42,6 +42,21 @@ def test_a_walk_down_where_the_edge_sticks():
 
 def test_through_the_onset_of_interior_slip():
     agree([Scene(0.3, 0.05, 1.0, f / 7) for f in (0.3, 0.262, 0.25, 0.24, 0.23, 0.1)], 1e-8)
+
+
+def test_zones_that_are_not_near_by_are_given_up(monkeypatch):
+    continuation = Continuation(1e-8, ("zones", "stick_radius"), 20_000)
+    for friction in (0.25, 0.24, 0.23):
+        continuation.solve(Scene(0.3, 0.05, 1.0, friction / 7))
+    corrections, original = [], newton.ZonesNewton._corrected
+
+    def counted(self):
+        corrections.append(1)
+        return original(self)
+
+    monkeypatch.setattr(newton.ZonesNewton, "_corrected", counted)
+    continuation.solve(Scene(0.3, 0.05, 1.0, 0.1 / 7))  # slip reaches the edge there
+    assert 0 < len(corrections) < newton._STEPS / 2
 
 
 def test_in_any_order():
