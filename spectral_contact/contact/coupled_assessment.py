@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, pi, sqrt
+from math import inf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,7 @@ from spectral_contact.contact.boundaries import NoBoundariesError, zones_error
 from spectral_contact.contact.coupled_errors import field_errors
 from spectral_contact.contact.coupled_outcome import Solved, slip_annulus
 from spectral_contact.contact.coupled_state import CoupledState, Effect
+from spectral_contact.contact.friction_law import loose_slip
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -84,17 +85,14 @@ class CoupledZones(Solved):
 
     @property
     def loose_ends(self) -> float:
-        """What the errors of its ends make of slip in a narrow zone, relative to the largest.
-
-        Next to an end slip goes like the distance to the power 3/2.
-        """
+        """What the errors of its ends make of slip in a narrow zone, relative to the largest."""
         ends = zip(self.radii, self.boundary_errors, strict=True)
         shifts = [0.0, *(2.0 * r.square * e[0] for r, e in ends), 0.0]
         loosest = 0.0
         for i in np.flatnonzero(self.states).tolist():
             width = gap(*self.bounds[i : i + 2])
             loosest = max(loosest, (shifts[i] + shifts[i + 1]) / width if width > 0.0 else inf)
-        return 10.0 * loosest * sqrt(loosest)
+        return loose_slip(loosest)
 
 
 def assessed(

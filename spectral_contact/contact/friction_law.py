@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, sqrt
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,6 +17,7 @@ __all__ = [
     "Interval",
     "displacement_error",
     "known_share",
+    "loose_slip",
     "missing_stick",
     "obeys",
     "stick_excess",
@@ -94,6 +95,14 @@ def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
 def known_share(error: float) -> float:
     """Return the error of a displacement relative to its largest, infinite if no digit is known."""
     return error if error <= 1.0 else inf
+
+
+def loose_slip(share: float) -> float:
+    """Return what of the largest slip is wrong where ends are off by a share of its zone.
+
+    Next to an end slip goes like the distance to the power 3/2.
+    """
+    return 10.0 * share * sqrt(share)
 
 
 def unknown_slip(boundary_error: float) -> float:

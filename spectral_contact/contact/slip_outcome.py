@@ -14,6 +14,7 @@ from spectral_contact.contact.friction_law import (
     Interval,
     displacement_error,
     known_share,
+    loose_slip,
     missing_stick,
     obeys,
     stick_excess,
@@ -176,8 +177,8 @@ def one_disk_outcome(
     excess = stick_excess(disk.traction, pressure, friction, CENTRE, radius, disk.depth)
     error = max(disk.traction_error, drive.contact.pressure_error)
     slip_error = displacement_error(drive, EDGE, disk.stray + unresolved, beta, friction, largest)
-    violation = max(excess, float(samples[0].max()) / largest, 0.0)
-    consistent = obeys(excess, error, float(samples[0].max()) / largest, slip_error)
+    wrong, loose = float(samples[0].max()) / largest, loose_slip(disk.edge_error)
+    allowed = slip_error + min(loose, 0.5)
     return PartialSlip(
         (Zone.between("stick", CENTRE, radius), Zone.between("slip", radius, EDGE)),
         traction,
@@ -187,11 +188,11 @@ def one_disk_outcome(
         disk.shear_error,
         disk.radius_error,
         max(disk.radius_error, disk.edge_error),
-        max(slip_error, unknown_slip(disk.edge_error)),
-        violation,
-        consistent,
+        known_share(slip_error + loose),
+        max(excess, wrong, 0.0),
+        obeys(excess, error, wrong, allowed),
         False,
-        missing_stick(annulus, samples[0], largest, fields[0].toward_outer.limit, slip_error),
+        missing_stick(annulus, samples[0], largest, fields[0].toward_outer.limit, allowed),
         Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
     )
 
@@ -230,7 +231,7 @@ def zones_outcome(drive: Drive, solved: CoupledZones, beta: float, friction: flo
     outermost = [o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0][-1]
     stray, loose = solved.stray + lost + unresolved, solved.loose_ends
     slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
-    wrong = max(float(v.max()) for v in samples)
+    wrong, allowed = max(float(v.max()) for v in samples) / largest, slip_error + min(loose, 0.5)
     slip_share = max(known_share(slip_error + loose), unknown_slip(solved.zones_error))
     return PartialSlip(
         tuple(zones),
@@ -242,9 +243,9 @@ def zones_outcome(drive: Drive, solved: CoupledZones, beta: float, friction: flo
         solved.radius_error,
         max(solved.zones_error, _unknown_width(slip_share, zones)),
         slip_share,
-        max(excess, wrong / largest, 0.0),
+        max(excess, wrong, 0.0),
         # zones whose ends say nothing of the sense are not taken for granted
-        obeys(excess, error, wrong / largest, slip_error + min(loose, 0.5)),
+        obeys(excess, error, wrong, allowed),
         True,
         tuple(
             interval
@@ -254,7 +255,7 @@ def zones_outcome(drive: Drive, solved: CoupledZones, beta: float, friction: flo
                 sample,
                 largest,
                 zone.sign * field.toward_outer.limit,
-                slip_error + min(loose, 0.5),
+                allowed,
             )
         ),
         replace(solved.layout, slopes=solved.slopes),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import copysign
 
 __all__ = [
     "LARGEST_LOGIT",
@@ -21,6 +22,8 @@ SETTLED = 1e-15
 #: A change of the condition as small as this after a step as short as this is rounding by one
 #: per cent, and no slope follows.
 _NOISE, _SHORT = 1e-13, 1e-3
+#: Steps of the secant, of which 4 are enough but next to onsets.
+_SECANTS = 10
 
 
 class NoStickDiskError(ArithmeticError):
@@ -116,8 +119,6 @@ def bracketed_root(
             low, at_low, at_high = middle, value, 0.5 * at_high
         else:
             break
-        if abs(value) < 1e-6:
-            break
     return middle, (function(middle + 0.05) - function(middle - 0.05)) / 0.1
 
 
@@ -129,7 +130,7 @@ def polished_root(
     if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
         raise NoStickDiskError(at_centre=x < 0.0)
     lag = 1e-3  # what is given of the slope is good to three digits
-    for _ in range(20):
+    for _ in range(_SECANTS):
         step = max(min(-value / slope, 2.0), -2.0)
         # a secant step errs by the product of itself and the one before
         if abs(step) * lag <= SETTLED * max(1.0, abs(x)):
@@ -142,4 +143,27 @@ def polished_root(
         x, value, lag = x + step, fresh, abs(step)
         if not LEAST_LOGIT < x < LARGEST_LOGIT:
             raise NoStickDiskError(at_centre=x < 0.0)
-    return x, slope  # as near as its conditioning lets it; the error estimate shows it
+    return _enclosed_root(function, x, value)
+
+
+def _enclosed_root(
+    function: Callable[[float], float], x: float, value: float
+) -> tuple[float, float]:
+    """Return the root on that side of x where it must be, and the slope there.
+
+    Next to the onset of slip the function is exponential in the logit, and secants crawl.
+    """
+    from scipy.optimize import toms748
+
+    step, other, fresh = 0.5, x, value
+    while fresh * value > 0.0:
+        x, value, step = other, fresh, 2.0 * step
+        other = x + copysign(step, -value)  # the function rises with c
+        if not LEAST_LOGIT < other < LARGEST_LOGIT:
+            raise NoStickDiskError(at_centre=value > 0.0)
+        fresh = function(other)
+    root = toms748(function, min(x, other), max(x, other), xtol=SETTLED) if x != other else x
+    slope = (function(root + _SHORT) - function(root - _SHORT)) / (2.0 * _SHORT)
+    if slope <= 0.0:
+        raise NoStickDiskError(at_centre=root < 0.0)
+    return root, slope

@@ -174,7 +174,12 @@ def _slip_judge(row: dict[str, Any]) -> Judge:
 
 
 def _zones_missed(solution: Solution, row: dict[str, Any]) -> dict[str, tuple[float, float]]:
-    """Return the error of the zones, missing ones too, if it is above the estimate."""
+    """Return the error of the zones, missing ones too, if it is above the estimate.
+
+    An estimate of 1 says that any zone may be missing.
+    """
+    if solution.error.zones >= 1.0:
+        return {}
     truth = SimpleNamespace(zones=[KeptZone(*zone) for zone in row["zones"]])
     error, most = zones_error(solution, truth), float(solution.error.zones)
     return {"zones": (error, most)} if violates(error, most, row["zones_error"]) else {}

@@ -87,3 +87,18 @@ def test_no_more_is_looked_at_where_the_pressure_is_negative():
 
     assert list(stick_radii(problem, logits(), contacts=True)) == []
     assert 3 < len(taken) < 20
+
+
+def test_a_narrow_annulus_is_the_same_at_every_tolerance():
+    scene = Scene(
+        0.3216563614452209,
+        3.902806546943033,
+        4.804038693556474e-12,
+        14252.653932202149,
+        coupling=True,
+    )
+    finest = solve(scene, 1e-12, ("zones",))
+    for rtol in (1e-3, 1e-6, 1e-9):
+        found = solve(scene, rtol, ("zones",))
+        width, truth = found.zones[-1].inner_from_edge, finest.zones[-1].inner_from_edge
+        assert abs(width / truth - 1.0) <= found.error.zones + finest.error.zones

@@ -4,7 +4,13 @@ import math
 
 import pytest
 
-from spectral_contact.contact.stick_radius import NoStickDiskError, polished_root, root_near
+from spectral_contact import Scene, solve
+from spectral_contact.contact.stick_radius import (
+    NoStickDiskError,
+    bracketed_root,
+    polished_root,
+    root_near,
+)
 
 FUNCTIONS = {
     "line": (lambda x: 2.0 * x + 3.0, -1.5, 2.0),
@@ -65,3 +71,41 @@ def test_no_root_is_an_error_that_says_on_which_side():
     with pytest.raises(NoStickDiskError) as below:
         root_near(lambda x: 1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
     assert (above.value.at_centre, below.value.at_centre) == (False, True)
+
+
+def test_next_to_an_onset_a_root_is_enclosed():
+    def almost(x):  # from far away secants take a step of 0.7 each
+        return 1e-14 - math.exp(-x)
+
+    found, slope = polished_root(almost, 11.2, math.exp(-11.2))
+    assert found == pytest.approx(14.0 * math.log(10.0), abs=1e-12)
+    assert slope == pytest.approx(1e-14, rel=1e-2)
+
+
+def test_a_bracket_narrows_however_small_the_values_are():
+    found, _ = bracketed_root(lambda x: 1e-9 - math.exp(-x))
+    assert found == pytest.approx(9.0 * math.log(10.0), abs=0.1)
+
+
+def test_a_flat_function_has_no_root_to_enclose():
+    with pytest.raises(NoStickDiskError):
+        polished_root(lambda x: -math.exp(-x) if x < 100.0 else 1.0, 11.2, math.exp(-11.2))
+
+
+#: ``1 - c`` at alpha* = 1, beta* = 0.5, nu = 0.3, by `reference` to 20 digits.
+NARROW = {
+    0.10914739182810274: 2.33094786192146e-9,
+    0.10914739290866193: 1.98060598118352e-11,
+    0.1091473929184852: 1.84265684462145e-12,
+    0.10914739291946753: 1.72284627073148e-13,
+}
+
+
+@pytest.mark.parametrize("friction", NARROW)
+@pytest.mark.parametrize("rtol", [1e-6, 1e-10, 1e-12])
+def test_slip_that_begins_at_the_edge_is_as_wide_as_the_estimate_allows(friction, rtol):
+    found = solve(Scene(0.3, 1.0, 0.5, friction), rtol, ("zones",))
+    assert found.converged
+    assert found.error.zones < 0.5
+    width = found.zones[-1].inner_from_edge
+    assert abs(width / NARROW[friction] - 1.0) <= found.error.zones
