@@ -137,8 +137,8 @@ class _Assessment:
 
     @cached_property
     def loose(self) -> Effect:
-        """What would meet the conditions of the boundaries, twice, under a given pressure."""
-        return self.state.unbalanced.times(2.0 if self.system.given else 0.0)
+        """What would meet the conditions of the boundaries, twice; no lift does without a layer."""
+        return self.state.unbalanced.times(2.0 if self.system.parameters.beta > 0.0 else 0.0)
 
     @cached_property
     def inverse(self) -> Array:
@@ -147,9 +147,9 @@ class _Assessment:
 
     @cached_property
     def off(self) -> float:
-        """What the boundaries still are off, which is felt everywhere."""
+        """What the fields are off as the boundaries still are."""
         off = 2.0 * float((self.inverse @ np.abs(self.state.mismatch)).max(initial=0.0))
-        if self.system.given:
+        if self.system.parameters.beta > 0.0:
             return min(self.problem.size(self.state, self.loose.change), off)
         return off
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from math import exp
 from time import perf_counter
 from typing import Any
 
@@ -51,6 +52,9 @@ _RESOLVED = 1e-29
 _WIDENED, _MISSED = 4.0, 1e-3
 #: Places in ``-ln y`` at which full stick is compared with friction.
 _PLACES, _DEPTH = 2000, 40.0
+#: Friction that lacks as little as this lets no more slip than where full stick exceeds it: to 0.01
+#: in the logit, measured; as much is seen of the difference to where rough spaces have slip.
+_ABOUT, _SEEN = 1e-2, 0.02
 #: An estimate of the fields' errors from which on they are none.
 _UNKNOWN = 0.1
 #: The first and the least step of the coupling by which zones are followed.
@@ -178,7 +182,7 @@ class CoupledSearch:
         parameters, most = self.parameters, self.max_unknowns
         # the search for boundaries that are not there ends at the edge, past rounding
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            layout = self._found(layout, far)
+            layout = self._narrowed(self._found(layout, far))
             if len(layout.states) > 2 and self.tolerance < _PROBE:
                 rough = solve_coupled_zones(parameters, layout, _PROBE, most)
                 slip_in_annuli(rough.best.value, parameters)
@@ -191,6 +195,20 @@ class CoupledSearch:
         self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
         self.record(SLIP_FIELD, outcome, solved)
         return outcome
+
+    def _narrowed(self, layout: Layout) -> Layout:
+        """Return a slip annulus that is narrower than rough spaces see, as full stick shows it.
+
+        Next to the onset all slips where full stick exceeds friction, and hardly anything more.
+        """
+        lack = 1.0 - self.parameters.friction / self.stick.critical
+        near = self._violated() if layout.states == _DISK.states and lack < _ABOUT else _NOWHERE
+        if near.states != layout.states or near.logits[0] < layout.logits[0] + _SEEN:
+            return layout
+        assert layout.slopes is not None
+        # conditions rise as the distance from the edge does
+        narrower = exp(layout.logits[0] - near.logits[0])
+        return replace(layout, logits=near.logits, slopes=narrower * layout.slopes)
 
     def _all_slip(self) -> CoupledSlip:
         """Return slip everywhere but in a disk too small to be felt."""

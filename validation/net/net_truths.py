@@ -35,7 +35,7 @@ SEED, TRUE_RTOL = 1, 1e-12
 COUPLED_RTOL = 1e-9
 #: At that commit its boundaries differ between tolerances by ten times their estimates.
 UNSURE = "coupled edge of 1e-10"
-BEGUN = "edge onset, 1e-10", "edge onset, 1e-12", "edge onset, 1e-14"
+BEGUN = "edge onset, 1e-12", "edge onset, 1e-14"
 Row = dict[str, Any]
 
 
