@@ -80,8 +80,6 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
 
 def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
     """Refuse what is not solved with this profile."""
-    if scene["coupling"]:
-        raise SceneError("coupling", True, "False with a profile")
     if scene["friction"] and profile.breaks:
         told = "None or 0 with a profile that has breaks, as a flat part is one"
         raise SceneError("friction", scene["friction"], told)

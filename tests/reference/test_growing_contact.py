@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.indentation_march import march
+from oracles.growing_rings import march
 
 from spectral_contact import NotComputedError, Scene, SceneError, Solution, plan, profiles, solve
 
@@ -27,11 +27,13 @@ CASES = [(0.2, 0.2, math.inf), (0.2, 0.2, 0.05), (0.2, 0.1, 0.1)]
 def test_an_incremental_march_converges_to_it_at_first_order(alpha, beta, friction):
     """Which knows no superposition: rings that enter, stick where they are, and slip by the law."""
     solution = solved(PARABOLA, alpha, beta, friction)
-    law = 1e9 if friction == math.inf else friction
-    steps = [march(PARABOLA.height, alpha, beta, KAPPA, law, n) for n in (40, 80, 160)]
+    steps = [march(PARABOLA.height, alpha, beta, KAPPA, friction, n) for n in (40, 80, 160)]
     off = np.array([one.shear / solution.total_shear - 1.0 for one in steps])
-    assert np.abs(off[:-1] / off[1:] - 2.0).max() < 0.05
-    assert 2.0 * steps[2].shear - steps[1].shear == pytest.approx(solution.total_shear, rel=1e-4)
+    assert off[1] / off[2] == pytest.approx(2.0, abs=0.07)
+    # without the error of first order, and without the next one
+    assert abs(2.0 * off[2] - off[1]) < 1e-3
+    if friction == math.inf:
+        assert abs(8.0 * off[2] - 6.0 * off[1] + off[0]) / 3.0 < 1e-4
     assert steps[2].stick_radius == pytest.approx(solution.stick_radius, abs=1.01 / 160)
     # one ring in ten, but for those at the edges of zones and of the contact
     some = np.arange(5, 150, 10)
@@ -123,8 +125,6 @@ def test_what_is_not_solved_with_friction_is_refused():
     flat_ended = profiles.RoundedFlat(0.5, 1.0)
     with pytest.raises(SceneError, match=r"friction = 0\.1: must be None or 0 with a profile"):
         Scene(NU, friction=0.1, profile=flat_ended, load=1.0)
-    with pytest.raises(SceneError, match="coupling = True: must be False with a profile"):
-        Scene(NU, friction=0.1, coupling=True, profile=PARABOLA, load=1.0)
     sliding = solve(Scene(NU, 0.2, friction=0.0, profile=flat_ended, load=1.0), 1e-6)
     assert sliding.total_shear == 0.0
     assert [zone.kind for zone in sliding.zones] == ["slip"]
