@@ -41,6 +41,8 @@ Array = NDArray[np.float64]
 #: Panels towards the ends of a part, their width and degree; those to the centre go to where the
 #: history begins.
 _PANELS, _WIDTH, _DEGREE = 11, 2.0, 23
+#: The least number of those to the centre.
+_AT_CENTRE = 4
 #: Panels where there are square roots, as a smooth surface has them.
 _ROOT_PANELS = 26
 #: Quadrature over the history, graded to where it begins: points, panels, and their ratio; the
@@ -78,10 +80,18 @@ class GrownFields:
     def __init__(self, growth: Growth, stick: Radius, *, smooth: bool) -> None:
         self.history = _History(growth, graded_rule(*(_ROOT_GRADED if smooth else _GRADED)))
         self.stick, self._count = stick, _ROOT_PANELS if smooth else _PANELS
-        self._inner: list[Radius] = []
-        if growth.onset and math.log(growth.onset) < growth.log_radius + _log(stick) - _APART:
-            share = growth.onset / math.exp(growth.log_radius)
-            self._inner = [Radius(share, 1.0 - share)]
+        self._inner = self._cuts(math.log(stick.value) - _APART)
+
+    def _cuts(self, highest: float) -> list[Radius]:
+        """Return where fields are not smooth: where something began, and what stuck then."""
+        growth, found = self.history.growth, [-math.inf]
+        begun = [*growth.breaks, *([growth.onset] if growth.onset else [])]
+        logs = [math.log(one) for one in begun]
+        places = logs + [u + stick for u in logs for stick in growth.log_stick(u)]
+        for place in sorted(places):
+            if found[-1] + _APART < place - growth.log_radius < highest:
+                found.append(place - growth.log_radius)
+        return [Radius(math.exp(x), -math.expm1(x)) for x in found[1:]]
 
     def traction(self, friction: float, pressure: PressureField | ZonalField) -> GrownField:
         """Return the traction.
@@ -104,9 +114,13 @@ class GrownFields:
         found = self._sampled(values, [CENTRE, *self._inner, self.stick], power=1)
         if self.stick.from_edge == 0.0:
             return found
-        field = pressure.pieces[-1].field if isinstance(pressure, ZonalField) else pressure
-        slipping = ZonePiece(EDGE, field, friction)
-        return GrownField(ZonalField((*found.field.pieces, slipping)), found.lost, found.largest)
+        whole = pressure.pieces if isinstance(pressure, ZonalField) else [ZonePiece(EDGE, pressure)]
+        slipping = [
+            replace(one, factor=friction)
+            for one in whole
+            if one.outer.from_edge < self.stick.from_edge
+        ]
+        return GrownField(ZonalField((*found.field.pieces, *slipping)), found.lost, found.largest)
 
     def pressure(self) -> GrownField:
         """Return the pressure."""
@@ -168,10 +182,6 @@ def opening(pressure: ZonalField) -> float | None:
     return math.exp(-float(brentq(lambda x: float(at(x)[0]), x[i - 1], x[i])))
 
 
-def _log(radius: Radius) -> float:
-    return math.log(radius.value)
-
-
 def _logarithmic(series: LogSeries) -> LogSeries:
     """Return a series that goes on as a logarithm beyond its panels."""
     last = series.coefficients[-1]
@@ -198,7 +208,8 @@ class _History:
         depth = 2.0 * (self.growth.log_radius - self.growth.all_panels[0].low)
         # what goes on to the centre is a series as far as there is something of it
         short = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
-        panels = math.ceil(depth / _WIDTH) - short if boundary is CENTRE else count
+        at_centre = max(math.ceil(depth / _WIDTH) - short, _AT_CENTRE)
+        panels = at_centre if boundary is CENTRE else count
         return LogPanels(panels, _WIDTH, _DEGREE)
 
     def while_stuck(self, name: str, log_r: Array, stuck: Array) -> Array:

@@ -13,7 +13,7 @@ Below the radius where slip begins everything sticks; panels are graded to it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -36,6 +36,8 @@ Stage = Callable[[float], Solution]
 
 #: Widths of panels in u; the first beyond the onset of slip, and by how much they grow.
 _WIDTH, _AT_ONSET, _RATIO = 1.3, 3e-4, 3.5
+#: By how much a last panel may be longer.
+_REST = 0.3
 #: What panels may leave out, of the tolerance, as there are some tens; they are not halved below.
 _MARGIN, _SHORTEST = 0.02, 1e-4
 #: By how much a stick radius may fall, as its own error may make it.
@@ -45,6 +47,9 @@ _FALL = 1e-8
 _OF_FLATS = 3.0
 #: The end of a panel, and how well a place on it is known.
 _END, _ROUNDING = np.ones(1), 1e-15
+#: From a flat part a history goes back by so much in ``u``, and its load by so much in ``ln P``;
+#: how close to it one begins.
+_FARTHER_BACK, _CORNER, _NEXT = 1e-10, 6.0, 1e-9
 #: Slopes of ``ln P`` below which the history goes on for so much in ``u`` to the centre; how close
 #: to that of a tip it is one.
 _STEEP, _FARTHER, _LIKE_A_TIP = 2.9, 40.0, 1e-6
@@ -60,10 +65,13 @@ class Growth:
         From where the load is negligible to today.
     onset : float or None
         Radius at which slip begins; 0 if there is slip from the first touch, None if there is none.
+    breaks : tuple of float
+        Of the profile.
     """
 
     panels: tuple[Panel, ...]
     onset: float | None
+    breaks: tuple[float, ...] = ()
 
     @property
     def log_radius(self) -> float:
@@ -161,13 +169,18 @@ class Growth:
     @cached_property
     def log_beginning(self) -> bool:
         """Whether all decades of the beginning count alike at the centre, as at a smooth tip."""
-        return abs(self._rise - 2.0) < _LIKE_A_TIP
+        return abs(self._rise - 2.0) < _LIKE_A_TIP and not self._corner
 
     @property
     def _rise(self) -> float:
         """``dln P/dln b`` at the beginning."""
         first = self.panels[0]
         return float(first.rate(first.weights.loads, -_END)[0])
+
+    @property
+    def _corner(self) -> bool:
+        """Whether the history begins at the end of a flat part."""
+        return bool(self.breaks) and math.log(self.breaks[0]) > self.panels[0].low - _NEXT
 
     @cached_property
     def begun(self) -> float:
@@ -181,13 +194,16 @@ class Growth:
     @cached_property
     def all_panels(self) -> tuple[Panel, ...]:
         """The panels, after one that goes on to the centre as they begin, where that counts."""
-        first = self.panels[0]
-        if self._rise > _STEEP:
+        first, corner = self.panels[0], self._corner
+        if self._rise > _STEEP and not corner:
             return self.panels
-        low, flats = first.low - _FARTHER, (first.flats[0],) * COUNT
+        # a flat part has its first load before it grows at all
+        rise, farther = (_CORNER / _FARTHER_BACK, _FARTHER_BACK) if corner else (0.0, _FARTHER)
+        low, flats = first.low - farther, (first.flats[0],) * COUNT
         back = stage_logs(low, first.low) - first.low
         weights = [
-            float(chebyshev_value(logs, -_END)[0]) + float(first.rate(logs, -_END)[0]) * back
+            float(chebyshev_value(logs, -_END)[0])
+            + (rise or float(first.rate(logs, -_END)[0])) * back
             for logs in (first.weights.loads, first.weights.approaches)
         ]
         begun = Panel(low, first.low, Weights(weights[0], weights[1]), flats, first.fields)
@@ -220,6 +236,14 @@ class Growth:
             for one in self.panels
             for u, stick in zip(one.logs.tolist(), one.stick.tolist(), strict=True)
         ]
+
+    def log_stick(self, log_radius: float) -> list[float]:
+        """Return ``ln c*`` when the contact had a radius; nothing where there was no slip."""
+        panels = [one for one in self.panels if one.slips and one.high >= log_radius]
+        if not panels or panels[0].low > log_radius + _NEXT:
+            return []
+        place = panels[0].local(np.array([log_radius]))
+        return [float(panels[0].log_stick(place)[0])]
 
     def radius_of(self, name: str, value: float) -> float | None:
         """Return the logarithm of the radius at which the load, or the approach, had a value.
@@ -260,6 +284,10 @@ class Grower:
         Those that are superposed.
     tolerance : float
         Panels are halved until what they leave out is less, relative to all.
+    breaks : tuple of float
+        Of the profile.
+    at_break : float
+        Width of the first panel past one that is no end of a flat part.
     """
 
     stage: Stage
@@ -267,6 +295,8 @@ class Grower:
     onset: float | None
     fields: tuple[str, ...]
     tolerance: float
+    breaks: tuple[float, ...]
+    at_break: float
 
     def grown(self, least: float, radius: float, load: float) -> Growth:
         """Return the history of a contact.
@@ -283,7 +313,7 @@ class Grower:
         NotComputedError
             If slip does not reach the edge at some radius, or the stick radius falls.
         """
-        todo, panels = list(_ends(least, radius, self.onset))[::-1], []
+        todo, panels = self._ends(math.log(least), math.log(radius))[::-1], []
         while todo:
             low, high = todo.pop()
             panel = self._panel(low, high)
@@ -294,7 +324,7 @@ class Grower:
             else:
                 self.weight.keep()
                 panels.append(panel)
-        found = Growth(tuple(panels), self.onset)
+        found = Growth(tuple(panels), self.onset, self.breaks)
         _check(found)
         return found
 
@@ -305,7 +335,26 @@ class Grower:
         self.weight.back(len(kept))
         last = self._panel(low, log_radius)
         self.weight.keep()
-        return Growth((*kept, last), self.onset)
+        return Growth((*kept, last), self.onset, self.breaks)
+
+    def _ends(self, low: float, high: float) -> list[tuple[float, float]]:
+        """Return the ends of the first panels, which grow away from where something begins."""
+        starts = {math.log(b): self.at_break for b in self.breaks if low < math.log(b) < high}
+        if self.onset and low < math.log(self.onset) < high:
+            starts[math.log(self.onset)] = _AT_ONSET
+        if self.breaks and abs(low - math.log(self.breaks[0])) < _NEXT:
+            starts[low] = low - math.log(self.breaks[0])
+        ends: list[tuple[float, float]] = []
+        for start, stop in pairwise(sorted({low, high, *starts})):
+            step, cuts = starts.get(start, stop - start), [start]
+            while cuts[-1] + (1.0 + _REST) * step < stop:
+                cuts.append(cuts[-1] + step)
+                step = min(step * _RATIO, _WIDTH)
+            for begin, end in pairwise([*cuts, stop]):
+                count = max(math.ceil((end - begin) / _WIDTH), 1)
+                places = [begin + (end - begin) * k / count for k in range(count)]
+                ends += pairwise([*places, end])
+        return ends
 
     def _panel(self, low: float, high: float) -> Panel:
         radii = np.exp(stage_logs(low, high)).tolist()
@@ -316,22 +365,6 @@ class Grower:
                 told = f"at the contact radius {b:.6g} slip does not simply reach the edge"
                 raise NotComputedError("traction", f"{told}: it takes increments of the load")
         return Panel(low, high, self.weight.on(low, high, flats), flats, self.fields)
-
-
-def _ends(least: float, radius: float, onset: float | None) -> Iterator[tuple[float, float]]:
-    """Yield the ends of the first panels, which grow away from the onset of slip."""
-    low, high = math.log(least), math.log(radius)
-    cuts = [low, high]
-    if onset is not None and least < onset < radius:
-        step, steps = _AT_ONSET, [math.log(onset)]
-        while steps[-1] + step < high:
-            steps.append(steps[-1] + step)
-            step = min(step * _RATIO, _WIDTH)
-        cuts = [low, *steps, high]
-    for start, stop in pairwise(cuts):
-        count = max(math.ceil((stop - start) / _WIDTH), 1)
-        for k in range(count):
-            yield start + (stop - start) * k / count, start + (stop - start) * (k + 1) / count
 
 
 def _check(growth: Growth) -> None:

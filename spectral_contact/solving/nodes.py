@@ -42,7 +42,11 @@ def interpolation_weights(t: Array) -> Array:
 
 
 def left_out(values: Array) -> float:
-    """Return the estimate of what an interpolant leaves out: its last two terms, decaying on."""
+    """Return the estimate of what an interpolant leaves out: its last two terms, decaying on.
+
+    Next to something singular they hardly decay, and what they leave out adds up.
+    """
     terms = np.abs(_FIT @ values)
     last, before = float(terms[-2:].max()), float(terms[-4:-2].max())
-    return last * min(last / before, 1.0) if before > 0.0 else last
+    rate = min(last / before, 1.0) if before > 0.0 else 1.0
+    return last * rate * (1.0 + rate * COUNT / 2.0)

@@ -25,7 +25,6 @@ from spectral_contact.solving.grown_fields import GrownFields, opening
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.stages import Stages
-from spectral_contact.solving.weights import NormalWeight
 
 __all__ = ["ProfileRun"]
 
@@ -45,7 +44,8 @@ class ProfileRun(Run):
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run normal contact, and friction if there is any."""
         if states[NORMAL] is StepState.RUN or (self._grows(states) and not self.scene.couples):
-            self._indent(pointwise="pressure" in self.plan.quantities or self._grows(states))
+            fields = {"pressure", "traction"}.intersection(self.plan.quantities)
+            self._indent(pointwise=bool(fields))
         self.tangential(states, None)
         if self._grows(states):
             if self.scene.couples:
@@ -111,7 +111,7 @@ class ProfileRun(Run):
         history = Stages(scene, self.rtol, self.max_unknowns)
         radius = self.values["contact_radius"]
         least = history.least(radius, self.values["load"])
-        grower = history.grower(least, radius, NormalWeight(history.contact), self._fields())
+        grower = history.grower(least, radius, self._fields())
         growth = grower.grown(least, radius, self.values["load"])
         today = self._take_zones(history, growth)
         self.errors["total_shear"] += self.errors["load"]
@@ -132,8 +132,7 @@ class ProfileRun(Run):
         history = Stages(scene, self.rtol, self.max_unknowns)
         radius, load = self._without_coupling()
         least = history.least(radius, load)
-        weight = history.coupled_weight(least)
-        grower = history.grower(least, radius, weight, self._fields())
+        grower = history.grower(least, radius, self._fields())
         growth = grower.grown(least, radius, load)
         error = growth.weight_error
         given = "loads" if scene.approach is None else "approaches"

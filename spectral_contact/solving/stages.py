@@ -18,7 +18,7 @@ from spectral_contact.solving.growth import Grower
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import Shared
-from spectral_contact.solving.weights import CoupledWeight, Weight
+from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
 
 __all__ = ["Stages"]
 
@@ -28,6 +28,11 @@ _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approa
 _TIGHTER, _TIGHTEST = 0.1, 1e-12
 #: Share of the tolerance of the load or traction that is not looked for in the history.
 _NEGLIGIBLE = 0.01
+#: How far past a flat part the history begins, with what is carried there.
+_PAST = 1e-10
+#: Width of the first panel past a break, where the load goes on like the power 3/2 of the distance,
+#: and where a layer makes it smoother.
+_AT_SMOOTH_BREAK, _AT_BREAK = 1e-7, 3e-4
 #: Tolerances of the critical friction and of the radius at which slip begins.
 _CRITICAL, _ONSET = 1e-10, 1e-12
 #: Friction that is lacking by more than this, in a logarithm, is lacking.
@@ -92,18 +97,25 @@ class Stages:
         run = self._run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
         return run.solution().critical_friction
 
-    def coupled_weight(self, least: float) -> CoupledWeight:
+    def weight(self, least: float) -> Weight:
         """Return the weight of a history that begins at a radius."""
-        return CoupledWeight(self.profile, math.log(least), self.flat(least))
+        if self.scene.couples:
+            return CoupledWeight(self.profile, math.log(least), self.flat(least))
+        if self.scene.normal_compliance == 0.0:
+            return SmoothWeight(self.profile, self.contact(least)[0])
+        return NormalWeight(self.contact)
 
-    def grower(
-        self, least: float, radius: float, weight: Weight, fields: tuple[str, ...]
-    ) -> Grower:
+    def grower(self, least: float, radius: float, fields: tuple[str, ...]) -> Grower:
         """Return what follows the contact between two radii."""
-        return Grower(self.flat, weight, self._onset(least, radius), fields, self.rtol)
+        onset = self._onset(least, radius)
+        at_break = _AT_SMOOTH_BREAK if self.scene.normal_compliance == 0.0 else _AT_BREAK
+        weight = self.weight(least)
+        return Grower(self.flat, weight, onset, fields, self.rtol, self.profile.breaks, at_break)
 
     def least(self, radius: float, load: float) -> float:
-        """Return a radius at which load and traction are negligible."""
+        """Return a radius at which load and traction are negligible; just past a flat part."""
+        if self.profile.flat_part > 0.0:
+            return self.profile.flat_part * (1.0 + _PAST)
         share, at = 1.0, radius
         while share > _NEGLIGIBLE * self.rtol:
             at /= 2.0

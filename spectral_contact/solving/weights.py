@@ -36,7 +36,7 @@ from spectral_contact.solving.nodes import (
 from spectral_contact.solving.outside import outside_displacement, reached
 from spectral_contact.spectral.jacobi import gauss_rule, graded_rule
 
-__all__ = ["CoupledWeight", "NormalWeight", "Weight", "Weights"]
+__all__ = ["CoupledWeight", "NormalWeight", "SmoothWeight", "Weight", "Weights"]
 
 Array = NDArray[np.float64]
 
@@ -105,6 +105,47 @@ class NormalWeight:
 
     def back(self, count: int) -> None:
         """Do nothing."""
+
+
+class SmoothWeight:
+    """Loads on a smooth surface: ``dP = 8 b d delta`` with ``delta = H/2``, by parts.
+
+    Parameters
+    ----------
+    profile : Profile
+    first : float
+        The load where the history begins.
+    """
+
+    def __init__(self, profile: Profile, first: float) -> None:
+        self.profile = profile
+        g, w = gauss_rule(_SMOOTH)
+        self._rule = (1.0 + g) / 2.0, w / 2.0
+        self._loads, self._end = [first], first
+
+    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+        """Return the weights of a panel."""
+        points, weights = self._rule
+        extent = (high - low) * (1.0 + np.append(NODES, 1.0)) / 2.0
+        within = low + extent[:, None] * points
+        carried = [self._carried(u) for u in (np.array(low), within, low + extent)]
+        gained = carried[2] - carried[0] - extent * (carried[1] @ weights)
+        loads = self._loads[-1] + gained
+        self._end = float(loads[-1])
+        approaches = self.profile._transform(np.exp(low + extent[:-1])) / 2.0
+        return Weights(np.log(loads[:-1]), np.log(approaches))
+
+    def keep(self) -> None:
+        """Take the panel that was looked at last as part of the history."""
+        self._loads.append(self._end)
+
+    def back(self, count: int) -> None:
+        """Forget all panels but the first ones."""
+        del self._loads[count + 1 :]
+
+    def _carried(self, u: Array) -> Array:
+        """Return ``8 b delta``."""
+        return np.asarray(4.0 * np.exp(u) * self.profile._transform(np.exp(u)))
 
 
 @dataclass(frozen=True, slots=True)

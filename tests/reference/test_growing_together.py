@@ -8,7 +8,7 @@ import pytest
 from oracles.growing_rings import march
 from oracles.spence import Collocation
 
-from spectral_contact import NotComputedError, Scene, plan, profiles, solve
+from spectral_contact import NotComputedError, Scene, SceneError, plan, profiles, solve
 from spectral_contact.equations import residuals
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
@@ -140,7 +140,7 @@ def test_true_errors_are_within_their_estimates():
 def test_slip_inside_an_annulus_is_refused_by_its_radius():
     scene = Scene(0.0, 0.05, 1.0, 0.06, profile=PARABOLA, contact_radius=1.0, coupling=True)
     with pytest.raises(NotComputedError, match=r"at the contact radius 0\.\d+ slip does not"):
-        solve(scene, 1e-2)
+        solve(scene, 1e-2, ["load"])
 
 
 def test_the_plan_says_that_it_is_one_history():
@@ -153,3 +153,8 @@ def test_the_plan_says_that_it_is_one_history():
     }
     idle = plan(scene.replace(friction=None), ["load"])
     assert [step.state.value for step in idle.steps] == ["skipped", "run", "skipped"]
+
+
+def test_a_flat_part_is_refused():
+    with pytest.raises(SceneError, match="coupling = True: must be False with friction and a prof"):
+        Scene(0.3, friction=0.1, coupling=True, profile=profiles.RoundedFlat(0.5, 1.0), load=1.0)

@@ -35,6 +35,8 @@ CASES = [
     (PARABOLA, 0.2, 0.2, 0.1, True),
     (PARABOLA, 0.5, 0.2, 0.1, True),
     (CONE, 0.5, 0.5, math.inf, True),
+    (profiles.RoundedFlat(0.5, 1.0), 0.2, 0.2, 0.1, False),
+    (profiles.TruncatedCone(0.5, math.pi / 4.0), 0.2, 0.2, math.inf, False),
 ]
 HEAD = """# A growing contact against a march in increments
 
