@@ -32,6 +32,8 @@ __all__ = ["ProfileRun"]
 _POINTS, _FARTHEST = 4, 1.0
 #: Tolerance of normal contact where it is a measure only.
 _ROUGH = 1e-4
+#: By how much more than that a history goes on to look for a load or an approach.
+_ROOM = 1e-3
 _BEYOND = "the load is not reached where normal contact has it"
 
 
@@ -187,7 +189,7 @@ class ProfileRun(Run):
         self.errors["traction"] = left + (found.lost / found.largest if found.largest else 0.0)
 
     def _without_coupling(self) -> tuple[float, float]:
-        """Return radius and load of normal contact, which are not far away, and larger."""
+        """Return radius and load of normal contact: not far away, and a little more than needed."""
         scene = self.scene
         assert scene.profile is not None
         shape = scene.profile, scene.normal_compliance
@@ -206,7 +208,10 @@ class ProfileRun(Run):
                 pointwise=False,
             )
         value = found.best.value if isinstance(found, Refinement) else found
-        return value.radius, value.load
+        radius = value.radius
+        if scene.contact_radius is None:  # near nu = 0.5 it is the same but for its error
+            radius += min(_ROOM * radius, (scene.profile.reach - radius) / 2.0)
+        return radius, value.load
 
     def _take_zones(self, history: Stages, growth: Growth) -> Solution:
         """Take today's zones, which are those of a flat punch, and the shear."""
