@@ -180,7 +180,8 @@ class Growth:
     @property
     def _corner(self) -> bool:
         """Whether the history begins at the end of a flat part."""
-        return bool(self.breaks) and math.log(self.breaks[0]) > self.panels[0].low - _NEXT
+        low = self.panels[0].low
+        return bool(self.breaks) and abs(math.log(self.breaks[0]) - low) < _NEXT
 
     @cached_property
     def begun(self) -> float:
