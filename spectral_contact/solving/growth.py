@@ -358,11 +358,10 @@ class Grower:
         return ends
 
     def _panel(self, low: float, high: float) -> Panel:
-        radii = np.exp(stage_logs(low, high)).tolist()
-        flats = tuple(self.stage(b) for b in radii)
-        kinds = [[zone.kind for zone in flat.zones] for flat in flats]
-        for b, kind in zip(radii, kinds, strict=True):
-            if kind not in (["stick"], ["stick", "slip"]):
+        flats: tuple[Solution, ...] = ()
+        for b in np.exp(stage_logs(low, high)).tolist():
+            flats = (*flats, self.stage(b))
+            if [zone.kind for zone in flats[-1].zones] not in (["stick"], ["stick", "slip"]):
                 told = f"at the contact radius {b:.6g} slip does not simply reach the edge"
                 raise NotComputedError("traction", f"{told}: it takes increments of the load")
         return Panel(low, high, self.weight.on(low, high, flats), flats, self.fields)
