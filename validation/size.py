@@ -36,8 +36,8 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 11_327, 6_500),
-    Gate("lines in all", 39_804, 23_000),
+    Gate("lines of the core", 11_325, 6_500),
+    Gate("lines in all", 40_713, 23_000),
     Gate("float literals of the core", 267, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 19, 0),
@@ -45,7 +45,7 @@ GATES = (
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 20, 15),
     Gate("circles of imports", 2, 0),
-    Gate("longest chain of imports", 36, 12),
+    Gate("longest chain of imports", 38, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

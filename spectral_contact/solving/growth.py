@@ -1,8 +1,8 @@
 r"""Friction under a growing contact, by superposition of flat punches over the contact radius.
 
-Without elastic coupling the load ``P(b)`` at every contact radius ``b`` is that of normal contact,
-and while the load grows the rates of the traction are those of a flat punch of this radius (docs:
-profiles). So with flat solutions on panels in ``u = ln b``, interpolated between Chebyshev points,
+While the load grows the rates of pressure and traction are those of a flat punch of the radius
+``b`` (docs: profiles). So with flat solutions on panels in ``u = ln b``, interpolated between
+Chebyshev points, and with the load that `weights` knows,
 
     q(r) = int q*(r/b; alpha/b, beta/b, f) dP/b^2,      Q = int Q* dP,      c(b) = b c*.
 
@@ -13,155 +13,46 @@ Below the radius where slip begins everything sticks; panels are graded to it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from spectral_contact.errors import NotComputedError
-from spectral_contact.fields.series import Radius
 from spectral_contact.solution import Solution
-from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
+from spectral_contact.solving.growth_panel import Panel, stage_logs
+from spectral_contact.solving.nodes import COUNT, chebyshev_value
+from spectral_contact.solving.weights import Weight, Weights
 from spectral_contact.threads import cached_property
 
-__all__ = ["Growth", "Panel", "Stage", "grown"]
+__all__ = ["Grower", "Growth", "Stage"]
 
 Array = NDArray[np.float64]
-#: Of a contact radius: the load, and the solution of a flat punch.
-Stage = Callable[[float], tuple[float, Solution]]
+#: Of a contact radius: the solution of a flat punch.
+Stage = Callable[[float], Solution]
 
-#: Radii on a panel.
-_COUNT = 10
-_NODES: Array = chebyshev_interpolation(_COUNT)[0][::-1]
-_FIT: Array = chebyshev_interpolation(_COUNT)[1][:, ::-1]
-_BARYCENTRIC: Array = np.array(
-    [(-1.0) ** j * math.sin(math.pi * (2 * j + 1) / (2 * _COUNT)) for j in range(_COUNT)]
-)
 #: Widths of panels in u; the first beyond the onset of slip, and by how much they grow.
 _WIDTH, _AT_ONSET, _RATIO = 1.3, 3e-4, 3.5
+#: By how much a last panel may be longer.
+_REST = 0.3
 #: What panels may leave out, of the tolerance, as there are some tens; they are not halved below.
 _MARGIN, _SHORTEST = 0.02, 1e-4
 #: By how much a stick radius may fall, as its own error may make it.
 _FALL = 1e-8
-#: Where the convergence of the fields over the radius is looked at, in the stuck disk.
-_LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
-
-
-@dataclass(frozen=True)
-class Panel:
-    """Stages at Chebyshev points between two radii.
-
-    Attributes
-    ----------
-    low, high : float
-        Logarithms of the radii.
-    loads : ndarray
-        Logarithms of the loads.
-    flats : tuple of Solution
-    """
-
-    low: float
-    high: float
-    loads: Array
-    flats: tuple[Solution, ...]
-
-    def local(self, u: Array) -> Array:
-        """Return the places in [-1, 1]."""
-        share = (u - self.low) / (self.high - self.low)
-        return np.asarray(np.clip(2.0 * share - 1.0, -1.0, 1.0), dtype=np.float64)
-
-    @cached_property
-    def slips(self) -> bool:
-        """Whether there is slip."""
-        return len(self.flats[0].zones) > 1
-
-    @cached_property
-    def stick(self) -> Array:
-        """``ln c*`` of the stages."""
-        return np.array([math.log(_stick_radius(one).value) for one in self.flats])
-
-    @cached_property
-    def shears(self) -> Array:
-        """``Q*`` of the stages."""
-        return np.array([one.total_shear for one in self.flats])
-
-    def log_load(self, t: Array) -> Array:
-        """Return ``ln P``."""
-        return np.asarray(chebyshev.chebval(t, _FIT @ self.loads))
-
-    def increment(self, t: Array) -> Array:
-        """Return ``dP/du``."""
-        return np.asarray(np.exp(self.log_load(t)) * self.rate(self.loads, t))
-
-    def rate(self, values: Array, t: Array) -> Array:
-        """Return the derivative in ``u`` of what has these values in the stages."""
-        slope = chebyshev.chebval(t, chebyshev.chebder(_FIT @ values))
-        return np.asarray(slope * 2.0 / (self.high - self.low))
-
-    def log_stick(self, t: Array) -> Array:
-        """Return ``ln c*``."""
-        return np.asarray(chebyshev.chebval(t, _FIT @ self.stick))
-
-    def weights(self, t: Array) -> Array:
-        """Return the weights of the stages in the interpolant, (points, stages)."""
-        away = t[:, None] - _NODES
-        away[away == 0.0] = 1e-300
-        weights = _BARYCENTRIC / away
-        return np.asarray(weights / weights.sum(axis=1, keepdims=True))
-
-    def traction(self, t: Array, d: Array) -> Array:
-        """Return ``q*`` where sticks, at ``1 - (s/c*)**2 = d``."""
-        found, inside = np.zeros(len(t)), np.sqrt(1.0 - d)
-        for weight, one in zip(self.weights(t).T, self.flats, strict=True):
-            c = _stick_radius(one)
-            s = c.value * inside
-            from_edge = c.from_edge + c.value * d / (1.0 + inside)
-            found += weight * _traction(one, s, from_edge)
-        return found
-
-    def pressure(self, t: Array, s: Array, from_edge: Array) -> Array:
-        """Return ``p*``."""
-        found = np.zeros(len(t))
-        for weight, one in zip(self.weights(t).T, self.flats, strict=True):
-            assert one.pressure_field is not None
-            found += weight * one.pressure_field(s, from_edge)
-        return found
-
-    @cached_property
-    def shear_error(self) -> float:
-        """How much the interpolants of load and shear leave out, relative to the largest shear."""
-        size = max(float(np.abs(self.shears).max()), 1e-300)
-        return max(_left_out(self.loads), _left_out(self.shears) / size)
-
-    @cached_property
-    def error(self) -> float:
-        """The same of everything, relative to the largest of what is interpolated."""
-        d = 1.0 - _LOOKS**2
-        values = np.array([self.traction(np.full(len(d), t), d) for t in _NODES])
-        size = max(float(np.abs(values).max()), 1e-300)
-        of_field = max(_left_out(column) for column in values.T) / size
-        of_stick = _left_out(self.stick) if self.slips else 0.0
-        return max(self.shear_error, of_stick, of_field)
-
-
-def _left_out(values: Array) -> float:
-    """Return the estimate of what an interpolant leaves out: its last two terms, decaying on."""
-    terms = np.abs(_FIT @ values)
-    last, before = float(terms[-2:].max()), float(terms[-4:-2].max())
-    return last * min(last / before, 1.0) if before > 0.0 else last
-
-
-def _stick_radius(flat: Solution) -> Radius:
-    zone = flat.zones[0]
-    return Radius(zone.outer, zone.outer_from_edge)
-
-
-def _traction(flat: Solution, s: Array, from_edge: Array) -> Array:
-    field = flat.traction_field
-    return np.zeros(len(s)) if field is None else field(s, from_edge)
+#: By how much more than their own errors those of the flat punches count in load and approach,
+#: which the Volterra equation amplifies.
+_OF_FLATS = 3.0
+#: The end of a panel, and how well a place on it is known.
+_END, _ROUNDING = np.ones(1), 1e-15
+#: From a flat part a history goes back by so much in ``u``, and its load by so much in ``ln P``;
+#: how close to it one begins.
+_FARTHER_BACK, _CORNER, _NEXT = 1e-10, 6.0, 1e-9
+#: Slopes of ``ln P`` below which the history goes on for so much in ``u`` to the centre; how close
+#: to that of a tip it is one.
+_STEEP, _FARTHER, _LIKE_A_TIP = 2.9, 40.0, 1e-6
 
 
 @dataclass(frozen=True)
@@ -174,145 +65,306 @@ class Growth:
         From where the load is negligible to today.
     onset : float or None
         Radius at which slip begins; 0 if there is slip from the first touch, None if there is none.
-    radius : float
-        Today's contact radius.
+    breaks : tuple of float
+        Of the profile.
     """
 
     panels: tuple[Panel, ...]
     onset: float | None
-    radius: float
+    breaks: tuple[float, ...] = ()
+
+    @property
+    def log_radius(self) -> float:
+        """Logarithm of today's contact radius."""
+        return self.panels[-1].high
+
+    @cached_property
+    def load(self) -> float:
+        """Today's."""
+        return float(self.panels[-1].load(_END)[0])
+
+    @cached_property
+    def approach(self) -> float:
+        """Today's."""
+        return math.exp(float(chebyshev_value(self.panels[-1].weights.approaches, _END)[0]))
+
+    @cached_property
+    def work(self) -> float:
+        """``int P ddelta``."""
+
+        def rates(panel: Panel) -> Callable[[Array], Array]:
+            logs = panel.weights.approaches
+            return lambda t: panel.load(t) * np.exp(chebyshev_value(logs, t)) * panel.rate(logs, t)
+
+        # before the first panel there is next to none
+        return sum(one.integral(rates(one)) for one in self.panels)
 
     @cached_property
     def total_shear(self) -> float:
         """``Q = int Q* dP``."""
-        g, w = gauss_rule(2 * _COUNT)
+
+        def rates(panel: Panel) -> Callable[[Array], Array]:
+            return lambda t: chebyshev_value(panel.shears, t) * panel.increment(t)
+
         first = self.panels[0]
         # before the first panel there is next to no load
-        total = first.flats[0].total_shear * math.exp(first.log_load(np.array([-1.0]))[0])
-        for one in self.panels:
-            shear = chebyshev.chebval(g, _FIT @ one.shears)
-            total += (one.high - one.low) / 2.0 * float(w @ (shear * one.increment(g)))
-        return float(total)
+        begun = first.flats[0].total_shear * float(first.load(-_END)[0])
+        return begun + sum(one.integral(rates(one)) for one in self.panels)
+
+    @cached_property
+    def weight_error(self) -> float:
+        """Estimate of the relative error of load and approach, as the panels leave it."""
+        panels = sum(one.shear_error * self._share(one) for one in self.panels)
+        approaches = [one.weights.approaches for one in self.panels]
+        begun = math.exp(approaches[0][0] - approaches[-1][-1])
+        flats = _OF_FLATS * self._of_flats("pressure", "approach", power=0.0)
+        return panels + begun + flats
 
     @cached_property
     def shear_error(self) -> float:
         """Estimate of the relative error of the shear."""
-        worst = max((one.shear_error * self._share(one) for one in self.panels), default=0.0)
-        return len(self.panels) * worst + 2.0 * self._of_flats("total_shear", "approach")
+        panels = sum(one.shear_error * self._share(one) for one in self.panels)
+        return panels + 2.0 * self._of_flats("total_shear", "approach", power=0.0)
 
     @cached_property
     def stick_rate(self) -> float:
         """``dln c*/dln b`` today."""
         last = self.panels[-1]
-        return abs(float(last.rate(last.stick, np.ones(1))[0])) if last.slips else 0.0
+        return abs(float(last.rate(last.stick, _END)[0])) if last.slips else 0.0
+
+    @cached_property
+    def load_rate(self) -> float:
+        """``dln P/dln b`` today."""
+        last = self.panels[-1]
+        return float(last.rate(last.weights.loads, _END)[0])
+
+    @cached_property
+    def approach_rate(self) -> float:
+        """``dln delta/dln b`` today."""
+        last = self.panels[-1]
+        return float(last.rate(last.weights.approaches, _END)[0])
+
+    def moved(self, name: str, value: float) -> float:
+        """Return the relative error of today's radius, where load or approach has a value."""
+        by_load = name == "loads"
+        found, rate = (
+            (self.load, self.load_rate) if by_load else (self.approach, self.approach_rate)
+        )
+        return (self.weight_error + abs(found / value - 1.0)) / rate
 
     @cached_property
     def shear_rate(self) -> float:
         """``dln Q/dln b`` today."""
         last = self.panels[-1]
-        rate = float(last.increment(np.ones(1))[0]) * last.shears[-1]
+        rate = float(last.increment(_END)[0] * last.shears[-1])
         return abs(rate / self.total_shear) if self.total_shear else 0.0
 
     @cached_property
     def error(self) -> float:
         """Estimate of the error of the traction, relative to its largest value."""
-        worst = max((one.error * self._share(one) for one in self.panels), default=0.0)
-        flats = self._of_flats("traction", "pressure")
-        return len(self.panels) * worst + 2.0 * flats
+        panels = sum(one.error * self._share(one) for one in self.panels)
+        flats = self._of_flats("traction", "pressure", power=-2.0)
+        return panels + 2.0 * flats + self.begun
+
+    @cached_property
+    def log_beginning(self) -> bool:
+        """Whether all decades of the beginning count alike at the centre, as at a smooth tip."""
+        return abs(self._rise - 2.0) < _LIKE_A_TIP and not self._corner
+
+    @property
+    def _rise(self) -> float:
+        """``dln P/dln b`` at the beginning."""
+        first = self.panels[0]
+        return float(first.rate(first.weights.loads, -_END)[0])
+
+    @property
+    def _corner(self) -> bool:
+        """Whether the history begins at the end of a flat part."""
+        low = self.panels[0].low
+        return bool(self.breaks) and abs(math.log(self.breaks[0]) - low) < _NEXT
+
+    @cached_property
+    def begun(self) -> float:
+        """What is missing at the centre, relative to the mean pressure: before `all_panels`."""
+        if self.log_beginning:
+            return 0.0
+        first = self.all_panels[0]
+        share = float(first.load(-_END)[0]) / self.load
+        return share * math.exp(2.0 * (self.log_radius - first.low))
+
+    @cached_property
+    def all_panels(self) -> tuple[Panel, ...]:
+        """The panels, after one that goes on to the centre as they begin, where that counts."""
+        first, corner = self.panels[0], self._corner
+        if self._rise > _STEEP and not corner:
+            return self.panels
+        # a flat part has its first load before it grows at all
+        rise, farther = (_CORNER / _FARTHER_BACK, _FARTHER_BACK) if corner else (0.0, _FARTHER)
+        low, flats = first.low - farther, (first.flats[0],) * COUNT
+        back = stage_logs(low, first.low) - first.low
+        weights = [
+            float(chebyshev_value(logs, -_END)[0])
+            + (rise or float(first.rate(logs, -_END)[0])) * back
+            for logs in (first.weights.loads, first.weights.approaches)
+        ]
+        begun = Panel(low, first.low, Weights(weights[0], weights[1]), flats, first.fields)
+        return (begun, *self.panels)
 
     def _share(self, panel: Panel) -> float:
-        return _share(panel, self.radius, self.panels[-1].loads[-1])
+        return _share(panel, self.log_radius, self.load)
 
-    def _of_flats(self, *names: str) -> float:
-        errors = [one.error for panel in self.panels for one in panel.flats]
-        return max(getattr(error, name) or 0.0 for error in errors for name in names)
+    def _of_flats(self, *names: str, power: float) -> float:
+        """Return what the errors of the flat punches make, weighed with ``b**power dP``."""
+
+        def weights(panel: Panel) -> Callable[[Array], Array]:
+            extent = panel.high - panel.low
+            return lambda t: (
+                panel.increment(t) * np.exp(power * (panel.low + extent * (1.0 + t) / 2.0))
+            )
+
+        sizes = [one.integral(weights(one)) for one in self.panels]
+        worst = [
+            max(getattr(one.error, name) or 0.0 for one in panel.flats for name in names)
+            for panel in self.panels
+        ]
+        return float(np.dot(sizes, worst)) / math.fsum(sizes)
 
     @cached_property
     def stages(self) -> list[tuple[float, float]]:
         """Contact radii ``b`` with the stick radii ``c(b)``."""
         return [
-            (b := math.exp(float(u)), b * math.exp(float(stick)))
+            (b := math.exp(u), b * math.exp(stick))
             for one in self.panels
-            for u, stick in zip(
-                one.low + (one.high - one.low) * (1.0 + _NODES) / 2.0, one.stick, strict=True
-            )
+            for u, stick in zip(one.logs.tolist(), one.stick.tolist(), strict=True)
         ]
 
+    def log_stick(self, log_radius: float) -> list[float]:
+        """Return ``ln c*`` when the contact had a radius; nothing where there was no slip."""
+        panels = [one for one in self.panels if one.slips and one.high >= log_radius]
+        if not panels or panels[0].low > log_radius + _NEXT:
+            return []
+        place = panels[0].local(np.array([log_radius]))
+        return [float(panels[0].log_stick(place)[0])]
 
-def _share(panel: Panel, radius: float, log_load: float) -> float:
+    def radius_of(self, name: str, value: float) -> float | None:
+        """Return the logarithm of the radius at which the load, or the approach, had a value.
+
+        None if it has not been reached.
+        """
+        asked = math.log(value)
+        for panel in self.panels:
+            logs = getattr(panel.weights, name)
+
+            def off(t: float, logs: Array = logs) -> float:
+                return float(chebyshev_value(logs, np.array([t]))[0]) - asked
+
+            if off(1.0) >= 0.0:
+                t = float(brentq(off, -1.0, 1.0, xtol=_ROUNDING)) if off(-1.0) < 0.0 else -1.0
+                return panel.low + (panel.high - panel.low) * (1.0 + t) / 2.0
+        return None
+
+
+def _share(panel: Panel, log_radius: float, load: float) -> float:
     """Return what a panel contributes to load or traction at most, relative to all of it."""
-    load = math.exp(panel.loads[-1] - log_load)
-    return load * max(1.0, math.exp(2.0 * (math.log(radius) - panel.high)))
+    share = math.exp(float(panel.weights.loads[-1])) / load
+    return share * max(1.0, math.exp(2.0 * (log_radius - panel.high)))
 
 
-def grown(
-    stage: Stage,
-    radius: float,
-    load: float,
-    least: float,
-    onset: float | None,
-    tolerance: float,
-) -> Growth:
-    """Return the history of a contact.
+@dataclass(frozen=True)
+class Grower:
+    """What follows a contact while it grows.
 
-    Parameters
+    Attributes
     ----------
     stage : callable
-        Of a contact radius: its load, and a flat punch's solution.
-    radius, load : float
-        Today's.
-    least : float
-        Where the load is negligible.
+    weight : Weight
+        Where the loads come from.
     onset : float or None
         As of `Growth`.
+    fields : tuple of str
+        Those that are superposed.
     tolerance : float
         Panels are halved until what they leave out is less, relative to all.
-
-    Raises
-    ------
-    NotComputedError
-        If slip does not reach the edge at some radius, or the stick radius falls.
+    breaks : tuple of float
+        Of the profile.
+    at_break : float
+        Width of the first panel past one that is no end of a flat part.
     """
-    todo, panels = list(_ends(least, radius, onset))[::-1], []
-    while todo:
-        low, high = todo.pop()
-        panel = _panel(stage, low, high)
-        off = panel.error * _share(panel, radius, math.log(load))
-        if off > _MARGIN * tolerance and high - low > _SHORTEST:
-            middle = (low + high) / 2.0
-            todo += [(middle, high), (low, middle)]
-        else:
-            panels.append(panel)
-    found = Growth(tuple(panels), onset, radius)
-    _check(found)
-    return found
 
+    stage: Stage
+    weight: Weight
+    onset: float | None
+    fields: tuple[str, ...]
+    tolerance: float
+    breaks: tuple[float, ...]
+    at_break: float
 
-def _panel(stage: Stage, low: float, high: float) -> Panel:
-    radii = np.exp(low + (high - low) * (1.0 + _NODES) / 2.0).tolist()
-    pairs = [stage(b) for b in radii]
-    kinds = [[zone.kind for zone in flat.zones] for _, flat in pairs]
-    for b, kind in zip(radii, kinds, strict=True):
-        if kind not in (["stick"], ["stick", "slip"]) or kind != kinds[0]:
-            told = f"at the contact radius {b:.6g} slip does not simply reach the edge"
-            raise NotComputedError("traction", f"{told}: it takes increments of the load")
-    return Panel(low, high, np.log([load for load, _ in pairs]), tuple(flat for _, flat in pairs))
+    def grown(self, least: float, radius: float, load: float) -> Growth:
+        """Return the history of a contact.
 
+        Parameters
+        ----------
+        least : float
+            Where the load is negligible.
+        radius, load : float
+            Today's; the load is a measure only.
 
-def _ends(least: float, radius: float, onset: float | None) -> Iterator[tuple[float, float]]:
-    """Yield the ends of the first panels, which grow away from the onset of slip."""
-    low, high = math.log(least), math.log(radius)
-    cuts = [low, high]
-    if onset is not None and least < onset < radius:
-        step, steps = _AT_ONSET, [math.log(onset)]
-        while steps[-1] + step < high:
-            steps.append(steps[-1] + step)
-            step = min(step * _RATIO, _WIDTH)
-        cuts = [low, *steps, high]
-    for start, stop in pairwise(cuts):
-        count = max(math.ceil((stop - start) / _WIDTH), 1)
-        for k in range(count):
-            yield start + (stop - start) * k / count, start + (stop - start) * (k + 1) / count
+        Raises
+        ------
+        NotComputedError
+            If slip does not reach the edge at some radius, or the stick radius falls.
+        """
+        todo, panels = self._ends(math.log(least), math.log(radius))[::-1], []
+        while todo:
+            low, high = todo.pop()
+            panel = self._panel(low, high)
+            off = panel.error * _share(panel, math.log(radius), load)
+            if off > _MARGIN * self.tolerance and high - low > _SHORTEST:
+                middle = (low + high) / 2.0
+                todo += [(middle, high), (low, middle)]
+            else:
+                self.weight.keep()
+                panels.append(panel)
+        found = Growth(tuple(panels), self.onset, self.breaks)
+        _check(found)
+        return found
+
+    def until(self, growth: Growth, log_radius: float) -> Growth:
+        """Return a history that ends earlier."""
+        kept = [one for one in growth.panels if one.high < log_radius - _SHORTEST]
+        low = kept[-1].high if kept else growth.panels[0].low
+        self.weight.back(len(kept))
+        last = self._panel(low, log_radius)
+        self.weight.keep()
+        return Growth((*kept, last), self.onset, self.breaks)
+
+    def _ends(self, low: float, high: float) -> list[tuple[float, float]]:
+        """Return the ends of the first panels, which grow away from where something begins."""
+        starts = {math.log(b): self.at_break for b in self.breaks if low < math.log(b) < high}
+        if self.onset and low < math.log(self.onset) < high:
+            starts[math.log(self.onset)] = _AT_ONSET
+        if self.breaks and abs(low - math.log(self.breaks[0])) < _NEXT:
+            starts[low] = low - math.log(self.breaks[0])
+        ends: list[tuple[float, float]] = []
+        for start, stop in pairwise(sorted({low, high, *starts})):
+            step, cuts = starts.get(start, stop - start), [start]
+            while cuts[-1] + (1.0 + _REST) * step < stop:
+                cuts.append(cuts[-1] + step)
+                step = min(step * _RATIO, _WIDTH)
+            for begin, end in pairwise([*cuts, stop]):
+                count = max(math.ceil((end - begin) / _WIDTH), 1)
+                places = [begin + (end - begin) * k / count for k in range(count)]
+                ends += pairwise([*places, end])
+        return ends
+
+    def _panel(self, low: float, high: float) -> Panel:
+        flats: tuple[Solution, ...] = ()
+        for b in np.exp(stage_logs(low, high)).tolist():
+            flats = (*flats, self.stage(b))
+            if [zone.kind for zone in flats[-1].zones] not in (["stick"], ["stick", "slip"]):
+                told = f"at the contact radius {b:.6g} slip does not simply reach the edge"
+                raise NotComputedError("traction", f"{told}: it takes increments of the load")
+        return Panel(low, high, self.weight.on(low, high, flats), flats, self.fields)
 
 
 def _check(growth: Growth) -> None:

@@ -80,8 +80,8 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
             missing[name] = "it is not computed of growing contacts"
     present = tuple(name for name in _present(scene) if name not in missing)
     if scene.profile is not None:
-        both = _normal(scene, present), _growth(scene, present)
-        return Plan(present, both, tuple(sorted(missing.items())))
+        growing = *_coupling(scene, present), _normal(scene, present), _growth(scene, present)
+        return Plan(present, growing, tuple(sorted(missing.items())))
     steps = (
         *_coupling(scene, present),
         _normal(scene, present),
@@ -110,7 +110,7 @@ def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) 
 
 def _affected(scene: Scene) -> frozenset[str]:
     """Return the quantities that depend on the traction."""
-    return frozenset(QUANTITIES) if scene.couples else _TANGENTIAL
+    return frozenset((*QUANTITIES, *PROFILE_QUANTITIES)) if scene.couples else _TANGENTIAL
 
 
 def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:

@@ -3,38 +3,38 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from time import perf_counter
-from typing import Any
 
 from scipy.interpolate import barycentric_interpolate
-from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import find_radius
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
+from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import Radius
-from spectral_contact.profiles.control import CONTROLS
-from spectral_contact.scene import Scene
-from spectral_contact.solution import GROWTH, NORMAL, PROFILE_QUANTITIES, Solution, StepState
-from spectral_contact.solving.grown_traction import grown_traction
-from spectral_contact.solving.growth import Growth, grown
-from spectral_contact.solving.planning import plan
+from spectral_contact.solution import (
+    COUPLING,
+    GROWTH,
+    NORMAL,
+    PROFILE_QUANTITIES,
+    PlannedStep,
+    Solution,
+    StepState,
+)
+from spectral_contact.solving.grown_fields import GrownFields, opening
+from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import Shared
+from spectral_contact.solving.stages import Stages
 
 __all__ = ["ProfileRun"]
 
-#: What the flat punches of a history are solved for.
-_FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
-#: Their tolerance, of that asked for, and the least.
-_TIGHTER, _TIGHTEST = 0.1, 1e-12
 #: Scenes that are extrapolated from, and how far in a logarithm.
 _POINTS, _FARTHEST = 4, 1.0
-#: Share of the tolerance of the load or traction that is not looked for in the history.
-_NEGLIGIBLE = 0.01
-#: Tolerances of the critical friction and of the radius at which slip begins.
-_CRITICAL, _ONSET = 1e-10, 1e-12
+#: Tolerance of normal contact where it is a measure only.
+_ROUGH = 1e-4
+#: By how much more than that a history goes on to look for a load or an approach.
+_ROOM = 1e-3
+_BEYOND = "the load is not reached where normal contact has it"
 
 
 class ProfileRun(Run):
@@ -45,11 +45,15 @@ class ProfileRun(Run):
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run normal contact, and friction if there is any."""
-        if StepState.RUN in (states[NORMAL], states[GROWTH]):
-            self._indent(pointwise="pressure" in self.plan.quantities or self._grows(states))
+        if states[NORMAL] is StepState.RUN or (self._grows(states) and not self.scene.couples):
+            fields = {"pressure", "traction"}.intersection(self.plan.quantities)
+            self._indent(pointwise=bool(fields))
         self.tangential(states, None)
         if self._grows(states):
-            self._grow()
+            if self.scene.couples:
+                self._grow_together()
+            else:
+                self._grow()
 
     def _grows(self, states: dict[str, StepState]) -> bool:
         return states[GROWTH] is StepState.RUN
@@ -104,33 +108,139 @@ class ProfileRun(Run):
         )
 
     def _grow(self) -> None:
-        """Add up the flat punches of the history."""
-        begin = perf_counter()
-        history = _Stages(self.scene, self.rtol, self.max_unknowns)
+        """Add up the flat punches of the history, whose load is known."""
+        begin, scene = perf_counter(), self.scene
+        history = Stages(scene, self.rtol, self.max_unknowns)
         radius = self.values["contact_radius"]
-        growth = history.growth(radius, self.values["load"])
-        today, friction = history.flat(radius), self.scene.friction
+        least = history.least(radius, self.values["load"])
+        grower = history.grower(least, radius, self._fields())
+        growth = grower.grown(least, radius, self.values["load"])
+        today = self._take_zones(history, growth)
+        self.errors["total_shear"] += self.errors["load"]
+        if "traction" in self.plan.quantities:
+            assert scene.friction is not None
+            assert self.pressure is not None
+            fields = GrownFields(growth, _stick_radius(today), smooth=self._smooth)
+            found = fields.traction(scene.friction, self.pressure)
+            self.traction = found.field
+            lost = found.lost / found.largest if found.largest else 0.0
+            self.errors["traction"] = growth.error + lost + self.errors["pressure"]
+        self.record(GROWTH, growth, begin)
+
+    def _grow_together(self) -> None:
+        """Follow the contact while it grows: with coupling nothing is known beforehand."""
+        begin, scene = perf_counter(), self.scene
+        assert scene.friction is not None
+        history = Stages(scene, self.rtol, self.max_unknowns)
+        radius, load = self._without_coupling()
+        least = history.least(radius, load)
+        grower = history.grower(least, radius, self._fields())
+        growth = grower.grown(least, radius, load)
+        error = growth.weight_error
+        given = "loads" if scene.approach is None else "approaches"
+        value = scene.load if scene.approach is None else scene.approach
+        moved = 0.0
+        if value is not None:
+            at = growth.radius_of(given, value)
+            if at is None:
+                raise NotComputedError("contact_radius", _BEYOND)
+            growth = grower.until(growth, at)
+            error, moved = growth.weight_error, growth.moved(given, value)
+        radius = scene.contact_radius or math.exp(growth.log_radius)
+        self.values.update(
+            contact_radius=radius,
+            load=scene.load or growth.load,
+            approach=scene.approach or growth.approach,
+            indentation_work=growth.work,
+        )
+        self.errors.update(
+            contact_radius=moved,
+            load=0.0 if scene.load else error + growth.load_rate * moved,
+            approach=0.0 if scene.approach else error + growth.approach_rate * moved,
+            indentation_work=2.0 * error + (growth.load_rate + growth.approach_rate) * moved,
+        )
+        today = self._take_zones(history, growth)
+        self.errors["total_shear"] += error
+        self.values["stiffness"] = radius / today.approach
+        # grows like the radius on a smooth surface, like its square in a layer
+        self.errors["stiffness"] = (today.error.approach or 0.0) + 2.0 * moved
+        if self._fields():
+            self._take_fields(growth, today, error)
+        self.record(GROWTH, growth, begin)
+
+    def _take_fields(self, growth: Growth, today: Solution, error: float) -> None:
+        """Add up pressure and traction."""
+        friction = self.scene.friction
         assert friction is not None
-        assert self.pressure is not None
+        fields = GrownFields(growth, _stick_radius(today), smooth=self._smooth)
+        pressed = fields.pressure()
+        self.pressure = pressed.field
+        if today.opening is not None:
+            self.values["opening"] = opened = opening(pressed.field)
+            if opened is not None:
+                told = f"one history; the contact would open within {opened:.3g} of the edge"
+                self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
+        mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
+        left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
+        # what is left is relative to the pressure itself, or as good as
+        self.errors["pressure"] = pressed.lost / mean + 2.0 * left
+        found = fields.traction(friction, pressed.field)
+        self.traction = found.field
+        self.errors["traction"] = left + (found.lost / found.largest if found.largest else 0.0)
+
+    def _without_coupling(self) -> tuple[float, float]:
+        """Return radius and load of normal contact: not far away, and a little more than needed."""
+        scene = self.scene
+        assert scene.profile is not None
+        shape = scene.profile, scene.normal_compliance
+        if scene.contact_radius is not None:
+            radius = scene.contact_radius
+            found = solve_indentation(
+                shape[0], radius, shape[1], _ROUGH, self.max_unknowns, pointwise=False
+            )
+        else:
+            found, _ = find_radius(
+                *shape,
+                _ROUGH,
+                self.max_unknowns,
+                load=scene.load,
+                approach=scene.approach,
+                pointwise=False,
+            )
+        value = found.best.value if isinstance(found, Refinement) else found
+        radius = value.radius
+        if scene.contact_radius is None:  # near nu = 0.5 it is the same but for its error
+            radius += min(_ROOM * radius, (scene.profile.reach - radius) / 2.0)
+        return radius, value.load
+
+    def _take_zones(self, history: Stages, growth: Growth) -> Solution:
+        """Take today's zones, which are those of a flat punch, and the shear."""
+        today = history.flat(math.exp(growth.log_radius))
         self.values.update(
             zones=today.zones, stick_radius=today.stick_radius, total_shear=growth.total_shear
         )
         moved = self.errors["contact_radius"]
         of_stick = growth.stick_rate * moved
-        of_shear = growth.shear_rate * moved
         self.errors.update(
             zones=(today.error.zones or 0.0) + of_stick,
             stick_radius=(today.error.stick_radius or 0.0) + of_stick,
-            total_shear=growth.shear_error + of_shear + self.errors["load"],
+            total_shear=growth.shear_error + growth.shear_rate * moved,
         )
-        if "traction" in self.plan.quantities:
-            outer = today.zones[0]
-            stick = Radius(outer.outer, outer.outer_from_edge)
-            smooth = 0.0 in (self.scene.normal_compliance, self.scene.tangential_compliance)
-            found = grown_traction(growth, stick, friction, self.pressure, smooth=smooth)
-            self.traction = found.field
-            self.errors["traction"] = growth.error + found.error + self.errors["pressure"]
-        self.record(GROWTH, growth, begin)
+        return today
+
+    def _fields(self) -> tuple[str, ...]:
+        """Return the fields that are superposed."""
+        names = ("pressure", "traction") if self.scene.couples else ("traction",)
+        return names if {"pressure", "traction"}.intersection(self.plan.quantities) else ()
+
+    @property
+    def _smooth(self) -> bool:
+        return 0.0 in (self.scene.normal_compliance, self.scene.tangential_compliance)
+
+
+def _stick_radius(today: Solution) -> Radius:
+    outer = today.zones[0]
+    return Radius(outer.outer, outer.outer_from_edge)
 
 
 class _RadiusPath:
@@ -151,87 +261,3 @@ class _RadiusPath:
         if len(places) < 2:
             return None
         return math.exp(float(barycentric_interpolate(list(places), list(places.values()), at)))
-
-
-class _Stages:
-    """The loads and flat punches of a history."""
-
-    def __init__(self, scene: Scene, rtol: float, max_unknowns: int) -> None:
-        assert scene.profile is not None
-        self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
-        self.profile = scene.profile
-        self._tight = max(_TIGHTER * rtol, _TIGHTEST)
-        without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
-        self._flat = replace(scene, **without)
-        self._shared = Shared()
-
-    def load(self, radius: float) -> float:
-        """Return the load of a contact radius."""
-        found = solve_indentation(
-            self.profile,
-            radius,
-            self.scene.normal_compliance,
-            self._tight,
-            self.max_unknowns,
-            pointwise=False,
-        )
-        return (found.best.value if isinstance(found, Refinement) else found).load
-
-    def _scene(self, radius: float) -> Scene:
-        flat = self._flat
-        return replace(
-            flat,
-            normal_compliance=flat.normal_compliance / radius,
-            tangential_compliance=flat.tangential_compliance / radius,
-        )
-
-    def flat(self, radius: float) -> Solution:
-        """Return the solution of a flat punch."""
-        scene = self._scene(radius)
-        run = Run(scene, plan(scene, _FLAT), self._tight, self.max_unknowns, self._shared)
-        return run.solution()
-
-    def critical(self, radius: float) -> float:
-        """Return the critical friction of a flat punch."""
-        scene = self._scene(radius)
-        todo = plan(scene, ("critical_friction",))
-        run = Run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
-        return run.solution().critical_friction
-
-    def growth(self, radius: float, load: float) -> Growth:
-        """Return the history up to a contact radius."""
-        least = self._least(radius, load)
-
-        def stage(at: float) -> tuple[float, Solution]:
-            return self.load(at), self.flat(at)
-
-        return grown(stage, radius, load, least, self._onset(least, radius), self.rtol)
-
-    def _least(self, radius: float, load: float) -> float:
-        """Return a radius at which load and traction are negligible."""
-        share, at = 1.0, radius
-        while share > _NEGLIGIBLE * self.rtol:
-            at /= 2.0
-            share = self.load(at) / load * (radius / at) ** 2
-            if share * (radius / at) > 1.0 and at < 1e-9 * radius:
-                break
-        return at
-
-    def _onset(self, least: float, radius: float) -> float | None:
-        """Return the radius at which slip begins; 0 if it is always there, None if never."""
-        friction = self.scene.friction
-        assert friction is not None
-        if friction == math.inf:
-            return None
-        if self.scene.tangential_compliance == 0.0:
-            return 0.0
-
-        def excess(log_radius: float) -> float:
-            return math.log(self.critical(math.exp(log_radius)) / friction)
-
-        low, high = math.log(least), math.log(radius)
-        if excess(high) <= 0.0:
-            return None
-        if excess(low) >= 0.0:
-            return 0.0
-        return math.exp(float(brentq(excess, low, high, xtol=_ONSET)))

@@ -23,6 +23,9 @@ SCENES = {
     "SI": Scene.from_physical(**STEEL, radius=1e-6, load=1e-3, friction=0.1, **LAYER),
     "SI, approach": Scene.from_physical(**STEEL, radius=1e-6, approach=1e-8, **LAYER),
     "ball, sticking": Scene(0.3, 0.2, 0.2, math.inf, profile=BALL, contact_radius=1.0),
+    "ball, coupled": Scene(
+        0.3, 0.2, 0.2, math.inf, profile=BALL, contact_radius=1.0, coupling=True
+    ),
     "smooth cone": Scene(0.3, profile=profiles.Cone(1.0), load=1.0),
     "smooth corner": Scene(0.3, profile=profiles.TruncatedCone(0.5, 1.0), load=3.0),
     "ball in SI": Scene.from_physical(
@@ -78,6 +81,7 @@ REFUSED = {
     **dict.fromkeys(("smooth", "slip inside", "SI", "SI, approach"), FLAT_HAVE_NONE),
     "coupled": FLAT_HAVE_NONE | {"sweep"},
     "ball, sticking": {"energies"},
+    "ball, coupled": {"energies", "sweep"},
 }
 
 

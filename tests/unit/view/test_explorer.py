@@ -98,8 +98,9 @@ def test_a_bad_value_is_refused_in_the_words_of_the_library(query, wrong):
 
 
 def test_a_contact_that_is_not_modelled_is_refused():
-    query = "?profile=Sphere&radius=1&load=1&friction=none&coupling=true"
-    assert look_at(texts_from(query)).complaint == "coupling = True: must be False with a profile"
+    query = "?profile=RoundedFlat&flat_radius=1&radius=1&load=1&friction=0.1&coupling=true"
+    told = "coupling = True: must be False with friction and a profile that has a flat part"
+    assert look_at(texts_from(query)).complaint == told
 
 
 def test_the_fields_are_those_of_the_solution():

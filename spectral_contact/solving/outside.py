@@ -1,0 +1,101 @@
+r"""How far the surface outside a flat punch goes down with it.
+
+Outside the contact the shear does not move the surface normally (docs/theory: the term
+``kappa int_s^1 q`` ends at the edge), so for unit approach, at ``x = 1/xi`` radii,
+
+    omega = (1/(pi delta*)) int_0^1 p* K1(eta, x) d eta = (xi/(2 pi delta*)) int_0^1 p* K(m) dy
+
+with ``1 - m = y + Y - y Y`` in the distances ``y = 1 - eta**2`` and ``Y = 1 - xi**2``.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ellipkm1
+
+from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.solution import Solution
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import gauss_rule, graded_rule, legendre_expansion_matrix
+
+__all__ = ["outside_displacement", "reached"]
+
+Array = NDArray[np.float64]
+
+#: Panels in ``-ln Y`` and their points; deeper the surface is at the edge.
+_PANELS, _WIDTH, _POINTS = 36, 2.0, 16
+#: Quadrature of the pressure: points of a panel towards the edge; points, panels and their ratio
+#: towards the boundary of a zone, where the pressure is almost smooth.
+_EDGE_POINTS, _BOUNDARY = 16, (12, 16, 0.15)
+
+_KERNELS: BoundedCache[str, Array] = BoundedCache("outside a flat punch", 1)
+
+
+def outside_displacement(flat: Solution) -> LogSeries:
+    """Return ``omega / xi`` as a series in ``Y``.
+
+    Parameters
+    ----------
+    flat : Solution
+        Of a flat punch, with zones and pressure.
+    """
+    field = flat.pressure_field
+    assert field is not None
+    inner = [Radius(zone.outer, zone.outer_from_edge) for zone in flat.zones[:-1]]
+    y, weights = _quadrature(inner)
+    s = np.sqrt(1.0 - y)
+    strength = weights * field(s, y / (1.0 + s)) / (2.0 * math.pi * flat.approach)
+    kernel = _kernel(y) if inner else _KERNELS.get("one zone", lambda: _kernel(y))
+    values = (kernel @ strength).reshape(_PANELS, _POINTS)
+    table = values @ legendre_expansion_matrix(_POINTS, _POINTS - 1).T
+    return LogSeries(table, np.array([table[-1].sum()]), _WIDTH)
+
+
+def reached(series: list[LogSeries], ahead: Array) -> Array:
+    """Return ``omega`` of several punches, ``ahead`` in ``ln r`` of their radius, (punches, n)."""
+    distance = -np.expm1(-2.0 * ahead)
+    return LogSeries.several(series, distance) * np.exp(-ahead)
+
+
+def _places() -> Array:
+    """Return the ``Y`` of all points of the panels."""
+    g, _ = gauss_rule(_POINTS)
+    return np.asarray(np.exp(-_WIDTH * (np.arange(_PANELS)[:, None] + (1.0 + g) / 2.0)).ravel())
+
+
+def _kernel(y: Array) -> Array:
+    """Return ``K(m)`` at the places, for pressures at `y`."""
+    outside = _places()[:, None]
+    return np.asarray(ellipkm1(y + outside * (1.0 - y)))
+
+
+def _quadrature(inner: list[Radius]) -> tuple[Array, Array]:
+    """Return ``y`` and weights on zones with these boundaries, graded to them and to the edge."""
+    d, w = _toward_edge()
+    if not inner:
+        return d, w
+    g, v = graded_rule(*_BOUNDARY)
+    rests = [0.0, *(one.rest for one in inner[::-1]), 1.0]
+    middle = rests[1] / 2.0
+    points, weights = [middle * d], [middle * w]
+    for k, (low, high) in enumerate(pairwise(rests)):
+        start = middle if k == 0 else low
+        if k > 0:
+            half = (high - start) / 2.0
+            points.append(start + half * g)
+            weights.append(half * v)
+            start += half
+        points.append(high - (high - start) * g)
+        weights.append((high - start) * v)
+    return np.concatenate(points), np.concatenate(weights)
+
+
+def _toward_edge() -> tuple[Array, Array]:
+    """Return a rule on (0, 1) for what is singular at 0, deep enough for an inverse root."""
+    g, w = gauss_rule(_EDGE_POINTS)
+    d = np.exp(-_WIDTH * (np.arange(_PANELS)[:, None] + (1.0 + g) / 2.0))
+    return d.ravel(), (d * w * _WIDTH / 2.0).ravel()

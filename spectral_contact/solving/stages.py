@@ -1,0 +1,145 @@
+"""The stages of a growing contact: flat punches, and what normal contact is, at every radius."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from scipy.optimize import brentq
+
+from spectral_contact.contact.indented import solve_indentation
+from spectral_contact.contact.refine import Refinement
+from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution
+from spectral_contact.solving.coupled_run import CoupledRun
+from spectral_contact.solving.growth import Grower
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.run import Run
+from spectral_contact.solving.sharing import Shared
+from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
+
+__all__ = ["Stages"]
+
+#: What the flat punches of a history are solved for.
+_FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
+#: Their tolerance, of that asked for, and the least.
+_TIGHTER, _TIGHTEST = 0.1, 1e-12
+#: Share of the tolerance of the load or traction that is not looked for in the history.
+_NEGLIGIBLE = 0.01
+#: How far past a flat part the history begins, with what is carried there.
+_PAST = 1e-10
+#: Width of the first panel past a break, where the load goes on like the power 3/2 of the distance,
+#: and where a layer makes it smoother.
+_AT_SMOOTH_BREAK, _AT_BREAK = 1e-7, 3e-4
+#: Tolerances of the critical friction and of the radius at which slip begins.
+_CRITICAL, _ONSET = 1e-10, 1e-12
+#: Friction that is lacking by more than this, in a logarithm, is lacking.
+_LACKING = 5.0
+
+
+class Stages:
+    """The flat punches of a history, and the loads of normal contact.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a profile and friction.
+    rtol, max_unknowns
+        As of `solve`.
+    """
+
+    def __init__(self, scene: Scene, rtol: float, max_unknowns: int) -> None:
+        assert scene.profile is not None
+        self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
+        self.profile = scene.profile
+        self._tight = max(_TIGHTER * rtol, _TIGHTEST)
+        without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
+        self._flat = replace(scene, **without)
+        self._shared = Shared()
+        self._run = CoupledRun if scene.couples else Run
+        self._last: tuple[Scene, Solution] | None = None
+
+    def contact(self, radius: float) -> tuple[float, float]:
+        """Return load and approach of normal contact of a radius."""
+        found = solve_indentation(
+            self.profile,
+            radius,
+            self.scene.normal_compliance,
+            self._tight,
+            self.max_unknowns,
+            pointwise=False,
+        )
+        value = found.best.value if isinstance(found, Refinement) else found
+        return value.load, value.approach
+
+    def _scene(self, radius: float) -> Scene:
+        flat = self._flat
+        return replace(
+            flat,
+            normal_compliance=flat.normal_compliance / radius,
+            tangential_compliance=flat.tangential_compliance / radius,
+        )
+
+    def flat(self, radius: float) -> Solution:
+        """Return the solution of a flat punch."""
+        scene = self._scene(radius)
+        if self._last is None or self._last[0] != scene:  # on a smooth surface all are the same
+            run = self._run(scene, plan(scene, _FLAT), self._tight, self.max_unknowns, self._shared)
+            self._last = scene, run.solution()
+        return self._last[1]
+
+    def critical(self, radius: float) -> float:
+        """Return the critical friction of a flat punch."""
+        scene = self._scene(radius)
+        todo = plan(scene, ("critical_friction",))
+        run = self._run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
+        return run.solution().critical_friction
+
+    def weight(self, least: float) -> Weight:
+        """Return the weight of a history that begins at a radius."""
+        if self.scene.couples:
+            return CoupledWeight(self.profile, math.log(least), self.flat(least))
+        if self.scene.normal_compliance == 0.0:
+            return SmoothWeight(self.profile, self.contact(least)[0])
+        return NormalWeight(self.contact)
+
+    def grower(self, least: float, radius: float, fields: tuple[str, ...]) -> Grower:
+        """Return what follows the contact between two radii."""
+        onset = self._onset(least, radius)
+        at_break = _AT_SMOOTH_BREAK if self.scene.normal_compliance == 0.0 else _AT_BREAK
+        weight = self.weight(least)
+        return Grower(self.flat, weight, onset, fields, self.rtol, self.profile.breaks, at_break)
+
+    def least(self, radius: float, load: float) -> float:
+        """Return a radius at which load and traction are negligible; just past a flat part."""
+        if self.profile.flat_part > 0.0:
+            return self.profile.flat_part * (1.0 + _PAST)
+        share, at = 1.0, radius
+        while share > _NEGLIGIBLE * self.rtol:
+            at /= 2.0
+            share = self.contact(at)[0] / load * (radius / at) ** 2
+            if share * (radius / at) > 1.0 and at < 1e-9 * radius:
+                break
+        return at
+
+    def _onset(self, least: float, radius: float) -> float | None:
+        """Return the radius at which slip begins; 0 if it is always there, None if never."""
+        friction = self.scene.friction
+        assert friction is not None
+        if friction == math.inf:
+            return None
+        if self.scene.tangential_compliance == 0.0:
+            return 0.0
+
+        def excess(log_radius: float) -> float:
+            # infinite where the pressure of full stick changes sign
+            return min(math.log(self.critical(math.exp(log_radius)) / friction), _LACKING)
+
+        low, high = math.log(least), math.log(radius)
+        if excess(high) <= 0.0:
+            return None
+        if excess(low) >= 0.0:
+            return 0.0
+        return math.exp(float(brentq(excess, low, high, xtol=_ONSET)))

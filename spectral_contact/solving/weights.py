@@ -1,0 +1,281 @@
+r"""How the load grows with the contact radius: the weight of the flat punches of a history.
+
+Without coupling the load at every radius is that of normal contact. With it the approach follows
+from what the punch is at the radius where the surface comes to meet it: with ``omega(b, r)``, by
+how much a flat punch of the radius ``b`` takes the surface at ``r > b`` down with it,
+
+    h(r) = int_0^r [1 - omega(b, r)] d delta(b),        dP = b d delta / delta*(b),
+
+a Volterra equation of the first kind, whose diagonal is ``alpha p`` at the edge. It is collocated
+on panels in ``u = ln b``, from the first touch on, at more Radau points than it has unknowns, which
+makes it stable. The unknown is ``d delta/du`` over the half-integral ``H(b)`` of the profile, and
+almost constant.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import roots_jacobi
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.fields.series import LogSeries
+from spectral_contact.profiles import Profile
+from spectral_contact.solution import Solution
+from spectral_contact.solving.nodes import (
+    COUNT,
+    NODES,
+    interpolation_weights,
+    left_out,
+)
+from spectral_contact.solving.outside import outside_displacement, reached
+from spectral_contact.spectral.jacobi import gauss_rule, graded_rule
+
+__all__ = ["CoupledWeight", "NormalWeight", "SmoothWeight", "Weight", "Weights"]
+
+Array = NDArray[np.float64]
+
+#: Quadrature up to the radius in question, at which the kernel is singular, and far from it.
+_GRADED, _SMOOTH = (12, 24, 0.2), 20
+#: How far in ``u`` the kernel of a panel is singular no more.
+_FAR = 1.0
+#: Below the range of doubles.
+_TINY = 1e-300
+#: Where the equation is collocated, by least squares: the end of a panel is one of the places. With
+#: as many places as unknowns errors grow from panel to panel where the pressure oscillates.
+_PLACES = 16
+_RADAU: Array = np.append(roots_jacobi(_PLACES - 1, 1.0, 0.0)[0], 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """What a panel of a history weighs.
+
+    Attributes
+    ----------
+    loads, approaches : ndarray
+        Logarithms, at the nodes.
+    error : float
+        What the panel leaves out, relative.
+    """
+
+    loads: Array
+    approaches: Array
+    error: float = 0.0
+
+
+class Weight(Protocol):
+    """Where loads come from, panel by panel from the first touch on."""
+
+    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+        """Return the weights of a panel in ``ln b``, next to the last one kept."""
+
+    def keep(self) -> None:
+        """Take the panel that was looked at last as part of the history."""
+
+    def back(self, count: int) -> None:
+        """Forget all panels but the first ones."""
+
+
+class NormalWeight:
+    """Loads and approaches of normal contact.
+
+    Parameters
+    ----------
+    contact : callable
+        Of a contact radius: load and approach.
+    """
+
+    def __init__(self, contact: Callable[[float], tuple[float, float]]) -> None:
+        self._contact = contact
+
+    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+        """Return the weights of a panel."""
+        radii = np.exp(low + (high - low) * (1.0 + NODES) / 2.0)
+        loads, approaches = np.log([self._contact(b) for b in radii.tolist()]).T
+        return Weights(loads, approaches)
+
+    def keep(self) -> None:
+        """Do nothing: normal contact knows no history."""
+
+    def back(self, count: int) -> None:
+        """Do nothing."""
+
+
+class SmoothWeight:
+    """Loads on a smooth surface: ``dP = 8 b d delta`` with ``delta = H/2``, by parts.
+
+    Parameters
+    ----------
+    profile : Profile
+    first : float
+        The load where the history begins.
+    """
+
+    def __init__(self, profile: Profile, first: float) -> None:
+        self.profile = profile
+        g, w = gauss_rule(_SMOOTH)
+        self._rule = (1.0 + g) / 2.0, w / 2.0
+        self._loads, self._end = [first], first
+
+    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+        """Return the weights of a panel."""
+        points, weights = self._rule
+        extent = (high - low) * (1.0 + np.append(NODES, 1.0)) / 2.0
+        within = low + extent[:, None] * points
+        carried = [self._carried(u) for u in (np.array(low), within, low + extent)]
+        gained = carried[2] - carried[0] - extent * (carried[1] @ weights)
+        loads = self._loads[-1] + gained
+        self._end = float(loads[-1])
+        approaches = self.profile._transform(np.exp(low + extent[:-1])) / 2.0
+        return Weights(np.log(loads[:-1]), np.log(approaches))
+
+    def keep(self) -> None:
+        """Take the panel that was looked at last as part of the history."""
+        self._loads.append(self._end)
+
+    def back(self, count: int) -> None:
+        """Forget all panels but the first ones."""
+        del self._loads[count + 1 :]
+
+    def _carried(self, u: Array) -> Array:
+        """Return ``8 b delta``."""
+        return np.asarray(4.0 * np.exp(u) * self.profile._transform(np.exp(u)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Stretch:
+    """A panel of the history with ``d delta/du`` over ``H`` at its nodes.
+
+    Attributes
+    ----------
+    low, high : float
+    rates : ndarray
+    around : list of LogSeries
+        The surface around its punches.
+    """
+
+    low: float
+    high: float
+    rates: Array
+    around: list[LogSeries]
+
+    def shares(self, u: Array) -> Array:
+        """Return the weights of the punches at places in ``u``, (places, punches)."""
+        return interpolation_weights(2.0 * (u - self.low) / (self.high - self.low) - 1.0)
+
+    def kernel(self, shares: Array, ahead: Array) -> Array:
+        """Return ``1 - omega`` from places with these shares to radii that are so far ahead."""
+        return np.asarray(1.0 - np.einsum("nk,kn->n", shares, reached(self.around, ahead)))
+
+
+class CoupledWeight:
+    """The solution of the Volterra equation.
+
+    Parameters
+    ----------
+    profile : Profile
+    low : float
+        Logarithm of the radius where the history begins; before, it is taken as self-similar.
+    first : Solution
+        The flat punch there.
+    """
+
+    def __init__(self, profile: Profile, low: float, first: Solution) -> None:
+        self.profile = profile
+        self._graded = graded_rule(*_GRADED)
+        g, w = gauss_rule(_SMOOTH)
+        self._smooth = (1.0 + g) / 2.0, w / 2.0
+        self._last = first, outside_displacement(first)
+        self._low, self._around = low, [self._last[1]]
+        self._rate = 1.0
+        self._rate = self._height(low) / self._from_first(low)
+        points, weights = self._graded
+        growth = self._rate * weights * self._transform(low + np.log1p(-points))
+        approach = float((growth / (1.0 - points)).sum())
+        load = math.exp(low) * float(growth.sum()) / first.approach
+        self._panels: list[_Stretch] = []
+        #: load and approach at the ends of the panels, and where they begin
+        self._ends = [(load, approach)]
+        #: what was looked at last, and its end
+        self._looked: _Stretch | None = None
+        self._end = load, approach
+
+    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+        """Return the weights of a panel."""
+        panel = _Stretch(low, high, np.zeros(COUNT), [self._surface(one) for one in flats])
+        points, weights = self._graded
+        rows, right = [], []
+        for r in low + (high - low) * (1.0 + _RADAU) / 2.0:
+            ahead = (r - low) * points
+            shares = panel.shares(r - ahead)
+            growth = weights * panel.kernel(shares, ahead) * self._transform(r - ahead)
+            rows.append((r - low) * (growth @ shares))
+            before = sum(self._from_panel(one, r) for one in self._panels)
+            right.append(self._height(r) - self._from_first(r) - before)
+        rates = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0]
+        self._looked = replace(panel, rates=rates)
+        return self._weights(self._looked, flats)
+
+    def _surface(self, flat: Solution) -> LogSeries:
+        """Return the surface around a punch; on a smooth one all are the same."""
+        if flat is not self._last[0]:
+            self._last = flat, outside_displacement(flat)
+        return self._last[1]
+
+    def _weights(self, panel: _Stretch, flats: tuple[Solution, ...]) -> Weights:
+        """Return load and approach at the nodes, by integrals from the beginning of the panel."""
+        ends = np.append(NODES, 1.0)[:, None]
+        extent = (panel.high - panel.low) * (1.0 + ends) / 2.0
+        points, weights = self._smooth
+        u = (panel.low + extent * points).ravel()
+        shares = panel.shares(u)
+        growth = (shares @ panel.rates) * self._transform(u)
+        stiffness = np.exp(u) / (shares @ np.array([one.approach for one in flats]))
+        sizes, (load, approach) = extent * weights, self._ends[-1]
+        approaches = approach + (growth.reshape(COUNT + 1, -1) * sizes).sum(axis=1)
+        loads = load + ((growth * stiffness).reshape(COUNT + 1, -1) * sizes).sum(axis=1)
+        self._end = float(loads[-1]), float(approaches[-1])
+        if not min(loads.min(), approaches.min()) > 0.0:
+            told = f"at the contact radius {math.exp(panel.high):.6g} the load would not grow"
+            raise NotComputedError("load", told)
+        error = left_out(panel.rates) / max(float(np.abs(panel.rates).max()), _TINY)
+        return Weights(np.log(loads[:-1]), np.log(approaches[:-1]), error)
+
+    def keep(self) -> None:
+        """Take the panel that was looked at last as part of the history."""
+        assert self._looked is not None
+        self._panels.append(self._looked)
+        self._ends.append(self._end)
+
+    def back(self, count: int) -> None:
+        """Forget all panels but the first ones."""
+        del self._panels[count:], self._ends[count + 1 :]
+
+    def _from_first(self, r: float) -> float:
+        """Return what the self-similar beginning adds to the height at a radius."""
+        points, weights = self._graded
+        ahead = r - self._low - np.log1p(-points)
+        growth = self._rate * self._transform(self._low + np.log1p(-points)) / (1.0 - points)
+        return float((weights * growth) @ (1.0 - reached(self._around, ahead)[0]))
+
+    def _from_panel(self, panel: _Stretch, r: float) -> float:
+        """Return what a panel of the history adds to the height at a radius."""
+        extent = panel.high - panel.low
+        points, weights = self._graded if r - panel.high < _FAR else self._smooth
+        u = panel.high - extent * points
+        shares = panel.shares(u)
+        growth = (shares @ panel.rates) * self._transform(u)
+        kernel = panel.kernel(shares, r - panel.high + extent * points)
+        return extent * float((weights * growth) @ kernel)
+
+    def _height(self, log_r: float) -> float:
+        return float(self.profile._height(np.exp(np.asarray(log_r))))
+
+    def _transform(self, u: Array) -> Array:
+        return self.profile._transform(np.exp(u))

@@ -1,0 +1,168 @@
+"""A growing contact with elastic coupling: a march in increments, Spence, the whole equations."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from oracles.growing_rings import march
+from oracles.spence import Collocation
+
+from spectral_contact import NotComputedError, Scene, SceneError, plan, profiles, solve
+from spectral_contact.equations import residuals
+
+PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
+
+
+@functools.cache
+def solved(profile, alpha, beta, friction, rtol=1e-4, nu=0.0, **given):
+    scene = Scene(
+        nu,
+        alpha,
+        beta,
+        friction,
+        profile=profile,
+        coupling=True,
+        **(given or {"contact_radius": 1.0}),
+    )
+    return solve(scene, rtol)
+
+
+def test_an_incremental_march_converges_to_full_stick_at_first_order():
+    """Which knows neither superposition nor the Volterra equation."""
+    solution = solved(PARABOLA, 0.2, 0.2, math.inf)
+    counts = (40, 80, 160)
+    steps = [march(PARABOLA.height, 0.2, 0.2, 0.25, math.inf, n, coupled=True) for n in counts]
+    for name, its in (("load", "load"), ("total_shear", "shear"), ("approach", "approach")):
+        truth = getattr(solution, name)
+        off = np.array([getattr(one, its) / truth - 1.0 for one in steps])
+        assert off[1] / off[2] == pytest.approx(2.0, abs=0.07), name
+        assert abs(2.0 * off[2] - off[1]) < 1e-3, name
+        # without the error of first order, and without the next one
+        assert abs(8.0 * off[2] - 6.0 * off[1] + off[0]) / 3.0 < 1e-4, name
+    last, some = steps[-1], np.arange(5, 150, 10)
+    far = some < 145
+    for found, rings in (
+        (solution.pressure(last.middles[some]), last.pressure[some]),
+        (solution.traction(last.middles[some]), last.traction[some]),
+    ):
+        assert np.abs(rings - found)[far].max() < 0.02 * np.abs(found).max()
+    # what "u_r = 0 and p(1) = 0" would give instead is 2.3218 and 0.695
+    assert solution.load == pytest.approx(2.2276, abs=5e-5)
+    assert solution.total_shear == pytest.approx(0.392, abs=5e-4)
+
+
+def test_normal_displacement_is_that_of_the_profile_all_over_the_contact():
+    """Pressure and traction of the whole history, in the normal equation of the final contact."""
+    solution = solved(PARABOLA, 0.2, 0.2, math.inf, 1e-6)
+    scene = solution.scene
+    for from_edge in (0.9, 0.5, 0.1, 1e-3):
+        s = 1.0 - from_edge
+        sunk = residuals.normal_displacement(lambda d: solution.pressure(from_edge=d), from_edge)
+        pulled = _pull(solution, s) * scene.kappa
+        found = scene.normal_compliance * solution.pressure(s) + sunk - pulled
+        assert found == pytest.approx(solution.approach - s**2 / 2.0, abs=1e-6)
+
+
+def _pull(solution, s):
+    """Return ``int_s^1 q``."""
+    x, w = np.polynomial.legendre.leggauss(200)
+    at = s + (1.0 - s) * np.sin(math.pi / 4.0 * (1.0 + x)) ** 2
+    share = (1.0 - s) * np.sin(math.pi / 2.0 * (1.0 + x)) * math.pi / 4.0
+    return float(w @ (share * solution.traction(at)))
+
+
+def test_spence_on_a_smooth_surface():
+    """The same c/a for every profile, the flat punch's; the paraboloid's is found directly, too."""
+    oracle = Collocation(0.0, 0.5)
+    friction = oracle.flat().friction
+    assert oracle.paraboloid() == pytest.approx(friction, rel=1e-5)
+    for profile in (PARABOLA, CONE):
+        scene = Scene(0.0, friction=0.298714615962, profile=profile, coupling=True, load=2.0)
+        solution = solve(scene, 1e-4, ["stick_radius"])
+        assert solution.stick_radius == pytest.approx(0.5, rel=1e-10)
+    ball = solved(PARABOLA, 0.0, 0.0, friction)
+    hertz = 1.5 * ball.load / math.pi / (ball.load * 3.0 / 16.0) ** (2.0 / 3.0)
+    assert float(ball.pressure(0.0)) / hertz == pytest.approx(1.31403, abs=1e-5)
+    assert ball.opening is None
+
+
+def test_full_stick_on_a_smooth_surface():
+    solution = solved(PARABOLA, 0.0, 0.0, math.inf)
+    assert solution.stiffness == pytest.approx(8.0 * math.log(3.0), rel=1e-12)
+    hertz = 1.5 * solution.load / math.pi / (solution.load * 3.0 / 16.0) ** (2.0 / 3.0)
+    assert float(solution.pressure(0.0)) / hertz == pytest.approx(1.30111, abs=1e-5)
+    # homogeneous: delta goes like a**2, P like a**3
+    assert solution.load == pytest.approx(
+        2.0 / 3.0 * solution.stiffness * solution.approach, rel=1e-9
+    )
+    assert solution.indentation_work == pytest.approx(
+        0.4 * solution.load * solution.approach, rel=1e-8
+    )
+    opens = solution.opening
+    assert opens == pytest.approx(4.6e-4, rel=0.01)
+    assert (
+        float(solution.pressure(from_edge=0.9 * opens))
+        < 0.0
+        < float(solution.pressure(from_edge=1.1 * opens))
+    )
+
+
+@pytest.mark.parametrize("name", ["load", "approach"])
+def test_what_is_given_is_what_comes_out(name):
+    by_radius = solved(PARABOLA, 0.2, 0.2, math.inf)
+    given = {name: getattr(by_radius, name)}
+    found = solved(PARABOLA, 0.2, 0.2, math.inf, **given)
+    assert getattr(found, name) == given[name]
+    for other in ("contact_radius", "load", "approach", "total_shear", "stiffness"):
+        off = abs(getattr(found, other) / getattr(by_radius, other) - 1.0)
+        assert off <= getattr(found.error, other) + getattr(by_radius.error, other), other
+        assert off < 1e-8, other
+
+
+def test_without_a_shear_to_speak_of_it_is_normal_contact():
+    given = {"profile": PARABOLA, "load": 1.0}
+    almost = solve(Scene(0.4999, 0.2, 0.2, math.inf, coupling=True, **given), 1e-4)
+    plain = solve(Scene(0.4999, 0.2, **given), 1e-10)
+    for name in ("contact_radius", "approach", "stiffness", "indentation_work"):
+        assert getattr(almost, name) == pytest.approx(getattr(plain, name), rel=1e-7), name
+
+
+def test_true_errors_are_within_their_estimates():
+    s = np.linspace(0.0, 1.0, 101)
+    best, rough = (solved(PARABOLA, 0.2, 0.2, math.inf, rtol) for rtol in (1e-6, 1e-2))
+    mean = best.load / math.pi
+    for name in ("load", "approach", "total_shear", "indentation_work"):
+        off = abs(getattr(rough, name) / getattr(best, name) - 1.0)
+        assert off <= getattr(rough.error, name) + getattr(best.error, name), name
+    p, q = best.pressure(s), best.traction(s)
+    off = (np.abs(rough.pressure(s) - p) / np.maximum(p, mean)).max()
+    assert off <= rough.error.pressure + best.error.pressure
+    assert (
+        np.abs(rough.traction(s) - q).max() / q.max() <= rough.error.traction + best.error.traction
+    )
+    assert best.converged
+    assert rough.converged
+
+
+def test_slip_inside_an_annulus_is_refused_by_its_radius():
+    scene = Scene(0.0, 0.05, 1.0, 0.06, profile=PARABOLA, contact_radius=1.0, coupling=True)
+    with pytest.raises(NotComputedError, match=r"at the contact radius 0\.\d+ slip does not"):
+        solve(scene, 1e-2, ["load"])
+
+
+def test_the_plan_says_that_it_is_one_history():
+    scene = Scene(0.3, 0.2, 0.2, 0.05, profile=PARABOLA, contact_radius=1.0, coupling=True)
+    states = {step.name: step.state.value for step in plan(scene, ["load"]).steps}
+    assert states == {
+        "elastic coupling": "run",
+        "normal contact": "skipped",
+        "growing contact": "run",
+    }
+    idle = plan(scene.replace(friction=None), ["load"])
+    assert [step.state.value for step in idle.steps] == ["skipped", "run", "skipped"]
+
+
+def test_a_flat_part_is_refused():
+    with pytest.raises(SceneError, match="coupling = True: must be False with friction and a prof"):
+        Scene(0.3, friction=0.1, coupling=True, profile=profiles.RoundedFlat(0.5, 1.0), load=1.0)
