@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 
 import browser
 import numpy as np
@@ -172,6 +173,27 @@ async def moves_the_page(page_of):
     assert slider.value == pytest.approx(math.log10(0.07))
     await until(lambda: len(told) == 2)
     assert ["friction=0.07" in one for one in told] == [False, True]
+
+
+def test_the_page_says_that_it_waits(monkeypatch):
+    pytest.importorskip("panel", reason="part of the extra: explore")
+    from spectral_contact.view.explorer import page as module
+
+    go = threading.Event()
+
+    def slow(texts):
+        assert go.wait(60.0)
+        return look_at(texts)
+
+    async def waits(page):
+        monkeypatch.setattr(module, "look_at", slow)
+        page.controls.boxes["friction"].value = "-3"
+        await until(lambda: page._waits.visible)
+        go.set()
+        await until(lambda: page.message.visible)
+        assert not page._waits.visible
+
+    asyncio.run(waits(module.Page(texts_of(None))))
 
 
 async def until(condition):
