@@ -11,7 +11,7 @@ from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import PROFILE_QUANTITIES, Plan, Solution
 from spectral_contact.solving.planning import plan
-from spectral_contact.solving.run import Run
+from spectral_contact.solving.run import FrictionOf, Run
 from spectral_contact.solving.sharing import Shared
 from spectral_contact.threads import one_thread
 
@@ -135,11 +135,22 @@ class Continuation:
         self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
         self._shared = Shared()
 
-    def solve(self, scene: Scene) -> Solution:
-        """Return the solution of the next scene, converged or not."""
-        todo = plan(scene, self._quantities)
+    def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
+        """Return the solution of the next scene, converged or not, and more quantities of it."""
+        todo = plan(scene, (*self._quantities, *more))
         with one_thread():
             return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
+
+    def given_radius(self, scene: Scene, logit: float) -> FrictionOf | None:
+        """Return the friction with which a scene has one stick disk of this radius, if any has.
+
+        That of the scene does not count.
+        """
+        todo = plan(scene, self._quantities)
+        with one_thread():
+            return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).given_radius(
+                logit
+            )
 
 
 def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared) -> Run:
