@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -22,6 +23,7 @@ from spectral_contact.solving.growth import Growth, grown
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import Shared
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["ProfileRun"]
 
@@ -108,7 +110,8 @@ class ProfileRun(Run):
         begin = perf_counter()
         history = _Stages(self.scene, self.rtol, self.max_unknowns)
         radius = self.values["contact_radius"]
-        growth = history.growth(radius, self.values["load"])
+        with ProgressLine(self.shared.progress) as tell:
+            growth = history.growth(radius, self.values["load"], tell)
         today, friction = history.flat(radius), self.scene.friction
         assert friction is not None
         assert self.pressure is not None
@@ -198,11 +201,12 @@ class _Stages:
         run = Run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
         return run.solution().critical_friction
 
-    def growth(self, radius: float, load: float) -> Growth:
+    def growth(self, radius: float, load: float, tell: Callable[[str], None]) -> Growth:
         """Return the history up to a contact radius."""
         least = self._least(radius, load)
 
         def stage(at: float) -> tuple[float, Solution]:
+            tell(f"as the contact grew: radius {at:.4g}")
             return self.load(at), self.flat(at)
 
         return grown(stage, radius, load, least, self._onset(least, radius), self.rtol)

@@ -14,6 +14,7 @@ from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import FrictionOf, Run
 from spectral_contact.solving.sharing import Shared
 from spectral_contact.threads import one_thread
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["Continuation", "checked_tolerance", "solve"]
 
@@ -32,6 +33,7 @@ def solve(
     *,
     max_unknowns: int = 20_000,
     strict: bool = True,
+    progress: bool | None = None,
 ) -> Solution:
     """Solve a scene to a relative tolerance.
 
@@ -49,6 +51,9 @@ def solve(
         Most unknowns of one linear system.
     strict : bool
         Raise if the tolerance cannot be met; else return what was reached.
+    progress : bool, optional
+        Whether friction under a profile, which takes seconds, shows its progress (extra: progress);
+        by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -62,6 +67,8 @@ def solve(
         If the tolerance cannot be met; it carries the best solution and says what to do.
     NotComputedError
         If no zones are found that obey the friction law, in a scene with elastic coupling.
+    MissingDependencyError
+        If progress is wanted and tqdm is not installed.
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
@@ -69,11 +76,14 @@ def solve(
     rtol = checked_tolerance(rtol, todo.quantities)
     strict = checks.flag("strict", strict)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
-    run = _run(scene, todo, rtol, max_unknowns, Shared())
+    if progress is not None:
+        ProgressLine(progress)  # refuses what it cannot be
+    run = _run(scene, todo, rtol, max_unknowns, Shared(progress))
     with one_thread():
         solution = run.solution()
         if _unsure(solution):
-            closer = _run(scene, todo, _CLOSER * rtol, max_unknowns, Shared()).solution()
+            again = Shared(progress)
+            closer = _run(scene, todo, _CLOSER * rtol, max_unknowns, again).solution()
             if closer.converged and not _zone_missing(closer):
                 solution = replace(closer, rtol=rtol)
     if strict and not solution.converged:

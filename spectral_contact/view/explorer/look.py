@@ -280,7 +280,7 @@ def look_at(texts: Texts) -> Look:
         scene = scene_of(texts)
         rtol = _rtol(texts)
         start = perf_counter()
-        solution = solve(scene, rtol, strict=False)
+        solution = solve(scene, rtol, strict=False, progress=False)
         seconds = perf_counter() - start
     except SpectralContactError as error:
         return Look(complaint=str(error))
