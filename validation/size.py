@@ -37,7 +37,7 @@ class Gate:
 
 GATES = (
     Gate("lines of the core", 11_419, 6_500),
-    Gate("lines in all", 40_311, 23_000),
+    Gate("lines in all", 40_313, 23_000),
     Gate("float literals of the core", 267, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 19, 0),

@@ -209,7 +209,9 @@ class Figures:
         }
         self._fields.data = dict(look.columns)
         for (symbol, over), plot in self._plots.items():
-            self._panes[symbol, over].visible = bool(np.isfinite(look.columns[symbol]).any())
+            shown = bool(np.isfinite(look.columns[symbol]).any())
+            # a page begins with the figures as they are, whatever their panes say
+            plot.visible = self._panes[symbol, over].visible = shown
             if over == "d":
                 plot.x_range.update(start=look.limits["d"][0], end=depth)
             limits = look.limits[symbol if over == "s" else f"log {symbol}"]

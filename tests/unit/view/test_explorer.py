@@ -211,6 +211,9 @@ def test_a_page_begins_with_any_scene():
     for scene in SCENES:
         texts = texts_of(scene, 3e-7)
         assert Page(texts).texts == texts
+    bare = Page(texts_of(Scene(0.3)))
+    drawn = [key for key, plot in bare._figures._plots.items() if plot.visible]
+    assert drawn == [("p", "s"), ("p", "d")]
     with pytest.raises(SceneError, match="rtol"):
         sc.explore(rtol=1.0)
     bowl = profiles.Sampled.from_points([0.0, 0.5, 1.0], [0.0, 0.1, 0.4])
