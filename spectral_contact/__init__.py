@@ -8,6 +8,7 @@ Quick start
 0.292959796910
 """
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 from spectral_contact import processes
@@ -123,7 +124,8 @@ _LAZY: dict[str, tuple[str, str | None]] = {
 def __getattr__(name: str) -> Any:
     """Load what is not loaded yet."""
     if name not in _LAZY:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        told = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(told, name=name, obj=sys.modules[__name__])
     from importlib import import_module
 
     module, inner = _LAZY[name]

@@ -24,7 +24,7 @@ from spectral_contact.cli import scene as cli_scene
 from spectral_contact.cli import study as cli_study
 from spectral_contact.cli import sweep as cli_sweep
 from spectral_contact.cli.options import UsageError, joined, number, whole
-from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
+from spectral_contact.cli.profile import add_any_scene, any_scene, profile_given
 from spectral_contact.errors import (
     ConvergenceError,
     SceneError,
@@ -34,7 +34,6 @@ from spectral_contact.errors import (
 from spectral_contact.inputs.choices import suggestion
 from spectral_contact.paper import FIGURES, reproduce
 from spectral_contact.processes import PROGRAM, failed, guarded
-from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES, Plan, Solution
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
@@ -115,9 +114,7 @@ def _parser() -> _Parser:
         epilog="Exit status: 0 solved, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
         allow_abbrev=False,
     )
-    cli_scene.add_scene(command)
-    cli_scene.add_physical(command)
-    add_profile(command)
+    add_any_scene(command)
     _add_request(command)
     command.set_defaults(run=_solve)
     _add_inside(commands)
@@ -176,9 +173,7 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
         epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
         allow_abbrev=False,
     )
-    cli_scene.add_scene(command)
-    cli_scene.add_physical(command)
-    add_profile(command)
+    add_any_scene(command)
     cli_inside.add_options(command)
     command.set_defaults(run=_inside)
 
@@ -282,13 +277,11 @@ def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
         epilog="Exit status: 0 ended by Ctrl-C, 2 bad input or no free port.",
         allow_abbrev=False,
     )
-    cli_scene.add_scene(command)
-    cli_scene.add_physical(command)
-    add_profile(command)
+    add_any_scene(command)
     cli_explore.add_options(command)
     command.set_defaults(
         run=lambda arguments: cli_explore.run(
-            arguments, _scene(arguments), lambda address: print(address, flush=True)
+            arguments, any_scene(arguments), lambda address: print(address, flush=True)
         )
     )
 
@@ -296,14 +289,9 @@ def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
 # --- from options to a solution -------------------------------------------------------------------
 
 
-def _scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options: under a profile, in SI units, or dimensionless."""
-    return profile_scene(arguments) if profile_given(arguments) else cli_scene.scene(arguments)
-
-
 def _solve(arguments: argparse.Namespace) -> None:
     """Check everything that can be checked, solve, write the files and print the report."""
-    shaped, scene = profile_given(arguments), _scene(arguments)
+    shaped, scene = profile_given(arguments), any_scene(arguments)
     quantities = arguments.quantities
     if quantities is not None and "approach" in vars(arguments) and not shaped:
         quantities = ("approach", *quantities)  # SI values hang on the load, hence on it

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.cli.options import UsageError, number, values
-from spectral_contact.cli.profile import profile_given, profile_scene
-from spectral_contact.cli.scene import scene
+from spectral_contact.cli.profile import any_scene
 from spectral_contact.errors import NotComputedError
 from spectral_contact.interior import Extreme, Inside
 from spectral_contact.interior.grids import QUANTITIES, as_csv, as_npz
@@ -74,10 +73,9 @@ def run(arguments: argparse.Namespace) -> str:
     given = None if points is None else _read(points)
     if arguments.plot is not None:
         plotting.require()
-    shaped = profile_given(arguments)
-    wanted = profile_scene(arguments) if shaped else scene(arguments)
-    solution = solve(wanted, min(arguments.rtol, 1e-10))
-    body = solution.inside if wanted.physical is None else solution.physical.inside
+    scene = any_scene(arguments)
+    solution = solve(scene, min(arguments.rtol, 1e-10))
+    body = solution.inside if scene.physical is None else solution.physical.inside
     if output is not None:
         content = _content(body, arguments, given, suffix)
         with reported(output, "cannot be written"):

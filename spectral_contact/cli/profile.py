@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from dataclasses import fields
 from typing import Any, Final
 
 from spectral_contact.cli.options import UsageError, number
+from spectral_contact.cli.scene import add_physical, add_scene, scene
 from spectral_contact.inputs.units import in_si
-from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS, KINDS
+from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 
-__all__ = ["add_profile", "profile_given", "profile_scene"]
+__all__ = ["add_any_scene", "add_profile", "any_scene", "profile_given", "profile_scene"]
 
 #: Profiles that numbers describe, by the name on the command line.
-_NAMED: Final[dict[str, type[Profile]]] = {
-    "parabola": KINDS["Parabola"],
-    "sphere": KINDS["Sphere"],
-    "cone": KINDS["Cone"],
-    "power-law": KINDS["PowerLaw"],
-    "rounded-flat": KINDS["RoundedFlat"],
-    "truncated-cone": KINDS["TruncatedCone"],
+_NAMED: Final = {
+    "parabola": "Parabola",
+    "sphere": "Sphere",
+    "cone": "Cone",
+    "power-law": "PowerLaw",
+    "rounded-flat": "RoundedFlat",
+    "truncated-cone": "TruncatedCone",
 }
 #: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
 _OWN: Final = {
@@ -35,6 +34,21 @@ _OWN: Final = {
 _SHARED: Final = {"radius": "m", "load": "N", "approach": "m"}
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
 _SI_ONLY: Final = ("youngs_modulus", *(f"{name}_si" for name in _COMPLIANCES))
+
+
+def add_any_scene(command: argparse.ArgumentParser) -> None:
+    """Add the options of every kind of scene."""
+    add_scene(command)
+    add_physical(command)
+    add_profile(command)
+
+
+def any_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options: under a profile, in SI units, or dimensionless.
+
+    Raises as `profile_scene` and `scene.scene` do.
+    """
+    return profile_scene(arguments) if profile_given(arguments) else scene(arguments)
 
 
 def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] = number) -> None:
@@ -86,20 +100,20 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
         _check_si(given)
     values = _numbers(given, si)
     kind = _NAMED[given["profile"]]
-    needed = [one.name for one in fields(kind)]  # type: ignore[arg-type]
+    needed = SHAPES[kind]
     _check_complete(given["profile"], needed, values)
     rest: dict[str, Any] = {
         name: given[name] for name in ("youngs_modulus", "friction") if name in given
     }
-    scene: dict[str, Any] = {
+    known: dict[str, Any] = {
         "poisson_ratio": given.get("poisson_ratio", 0.3),
         **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
         **{name: values[name] for name in CONTROLS if name in values},
-        "profile": kind(**{name: values[name] for name in needed}),
+        "profile": KINDS[kind](**{name: values[name] for name in needed}),
         "coupling": arguments.coupling,
         **rest,
     }
-    return Scene.from_physical(**scene) if si else Scene(**scene)
+    return Scene.from_physical(**known) if si else Scene(**known)
 
 
 def _check_si(given: dict[str, Any]) -> None:
@@ -123,7 +137,7 @@ def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:
     return {**values, **{name: given[name] for name in own if name in given}}
 
 
-def _check_complete(profile: str, needed: list[str], values: dict[str, float]) -> None:
+def _check_complete(profile: str, needed: tuple[str, ...], values: dict[str, float]) -> None:
     """Refuse what is missing, or of another profile."""
     missing = [_flag(name) for name in needed if name not in values]
     if missing:

@@ -54,7 +54,7 @@ from spectral_contact.contact.stick_radius import (
 from spectral_contact.fields.series import EDGE, DiskSeries, Radius
 from spectral_contact.spectral.galerkin import Factored, disk_operators
 
-__all__ = ["OneDisk", "solve_one_disk"]
+__all__ = ["OneDisk", "OneDiskProblem", "solve_one_disk"]
 
 Array = NDArray[np.float64]
 
@@ -90,6 +90,10 @@ class OneDisk:
         Estimate of the largest error of E.
     slope : float
         By what the condition of continuity rises with ``ln(c**2/(1 - c**2))``.
+    friction : float
+        ``f / kappa``.
+    shift : float
+        Estimate of the error of ``ln(c**2/(1 - c**2))``.
     """
 
     radius: Radius
@@ -103,6 +107,8 @@ class OneDisk:
     depth: float
     stray: float
     slope: float
+    friction: float
+    shift: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +126,7 @@ class _Trial:
     slipping: float
 
 
-class _OneDiskProblem:
+class OneDiskProblem:
     """Spaces for the stick disk; the radius is found anew in each of them."""
 
     def __init__(
@@ -132,19 +138,13 @@ class _OneDiskProblem:
         guess: float | None = None,
         near: tuple[float, float] | None = None,
     ) -> None:
-        self.drive = drive
-        self.beta = beta
-        self.friction = friction
-        self.tolerance = tolerance
-        # never coarse: noise in the target looks like detail to resolve, and digits here are cheap
-        self.quadrature = min(max(1e-3 * tolerance, 1e-14), 1e-13)
-        self.alpha = drive.contact.compliance
+        self.begin(drive, beta, friction, tolerance)
         if guess is not None:  # in a space that sees a narrow annulus
             space = self._resolution(guess, tolerance)
             ends = [self._trial(space, guess + h, 0.01 * tolerance).mismatch for h in (-0.05, 0.05)]
             self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
             return
-        if near is not None and beta > 0.0:
+        if near is not None and beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
             self.logit, self.slope = root_near(self._rough_mismatch, *near, _NEAR)
             return
         # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
@@ -155,6 +155,16 @@ class _OneDiskProblem:
             self.logit, self.slope = root_near(
                 self._pressure_mismatch, self.logit, self.slope, _NEAR
             )
+
+    def begin(self, drive: Drive, beta: float, friction: float, tolerance: float) -> None:
+        """Keep what is given."""
+        self.drive = drive
+        self.beta = beta
+        self.friction = friction
+        self.tolerance = tolerance
+        # never coarse: noise in the target looks like detail to resolve, and digits here are cheap
+        self.quadrature = min(max(1e-3 * tolerance, 1e-14), 1e-13)
+        self.alpha = drive.contact.compliance
 
     def _smooth_root(self) -> tuple[float, float]:
         """Return the radius on a smooth surface, and the slope there."""
@@ -218,28 +228,34 @@ class _OneDiskProblem:
         return disk_resolution(Radius.from_logit(logit), self.alpha, self.beta, tolerance)
 
     def start(self) -> Resolution:
+        """Return the first space to try."""
         space = self._resolution(self.logit, self.tolerance)
         return on_mesh(space, self.drive.contact.panels)
 
-    def _factored(self, resolution: Resolution, radius: Radius) -> Factored:
+    def factored(self, resolution: Resolution, radius: Radius) -> Factored:
+        """Return the equation of a disk in a space, factored."""
         disk = disk_operators(resolution.panels)
         return disk.tangential.space(resolution.degrees).factor(self.beta / radius.value)
 
     def _trial(self, resolution: Resolution, logit: float, tolerance: float) -> _Trial:
         """Solve the disk of the given radius; the mismatch of the rim value decides."""
         radius = Radius.from_logit(logit)
-        factored = self._factored(resolution, radius)
-        return self._at([self.drive], resolution, radius, factored, tolerance)[0]
+        factored = self.factored(resolution, radius)
+        return self.at([self.drive], resolution, radius, factored, tolerance, self.friction)[0]
 
-    def _at(
+    def at(
         self,
         drives: list[Drive],
         resolution: Resolution,
         radius: Radius,
         factored: Factored,
         tolerance: float,
+        friction: float | Array,
     ) -> list[_Trial]:
-        """Solve for drives, which may be changes of one: all is linear in the pressure."""
+        """Solve for drives, which may be changes of one: all is linear in the pressure.
+
+        Each may have a friction of its own.
+        """
         panels, correct = resolution.panels, tolerance < 1e-3
         pressures = [drive.pressure for drive in drives]
         samples = factored.space.operator.disk.samples
@@ -247,17 +263,17 @@ class _OneDiskProblem:
         source = SlipSource(
             pressures, radius, EDGE, self.alpha, tolerance, nearest, samples=samples
         )
-        sources = [(self.friction, source)]
+        sources = [(friction, source)]
         balance, sampled = rim_target(drives, radius, sources, samples, keep=self.beta > 0.0)
         values, unresolved = samples.interpolate(sampled), samples.unresolved(sampled)
-        rim, unit, slipping, response = -balance, 0.0, self.friction * source.at_rim, None
+        rim, unit, slipping, response = -balance, 0.0, friction * source.at_rim, None
         solved = factored.solve(values, correct=correct)
         if self.beta > 0.0:
             response = factored.solve(1.0, correct=correct)
             unit = series_of(panels, response).limit
             at_end = [pressure.value(radius.rest) for pressure in pressures]
             limits = [series_of(panels, column).limit for column in solved.T]
-            rim = (self.friction * np.array(at_end) - limits) / unit
+            rim = (friction * np.array(at_end) - limits) / unit
             solved = solved + response[:, None] * rim
             values = values + rim
         # rows are contiguous: what follows works on each of them by itself
@@ -268,6 +284,7 @@ class _OneDiskProblem:
         ]
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
+        """Solve in a space."""
         trials: list[tuple[float, _Trial]] = []
 
         def mismatch(logit: float) -> float:
@@ -289,9 +306,9 @@ class _OneDiskProblem:
             )
         else:
             final = self._trial(resolution, self.logit, self.quadrature)
-        return self._assess(resolution, final)
+        return self.assess(resolution, final)
 
-    def _assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
+    def assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
         """Turn the final trial into a solution with its errors."""
         panels, radius, coefficients = resolution.panels, trial.radius, trial.coefficients
         space, normal = trial.factored.space, self.drive.contact
@@ -327,7 +344,7 @@ class _OneDiskProblem:
             shift = kept * max(limits) / abs(trial.unit)
         changes = self.drive.changes
         if changes:
-            trials = self._at(changes, resolution, radius, trial.factored, 1e-3)
+            trials = self.at(changes, resolution, radius, trial.factored, 1e-3, self.friction)
             moved = trials[0]
             share = float(share_of_change(panels, moved.coefficients, series.at_ends()).max())
             error += propagated * share
@@ -369,6 +386,8 @@ class _OneDiskProblem:
             panels.panels * panels.width,
             stray,
             self.slope,
+            self.friction,
+            shift,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
 
@@ -415,5 +434,5 @@ def solve_one_disk(
     """
     if beta == 0.0 and friction > LARGEST_LOGIT:  # 1 - c falls like exp(-pi f/(2 kappa))
         raise NoStickDiskError(at_centre=False)
-    problem = _OneDiskProblem(drive, beta, friction, tolerance, guess, near)
+    problem = OneDiskProblem(drive, beta, friction, tolerance, guess, near)
     return refine(problem, tolerance, max_unknowns)

@@ -226,7 +226,7 @@ def disk_resolution(
 def rim_target(
     drives: Sequence[Drive],
     radius: Radius,
-    sources: list[tuple[float, SlipSource]],
+    sources: list[tuple[float | Array, SlipSource]],
     samples: Samples,
     *,
     keep: bool,
@@ -239,9 +239,9 @@ def rim_target(
         One, or several that are solved for together: k columns.
     radius : Radius
         The rim.
-    sources : list of (float, SlipSource)
+    sources : list of (float or ndarray, SlipSource)
         Slip zones outside under the pressures of the drives, each with its sign times
-        ``f / kappa``.
+        ``f / kappa``, one for all columns or one for each.
     samples : Samples
         Of the disk.
     keep : bool

@@ -1,4 +1,10 @@
-"""Gold tables: scenes solved to 25 certified digits and more, to test any solver against."""
+"""Gold tables: scenes solved to 25 certified digits and more, to test any solver against.
+
+``gold["slip_unequal"]`` is ``gold.table("slip_unequal")``.
+"""
+
+import sys
+from types import ModuleType
 
 from spectral_contact.gold.loader import (
     GoldPoint,
@@ -12,3 +18,13 @@ from spectral_contact.gold.loader import (
 )
 
 __all__ = ["GoldPoint", "GoldSolution", "GoldTable", "find", "load", "names", "table", "tables"]
+
+
+class _Tables(ModuleType):
+    """The module, in which a table is found by its name."""
+
+    def __getitem__(self, name: str) -> GoldTable:
+        return table(name)
+
+
+sys.modules[__name__].__class__ = _Tables

@@ -23,6 +23,7 @@ from spectral_contact.profiles.shapes import (
 __all__ = [
     "CONTROLS",
     "KINDS",
+    "SHAPES",
     "checked_controls",
     "profile_from",
     "profile_tree",
@@ -35,6 +36,12 @@ CONTROLS: Final = ("contact_radius", "load", "approach")
 KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
     for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled)
+}
+#: Those that numbers describe, with the names of these.
+SHAPES: Final = {
+    name: tuple(one.name for one in fields(kind))  # type: ignore[arg-type]
+    for name, kind in KINDS.items()
+    if kind is not Sampled
 }
 
 

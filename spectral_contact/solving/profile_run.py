@@ -25,6 +25,7 @@ from spectral_contact.solving.grown_fields import GrownFields, opening
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.stages import Stages
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["ProfileRun"]
 
@@ -50,10 +51,12 @@ class ProfileRun(Run):
             self._indent(pointwise=bool(fields))
         self.tangential(states, None)
         if self._grows(states):
-            if self.scene.couples:
-                self._grow_together()
-            else:
-                self._grow()
+            with ProgressLine(self.shared.progress) as tell:
+                history = Stages(self.scene, self.rtol, self.max_unknowns, tell)
+                if self.scene.couples:
+                    self._grow_together(history)
+                else:
+                    self._grow(history)
 
     def _grows(self, states: dict[str, StepState]) -> bool:
         return states[GROWTH] is StepState.RUN
@@ -107,10 +110,9 @@ class ProfileRun(Run):
             pressure=found.pressure_error,
         )
 
-    def _grow(self) -> None:
+    def _grow(self, history: Stages) -> None:
         """Add up the flat punches of the history, whose load is known."""
         begin, scene = perf_counter(), self.scene
-        history = Stages(scene, self.rtol, self.max_unknowns)
         radius = self.values["contact_radius"]
         least = history.least(radius, self.values["load"])
         grower = history.grower(least, radius, self._fields())
@@ -127,11 +129,10 @@ class ProfileRun(Run):
             self.errors["traction"] = growth.error + lost + self.errors["pressure"]
         self.record(GROWTH, growth, begin)
 
-    def _grow_together(self) -> None:
+    def _grow_together(self, history: Stages) -> None:
         """Follow the contact while it grows: with coupling nothing is known beforehand."""
         begin, scene = perf_counter(), self.scene
         assert scene.friction is not None
-        history = Stages(scene, self.rtol, self.max_unknowns)
         radius, load = self._without_coupling()
         least = history.least(radius, load)
         grower = history.grower(least, radius, self._fields())

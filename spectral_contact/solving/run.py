@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
 
-__all__ = ["Run"]
+__all__ = ["FrictionOf", "Run"]
 
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
@@ -43,6 +44,23 @@ _LOG = logging.getLogger("spectral_contact.solving.solver")
 _DRIVE = "drive"
 #: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
 _TIGHTER, _TIGHTEST = 0.1, 1.2e-13
+
+
+@dataclass(frozen=True, slots=True)
+class FrictionOf:
+    """The friction that a stick disk has, and the shear that goes with it.
+
+    Attributes
+    ----------
+    friction, total_shear : float
+    friction_error, shear_error : float
+        Estimates of relative errors.
+    """
+
+    friction: float
+    friction_error: float
+    total_shear: float
+    shear_error: float
 
 
 class Run:
@@ -211,13 +229,40 @@ class Run:
             states[name] is not StepState.SKIPPED for name in (FULL_STICK, SLIP_FIELD)
         ):
             return
-        from spectral_contact.contact.drive import Drive
-
-        drive = self.shared.get(_DRIVE, self.normal_key, lambda: Drive(contact))
+        drive = self._drive(contact)
         if friction == 0.0 and states[SLIP_FIELD] is StepState.RUN:
             self._frictionless_slip(drive)
         if states[FULL_STICK] is StepState.RUN:
             self.stick(drive, states)
+
+    def _drive(self, contact: NormalContact) -> Drive:
+        from spectral_contact.contact.drive import Drive
+
+        return self.shared.get(_DRIVE, self.normal_key, lambda: Drive(contact))
+
+    def given_radius(self, logit: float) -> FrictionOf | None:
+        """Return the friction with which there is one stick disk of this radius.
+
+        That of the scene does not count. None if there is none, or the friction law does not hold,
+        or the tolerance is not met.
+        """
+        from spectral_contact.contact.given_radius import solve_given_radius
+        from spectral_contact.contact.slip_outcome import one_disk_outcome
+        from spectral_contact.contact.stick_radius import NoStickDiskError
+
+        contact = self._normal({step.name: step.state for step in self.plan.steps})
+        drive, beta = self._drive(contact), self.scene.tangential_compliance
+        try:
+            disk = solve_given_radius(drive, beta, logit, self.rtol, self.max_unknowns).best.value
+        except NoStickDiskError:
+            return None
+        outcome = one_disk_outcome(drive, disk, beta, disk.friction, self.rtol)
+        if not outcome.settled or disk.shear_error > self.rtol:
+            return None
+        kappa = self.scene.kappa
+        return FrictionOf(
+            kappa * disk.friction, disk.shift, kappa * disk.total_shear, disk.shear_error
+        )
 
     def all_stick(self) -> None:
         """Note that the whole contact sticks."""

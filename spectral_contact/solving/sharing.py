@@ -23,9 +23,16 @@ _POINTS, _FARTHEST = 6, 1.0
 
 
 class Shared:
-    """The latest outcome of steps that several scenes have in common."""
+    """The latest outcome of steps that several scenes have in common.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    progress : bool or None
+        Whether what takes seconds shows its progress; None is where somebody watches.
+    """
+
+    def __init__(self, progress: bool | None = False) -> None:
+        self.progress = progress
         self._steps: dict[str, tuple[tuple[object, ...], Any]] = {}
 
     def get(self, step: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:

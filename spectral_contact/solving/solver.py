@@ -11,9 +11,10 @@ from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import PROFILE_QUANTITIES, Plan, Solution
 from spectral_contact.solving.planning import plan
-from spectral_contact.solving.run import Run
+from spectral_contact.solving.run import FrictionOf, Run
 from spectral_contact.solving.sharing import Shared
 from spectral_contact.threads import one_thread
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["Continuation", "checked_tolerance", "solve"]
 
@@ -32,6 +33,7 @@ def solve(
     *,
     max_unknowns: int = 20_000,
     strict: bool = True,
+    progress: bool | None = None,
 ) -> Solution:
     """Solve a scene to a relative tolerance.
 
@@ -49,6 +51,9 @@ def solve(
         Most unknowns of one linear system.
     strict : bool
         Raise if the tolerance cannot be met; else return what was reached.
+    progress : bool, optional
+        Whether friction under a profile, which takes seconds, shows its progress (extra: progress);
+        by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -62,6 +67,8 @@ def solve(
         If the tolerance cannot be met; it carries the best solution and says what to do.
     NotComputedError
         If no zones are found that obey the friction law, in a scene with elastic coupling.
+    MissingDependencyError
+        If progress is wanted and tqdm is not installed.
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
@@ -69,11 +76,14 @@ def solve(
     rtol = checked_tolerance(rtol, todo.quantities)
     strict = checks.flag("strict", strict)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
-    run = _run(scene, todo, rtol, max_unknowns, Shared())
+    if progress is not None:
+        ProgressLine(progress)  # refuses what it cannot be
+    run = _run(scene, todo, rtol, max_unknowns, Shared(progress))
     with one_thread():
         solution = run.solution()
         if _unsure(solution):
-            closer = _run(scene, todo, _CLOSER * rtol, max_unknowns, Shared()).solution()
+            again = Shared(progress)
+            closer = _run(scene, todo, _CLOSER * rtol, max_unknowns, again).solution()
             if closer.converged and not _zone_missing(closer):
                 solution = replace(closer, rtol=rtol)
     if strict and not solution.converged:
@@ -135,11 +145,22 @@ class Continuation:
         self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
         self._shared = Shared()
 
-    def solve(self, scene: Scene) -> Solution:
-        """Return the solution of the next scene, converged or not."""
-        todo = plan(scene, self._quantities)
+    def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
+        """Return the solution of the next scene, converged or not, and more quantities of it."""
+        todo = plan(scene, (*self._quantities, *more))
         with one_thread():
             return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
+
+    def given_radius(self, scene: Scene, logit: float) -> FrictionOf | None:
+        """Return the friction with which a scene has one stick disk of this radius, if any has.
+
+        That of the scene does not count.
+        """
+        todo = plan(scene, self._quantities)
+        with one_thread():
+            return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).given_radius(
+                logit
+            )
 
 
 def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared) -> Run:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -48,12 +49,16 @@ class Stages:
         With a profile and friction.
     rtol, max_unknowns
         As of `solve`.
+    tell : callable
+        Takes what is worked on.
     """
 
-    def __init__(self, scene: Scene, rtol: float, max_unknowns: int) -> None:
+    def __init__(
+        self, scene: Scene, rtol: float, max_unknowns: int, tell: Callable[[str], None]
+    ) -> None:
         assert scene.profile is not None
         self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
-        self.profile = scene.profile
+        self.profile, self._tell = scene.profile, tell
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
@@ -86,6 +91,7 @@ class Stages:
         """Return the solution of a flat punch."""
         scene = self._scene(radius)
         if self._last is None or self._last[0] != scene:  # on a smooth surface all are the same
+            self._tell(f"as the contact grew: radius {radius:.4g}")
             run = self._run(scene, plan(scene, _FLAT), self._tight, self.max_unknowns, self._shared)
             self._last = scene, run.solution()
         return self._last[1]

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from spectral_contact.errors import NotComputedError
 from spectral_contact.processes import end_with_parent
 from spectral_contact.solution import Ending, Solution
+from spectral_contact.solving.run import FrictionOf
 from spectral_contact.solving.solver import Continuation
-from spectral_contact.sweeps.parameters import Columns
+from spectral_contact.sweeps.lines import between, lines
+from spectral_contact.sweeps.parameters import Columns, Indices
 from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request
 from spectral_contact.sweeps.shortcuts import Served, served
 from spectral_contact.threads import one_thread
@@ -56,19 +58,17 @@ def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
         The process that asks; if it is the parent of this one, this one ends with it.
     """
     end_with_parent(asker)
-    rows = _Rows(len(columns), request)
-    continuation = Continuation(request.rtol, request.quantities, request.max_unknowns)
+    work = _Chunk(columns, request)
     todo = np.arange(len(columns))
     if request.shared:
         known = served(columns, request)
-        rows.put(known)
+        work.rows.put(todo, known)
         todo = np.flatnonzero(~known.mask)
-    for i in todo.tolist():
-        try:
-            rows.take(i, continuation.solve(columns.scene(i)))
-        except Exception as error:  # whatever it is, the other scenes go on
-            rows.fail(i, error)
-    return rows.outcome()
+    for line in lines(columns, todo, request):
+        work.rows.put(line, between(columns[line], request, _OnLine(work, line)))
+    for i in np.setdiff1d(todo, work.rows.done).tolist():
+        work.solve(i)
+    return work.rows.outcome()
 
 
 def outcome_of(solution: Solution, request: Request) -> Outcome:
@@ -78,12 +78,60 @@ def outcome_of(solution: Solution, request: Request) -> Outcome:
     return rows.outcome()
 
 
+class _Chunk:
+    """The scenes of a chunk as they are solved, each with what the one before it hands on."""
+
+    def __init__(self, columns: Columns, request: Request) -> None:
+        self.rows = _Rows(len(columns), request)
+        self.columns = columns
+        own = request.rtol, request.quantities, request.max_unknowns
+        self.path = Continuation(*own)
+
+    def solve(self, i: int) -> None:
+        """Solve a scene."""
+        try:
+            self.rows.take(i, self.path.solve(self.columns.scene(i)))
+        except Exception as error:  # whatever it is, the other scenes go on
+            self.rows.fail(i, error)
+
+    def with_zones(self, i: int) -> Solution | None:
+        """Solve a scene with its zones, and return it if it converged."""
+        try:
+            solution = self.path.solve(self.columns.scene(i), ("stick_radius", "zones"))
+        except Exception:  # it is left to `solve`
+            return None
+        if solution.ending is not Ending.CONVERGED:
+            return None
+        self.rows.take(i, solution)
+        return solution
+
+
+class _OnLine:
+    """Solves what a line asks for."""
+
+    def __init__(self, work: _Chunk, line: Indices) -> None:
+        self._work, self._first = work, work.columns.scene(int(line[0]))
+        self._own = dict(zip(work.columns.values[3, line].tolist(), line.tolist(), strict=True))
+
+    def at_friction(self, friction: float) -> Solution | None:
+        """Solve a scene."""
+        return self._work.with_zones(self._own[friction])
+
+    def at_radius(self, logit: float) -> FrictionOf | None:
+        """Solve for the friction that a radius has."""
+        try:
+            return self._work.path.given_radius(self._first, logit)
+        except Exception:  # the scenes are left to `solve`
+            return None
+
+
 class _Rows:
     """Results as they come, row by row."""
 
     def __init__(self, count: int, request: Request) -> None:
         self._request = request
         self._endings = np.full(count, _FAILED, dtype=np.int8)
+        self._done = np.zeros(count, dtype=bool)
         self._messages: dict[int, str] = {}
         self._values: dict[str, NDArray[np.generic]] = {}
         self._zones: dict[int, Solution] = {}
@@ -94,9 +142,15 @@ class _Rows:
                 self._values[name] = np.full(count, np.nan)
             self._values[f"{name}_error"] = np.full(count, np.nan)
 
+    @property
+    def done(self) -> Indices:
+        """The scenes that need no work any more."""
+        return np.flatnonzero(self._done)
+
     def take(self, i: int, solution: Solution) -> None:
         """Keep what was asked of a solution."""
         request = self._request
+        self._done[i] = True
         self._endings[i] = ENDINGS.index(solution.ending.name.lower())
         if solution.ending is not Ending.CONVERGED:
             self._messages[i] = solution.ending.value
@@ -115,12 +169,14 @@ class _Rows:
             elif value is not None:
                 self._values[name][i] = value
 
-    def put(self, known: Served) -> None:
-        """Keep what the spectra know."""
-        self._endings[known.mask] = _CONVERGED
+    def put(self, scenes: Indices, known: Served) -> None:
+        """Keep what is known of some scenes without a solve of their own."""
+        own = scenes[known.mask]
+        self._endings[own] = _CONVERGED
+        self._done[own] = True
         for name in known.values:
-            self._values[name][known.mask] = known.values[name]
-            self._values[f"{name}_error"][known.mask] = known.errors[name]
+            self._values[name][own] = known.values[name]
+            self._values[f"{name}_error"][own] = known.errors[name]
 
     def fail(self, i: int, error: Exception) -> None:
         """Note that a scene could not be solved."""

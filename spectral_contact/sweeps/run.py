@@ -20,6 +20,7 @@ from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.sweeps.dataset import Table, assembled, needed
 from spectral_contact.sweeps.execution import outcomes
+from spectral_contact.sweeps.lines import LEAST
 from spectral_contact.sweeps.parameters import (
     PARAMETERS,
     Indices,
@@ -41,6 +42,8 @@ __all__ = ["sweep"]
 
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
+#: Frictions that make no chunk of their own any more.
+_LONGEST: Final = 1024
 #: The same with profiles, some of which take a hundred times as long.
 _SLOW_CHUNK: Final = 8
 #: The same where the spectra serve nearly all of them.
@@ -160,14 +163,25 @@ def sweep(
 
 def _chunk(parameters: Parameters, request: Request) -> int:
     """Return how many scenes make some tenths of a second of work."""
+    if parameters.shaped:
+        return _SLOW_CHUNK
+    whole = _whole_lines(parameters)
     if not request.shared:
-        return _SLOW_CHUNK if parameters.shaped else _CHUNK
+        return whole
     sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
     quick = eligible(parameters.columns(sample), request)
     slow = frozenset(request.quantities) & {"stick_radius", "total_shear"}
     if slow and not (parameters.columns(sample).values[3] == np.inf).all():
+        return whole
+    return _QUICK_CHUNK if quick.mean() > 0.99 else whole
+
+
+def _whole_lines(parameters: Parameters) -> int:
+    """Return `_CHUNK`, or somewhat more so that frictions which are solved together stay so."""
+    frictions = np.size(parameters.axes.get("friction", 0.0))
+    if not LEAST <= frictions <= _LONGEST:
         return _CHUNK
-    return _QUICK_CHUNK if quick.mean() > 0.99 else _CHUNK
+    return frictions * -(-_CHUNK // frictions)
 
 
 def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:

@@ -49,5 +49,7 @@ def test_functions_stay_functions_whatever_is_imported(name):
 
 
 def test_a_name_that_is_not_there_is_an_attribute_error():
-    with pytest.raises(AttributeError, match="'spectral_contact' has no attribute 'slove'"):
+    told = "'spectral_contact' has no attribute 'slove'"
+    with pytest.raises(AttributeError, match=told) as refusal:
         sc.slove  # noqa: B018
+    assert (refusal.value.name, refusal.value.obj) == ("slove", sc)  # tracebacks suggest by these

@@ -78,7 +78,7 @@ CASES = (
     Case("Q*, full stick", ("total_shear",), 1e5, _plane(500), math.inf),
     Case("edge ratio", ("edge_ratio",), 1e3, _plane(500), math.inf),
     Case("critical friction", ("critical_friction",), 1e3, _plane(100), math.inf),
-    Case("c*, Q*, one slip annulus", ("stick_radius", "total_shear"), 100, _SLIPPING),
+    Case("c*, Q*, one slip annulus", ("stick_radius", "total_shear"), 1000, _SLIPPING),
     *(
         Case(
             f"c*, Q*, slip inside, {steps} steps",

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import SpectralContactError
 from spectral_contact.inputs.choices import instance, one_of
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS, KINDS
+from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import checked_tolerance, solve
@@ -28,8 +28,9 @@ from spectral_contact.view.radii import bulk_limits, graded_radii, known_zones, 
 from spectral_contact.view.report import quantity_cells
 
 __all__ = [
+    "FLAT",
     "KNOBS",
-    "SHAPES",
+    "RTOL",
     "Knob",
     "Look",
     "code_of",
@@ -43,13 +44,8 @@ __all__ = [
 Array = NDArray[np.float64]
 Texts = Mapping[str, str]
 
-#: Profiles that numbers describe, with the names of these.
-SHAPES: Final = {
-    name: tuple(one.name for one in fields(kind))  # type: ignore[arg-type]
-    for name, kind in KINDS.items()
-    if name != "Sampled"
-}
-_RTOL: Final = "1e-8"
+#: The tolerance that nobody set.
+RTOL: Final = "1e-8"
 _RADII: Final = 240
 #: What is asked for, of which the pressure limits the tolerance.
 _FIELDS: Final = ("pressure",)
@@ -109,7 +105,7 @@ KNOBS: Final = {
 }
 _NAMES: Final = (*KNOBS, "coupling", "profile", "rtol")
 #: What a scene has without a profile.
-_FLAT: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
+FLAT: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
 _YES_NO: Final = {"true": True, "false": False}
 
 
@@ -129,9 +125,9 @@ def texts_of(scene: Scene | None, rtol: float | None = None) -> dict[str, str]:
     """
     told = {} if rtol is None else {"rtol": _text(checked_tolerance(rtol, _FIELDS))}
     if scene is None:
-        return {name: KNOBS[name].start for name in _FLAT} | told
+        return {name: KNOBS[name].start for name in FLAT} | told
     instance("scene", scene, Scene)
-    texts = {name: _text(getattr(scene, name)) for name in _FLAT}
+    texts = {name: _text(getattr(scene, name)) for name in FLAT}
     if scene.coupling:
         texts["coupling"] = "true"
     if scene.profile is not None:
@@ -176,7 +172,7 @@ def scene_of(texts: Texts) -> Scene:
     SceneError
         As `Scene` does, and the profile; for text that is no number, too.
     """
-    values: dict[str, Any] = {name: _number(texts[name]) for name in _FLAT if name in texts}
+    values: dict[str, Any] = {name: _number(texts[name]) for name in FLAT if name in texts}
     if "coupling" in texts:
         values["coupling"] = _YES_NO[one_of("coupling", texts["coupling"], _YES_NO)]
     if "profile" in texts:
@@ -212,7 +208,7 @@ def code_of(texts: Texts) -> str:
 
 
 def _rtol(texts: Texts) -> float:
-    return checked_tolerance(_number(texts.get("rtol", _RTOL)), _FIELDS)
+    return checked_tolerance(_number(texts.get("rtol", RTOL)), _FIELDS)
 
 
 def _text(value: float | None) -> str:
@@ -270,7 +266,8 @@ class Look:
         if self.solution is None:
             return ""
         zones = known_zones(self.solution)
-        plan = [("plan", "", ""), *((p.name, p.state.value, p.reason) for p in _steps(self))]
+        steps = self.solution.plan.steps
+        plan = [("plan", "", ""), *((one.name, one.state.value, one.reason) for one in steps)]
         parts = [zones_svg(zones)] if zones else []
         if not self.solution.converged:
             parts.append(table_html([("not converged",), (self.solution.ending.value,)]))
@@ -283,7 +280,7 @@ def look_at(texts: Texts) -> Look:
         scene = scene_of(texts)
         rtol = _rtol(texts)
         start = perf_counter()
-        solution = solve(scene, rtol, strict=False)
+        solution = solve(scene, rtol, strict=False, progress=False)
         seconds = perf_counter() - start
     except SpectralContactError as error:
         return Look(complaint=str(error))
@@ -291,11 +288,6 @@ def look_at(texts: Texts) -> Look:
     columns, limits = _drawn(solution)
     cost = f"solved in {1e3 * seconds:.3g} ms, {unknowns:,} unknowns, rtol = {rtol:g}"
     return Look("", solution, columns, limits, cost, code_of(texts))
-
-
-def _steps(look: Look) -> tuple[Any, ...]:
-    assert look.solution is not None
-    return tuple(look.solution.plan.steps)
 
 
 def _drawn(solution: Solution) -> tuple[dict[str, Array], dict[str, tuple[float, float]]]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any, Final
 
-from spectral_contact.errors import MissingDependencyError, SceneError
+from spectral_contact.errors import SceneError, optional
 from spectral_contact.inputs.checks import whole
 from spectral_contact.scene import Scene
 from spectral_contact.view.explorer.look import (
@@ -37,6 +37,8 @@ td:nth-child(2) { white-space: nowrap; }
 pre { font-size: 12.5px; padding: 8px; background: #F4F4F4; white-space: pre-wrap; }
 svg { max-width: 100%; }
 """
+#: After so many seconds without an answer the page says that it waits.
+_PATIENCE: Final = 0.2
 #: So many seconds after the last move the address has the state: each is a step of "back".
 _REST: Final = 0.3
 _TEMPLATE: Final = """
@@ -72,7 +74,7 @@ def explore(scene: Scene | None = None, *, rtol: float | None = None) -> Any:
         If Panel is not installed (extra: explore).
     """
     texts = texts_of(scene, rtol)
-    panel = _panel()
+    panel = optional("panel", "explore")
     if panel.state.curdoc is None:
         panel.extension()
     return Page(texts).view
@@ -107,7 +109,7 @@ def serve(
         If Panel is not installed (extra: explore).
     """
     query = query_of(texts_of(scene, rtol))
-    panel = _panel()
+    panel = optional("panel", "explore")
     port = _free_port(port)
     origins = [f"{ADDRESS}:{port}", f"localhost:{port}"]
     server = panel.io.server.get_server(
@@ -156,14 +158,6 @@ def _session(panel: Any) -> Any:
     return template
 
 
-def _panel() -> Any:
-    try:
-        import panel
-    except ImportError as error:
-        raise MissingDependencyError("panel", "explore") from error
-    return panel
-
-
 def _free_port(port: int) -> int:
     """Return a port of the loopback address that is free now."""
     number = whole("port", port, 0)
@@ -197,7 +191,7 @@ class Page:
     def __init__(
         self, texts: Mapping[str, str], follow: Callable[[str], object] | None = None
     ) -> None:
-        self._panel, self._follow = _panel(), follow
+        self._panel, self._follow = optional("panel", "explore"), follow
         self._wanted: dict[str, str] | None = None
         self._busy, self._shown = False, texts
         self.controls = Controls(self._panel, texts, self._refresh)
@@ -205,6 +199,7 @@ class Page:
         pane = self._panel.pane
         self.message = pane.HTML("", visible=False, styles=_COMPLAINT, sizing_mode="stretch_width")
         self._tables = pane.HTML("", stylesheets=[_TABLES], sizing_mode="stretch_width")
+        self._waits = pane.HTML("solving …", visible=False)
         self._cost = pane.HTML("", sizing_mode="stretch_width")
         self.code = pane.HTML("", stylesheets=[_TABLES], sizing_mode="stretch_width")
         self._copied = self._panel.widgets.TextInput(visible=False)
@@ -234,6 +229,7 @@ class Page:
         )
         right = panel.Column(
             self.message,
+            self._waits,
             self._cost,
             self._figures.view,
             panel.FlexBox(
@@ -257,7 +253,11 @@ class Page:
             while self._wanted is not None:
                 texts, self._wanted = self._wanted, None
                 loop = asyncio.get_running_loop()
-                look = await loop.run_in_executor(None, look_at, texts)
+                work = loop.run_in_executor(None, look_at, texts)
+                await asyncio.wait([work], timeout=_PATIENCE)
+                if not work.done():
+                    self._panel.state.execute(self._wait)
+                look = await work
                 self._panel.state.execute(lambda t=texts, one=look: self.show(t, one))
         finally:
             self._busy = False
@@ -265,8 +265,13 @@ class Page:
         if self._follow is not None and texts == self._shown and not self._busy:
             self._panel.state.execute(self._tell)
 
+    def _wait(self) -> None:
+        """Say that what is shown is not what is set, yet."""
+        self._waits.visible = True
+
     def show(self, texts: Mapping[str, str], look: Look) -> None:
         """Show a state that was looked at, or why it is refused."""
+        self._waits.visible = False
         if look.complaint:
             self.complain(look.complaint)
             return

@@ -7,16 +7,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from spectral_contact.profiles.control import CONTROLS
-from spectral_contact.view.explorer.look import KNOBS, SHAPES, Look
+from spectral_contact.profiles.control import CONTROLS, SHAPES
+from spectral_contact.view.explorer.look import FLAT, KNOBS, RTOL, Look
 from spectral_contact.view.figures import BLACK, BLUE, GREEN, SLIP_GREY, VERMILION
 
 __all__ = ["Controls", "Figures", "grid"]
 
-_SURFACE: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
 _HINT: Final = (
     "Type what the sliders do not reach: a compliance of 0 is a smooth surface, friction "
-    "<code>inf</code> full stick, <code>none</code> no friction."
+    "<code>inf</code> full stick, <code>none</code> no friction. Under a profile friction is not "
+    "live: it takes seconds a scene."
 )
 #: What is drawn: the column, its label, how it looks.
 _CURVES: Final = {
@@ -63,17 +63,17 @@ class Controls:
         self._coupling = widgets.Checkbox(
             label="elastic coupling", value=texts.get("coupling") == "true"
         )
-        rtol = texts.get("rtol", "1e-8")
+        rtol = texts.get("rtol", RTOL)
         steps = sorted({"1e-4", "1e-6", "1e-8", "1e-10", "1e-12", rtol}, key=float, reverse=True)
         self._rtol = widgets.Select(label="tolerance", options=steps, value=rtol, **wide)
         self._rows = {
             name: panel.Column(self.boxes[name], self.sliders[name], **wide) for name in KNOBS
         }
         self.view = [
-            *(self._rows[name] for name in _SURFACE),
+            *(self._rows[name] for name in FLAT),
             self._coupling,
             self._profile,
-            *(self._rows[name] for name in KNOBS if name not in (*_SURFACE, *CONTROLS)),
+            *(self._rows[name] for name in KNOBS if name not in (*FLAT, *CONTROLS)),
             self._control,
             *(self._rows[name] for name in CONTROLS),
             self._rtol,
@@ -95,13 +95,13 @@ class Controls:
     def texts(self) -> dict[str, str]:
         """The state that is set."""
         shape = self._profile.value
-        names = _SURFACE if shape == "flat" else (*_SURFACE, *SHAPES[shape], self._control.value)
+        names = FLAT if shape == "flat" else (*FLAT, *SHAPES[shape], self._control.value)
         found = {name: self.boxes[name].value for name in names}
         if self._coupling.value:
             found["coupling"] = "true"
         if shape != "flat":
             found["profile"] = shape
-        if self._rtol.value != "1e-8":
+        if self._rtol.value != RTOL:
             found["rtol"] = self._rtol.value
         return found
 
@@ -110,7 +110,7 @@ class Controls:
         shape = self._profile.value
         shown = () if shape == "flat" else (*SHAPES[shape], self._control.value)
         for name in KNOBS:
-            self._rows[name].visible = name in (*_SURFACE, *shown)
+            self._rows[name].visible = name in (*FLAT, *shown)
         self._control.visible = shape != "flat"
 
     def _slider(self, widgets: Any, name: str) -> Any:
@@ -209,7 +209,9 @@ class Figures:
         }
         self._fields.data = dict(look.columns)
         for (symbol, over), plot in self._plots.items():
-            self._panes[symbol, over].visible = bool(np.isfinite(look.columns[symbol]).any())
+            shown = bool(np.isfinite(look.columns[symbol]).any())
+            # a page begins with the figures as they are, whatever their panes say
+            plot.visible = self._panes[symbol, over].visible = shown
             if over == "d":
                 plot.x_range.update(start=look.limits["d"][0], end=depth)
             limits = look.limits[symbol if over == "s" else f"log {symbol}"]

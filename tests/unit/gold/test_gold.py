@@ -61,7 +61,7 @@ def test_all_files_are_read_in_order():
 
 def test_a_table_is_found_by_name_and_a_solution_by_its_scene():
     table = gold.table("slip_inside")
-    assert table == gold.tables()[gold.names().index("slip_inside")]
+    assert table == gold.tables()[gold.names().index("slip_inside")] == gold["slip_inside"]
     for one in table.solutions[::7]:
         assert one.table == "slip_inside"
         assert gold.find(one.scene) == one

@@ -81,13 +81,13 @@ def test_everything_that_can_be_asked():
 
 def test_neighbours_find_the_disk_in_few_trials(monkeypatch):
     trials = []
-    original = one_disk._OneDiskProblem._trial
+    original = one_disk.OneDiskProblem._trial
 
     def counted(self, *arguments):
         trials.append(1)
         return original(self, *arguments)
 
-    monkeypatch.setattr(one_disk._OneDiskProblem, "_trial", counted)
+    monkeypatch.setattr(one_disk.OneDiskProblem, "_trial", counted)
     scenes = [Scene(0.3, 0.5, 0.5, f) for f in np.linspace(0.02, 0.09, 15)]
     counts = []
     continuation = Continuation(1e-8, ("stick_radius",), 20_000)
@@ -97,6 +97,14 @@ def test_neighbours_find_the_disk_in_few_trials(monkeypatch):
             walk(scene)
         counts.append(len(trials))
     assert counts[0] < 0.9 * counts[1]
+
+
+def test_a_wild_guess_is_no_guess():
+    """Frictions next to each other, then one far off: a polynomial through them goes anywhere."""
+    frictions = [*(0.0999 + 1e-5 * np.arange(7)), 0.03]
+    continuation = Continuation(1e-8, ("stick_radius",), 20_000)
+    found = [continuation.solve(Scene(0.3, 0.5, 0.5, f)).stick_radius for f in frictions]
+    assert found[-1] == pytest.approx(solve(Scene(0.3, 0.5, 0.5, 0.03), 1e-8).stick_radius, 1e-9)
 
 
 def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):

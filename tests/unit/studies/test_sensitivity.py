@@ -31,14 +31,10 @@ TRUE = {
 
 #: Of fields at these radii, by the same differences.
 RADII = [0.25, 0.6, 0.7, 0.999]
+TRUE_PRESSURE = [0.05323466613344, 0.02631986549594, 0.01107397036567, -0.1107720911622]
 TRUE_FIELDS = {
     STUCK: {
-        ("pressure", "normal_compliance"): [
-            0.05323466613344,
-            0.02631986549594,
-            0.01107397036567,
-            -0.1107720911622,
-        ],
+        ("pressure", "normal_compliance"): TRUE_PRESSURE,
         ("traction", "normal_compliance"): [
             0.001456963477542,
             0.002773204317384,
@@ -59,12 +55,7 @@ TRUE_FIELDS = {
             0.3131381835273,
             0.3789057819253,
         ],
-        ("pressure", "normal_compliance"): [
-            0.05323466613344,
-            0.02631986549594,
-            0.01107397036567,
-            -0.1107720911622,
-        ],
+        ("pressure", "normal_compliance"): TRUE_PRESSURE,
         ("traction", "normal_compliance"): [
             0.002485139121431,
             0.005089755786919,

@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 
 import browser
 import numpy as np
@@ -175,6 +176,27 @@ async def moves_the_page(page_of):
     assert ["friction=0.07" in one for one in told] == [False, True]
 
 
+def test_the_page_says_that_it_waits(monkeypatch):
+    pytest.importorskip("panel", reason="part of the extra: explore")
+    from spectral_contact.view.explorer import page as module
+
+    go = threading.Event()
+
+    def slow(texts):
+        assert go.wait(60.0)
+        return look_at(texts)
+
+    async def waits(page):
+        monkeypatch.setattr(module, "look_at", slow)
+        page.controls.boxes["friction"].value = "-3"
+        await until(lambda: page._waits.visible)
+        go.set()
+        await until(lambda: page.message.visible)
+        assert not page._waits.visible
+
+    asyncio.run(waits(module.Page(texts_of(None))))
+
+
 async def until(condition):
     for _ in range(6000):
         if condition():
@@ -190,6 +212,9 @@ def test_a_page_begins_with_any_scene():
     for scene in SCENES:
         texts = texts_of(scene, 3e-7)
         assert Page(texts).texts == texts
+    bare = Page(texts_of(Scene(0.3)))
+    drawn = [key for key, plot in bare._figures._plots.items() if plot.visible]
+    assert drawn == [("p", "s"), ("p", "d")]
     with pytest.raises(SceneError, match="rtol"):
         sc.explore(rtol=1.0)
     bowl = profiles.Sampled.from_points([0.0, 0.5, 1.0], [0.0, 0.1, 0.4])

@@ -1,5 +1,6 @@
 """A line of progress: where somebody watches, and nowhere else."""
 
+import math
 import subprocess
 import sys
 import threading
@@ -7,7 +8,15 @@ from types import SimpleNamespace
 
 import pytest
 
-from spectral_contact import MissingDependencyError, Scene, SceneError, fit, reference, solve
+from spectral_contact import (
+    MissingDependencyError,
+    Scene,
+    SceneError,
+    fit,
+    profiles,
+    reference,
+    solve,
+)
 from spectral_contact.calibration import ApproachData
 from spectral_contact.view.progress import ProgressLine
 
@@ -119,3 +128,15 @@ def test_fits_references_and_energies_show_their_steps(capsys):
     assert "mesh 2 of 2: normal contact" in err
     solve(Scene(0.3)).inside.energies(progress=True)
     assert "energies" in capsys.readouterr().err
+
+
+def test_friction_under_a_profile_shows_how_the_contact_grew(monkeypatch, capsys):
+    ball = Scene(0.3, 0.5, 0.5, math.inf, profile=profiles.Parabola(1.0), load=1.0)
+    on_a_terminal(monkeypatch)
+    for wanted, shown in ((None, True), (False, False)):
+        solve(ball, 1e-3, ["total_shear"], progress=wanted)
+        assert ("as the contact grew: radius" in capsys.readouterr().err) == shown
+    solve(Scene(0.3, 0.5, 0.5, 0.1), 1e-3, progress=True)  # it takes no time
+    assert capsys.readouterr().err == ""
+    with pytest.raises(SceneError, match="progress = 1"):
+        solve(ball, 1e-3, progress=1)

@@ -1,0 +1,104 @@
+"""Lines of many frictions: few are solved, and all have the numbers of `solve`."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, solve
+from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.given_radius import solve_given_radius
+from spectral_contact.contact.normal import solve_normal
+from spectral_contact.sweeps import chunk, sweep
+from spectral_contact.sweeps.lines import LEAST, lines
+from spectral_contact.sweeps.parameters import listed
+from spectral_contact.sweeps.request import requested
+
+pytest.importorskip("xarray", reason="part of the extra: sweep")
+
+NUMBERS = ["stick_radius", "total_shear"]
+
+
+@pytest.fixture
+def work(monkeypatch):
+    """Return a list that grows with every friction that is solved, or radius."""
+    done = []
+    for name in ("solve", "given_radius"):
+        original = getattr(chunk.Continuation, name)
+
+        def counted(self, *arguments, original=original):
+            done.append(arguments)
+            return original(self, *arguments)
+
+        monkeypatch.setattr(chunk.Continuation, name, counted)
+    return done
+
+
+@pytest.mark.parametrize(
+    ("scene", "frictions", "solved"),
+    [
+        (Scene(0.3, 0.5, 0.5), np.linspace(0.01, 0.09, 80), 35),
+        (Scene(0.1, 0.5, 0.0), np.geomspace(0.1, 0.6, 40), 30),  # no compliance
+        (Scene(0.2), np.geomspace(0.1, 0.6, 60), 40),
+        (Scene(0.3, 0.05, 1.0), np.geomspace(0.01, 0.04, 60), 50),  # then slip inside, then stick
+    ],
+    ids=["both", "alpha", "smooth", "zones"],
+)
+def test_a_line_has_the_numbers_of_solve_within_its_estimates(work, scene, frictions, solved):
+    found = sweep(scene, friction=frictions, quantities=NUMBERS)
+    assert len(work) < solved
+    assert (found.ending == "converged").all()
+    for i in range(0, len(frictions), 13):
+        truth = solve(scene.replace(friction=float(frictions[i])), 1e-12, NUMBERS)
+        for name in NUMBERS:
+            own = float(found[f"{name}_error"][i])
+            error = abs(float(found[name][i]) / getattr(truth, name) - 1.0)
+            assert error <= own + getattr(truth.error, name) + 1e-15
+            assert own <= 1e-8
+
+
+def test_what_friction_does_not_change_is_that_of_solve():
+    frictions = np.linspace(0.01, 0.09, 40)
+    found = sweep(Scene(0.3, 0.5, 0.5), friction=frictions)
+    truth = solve(Scene(0.3, 0.5, 0.5, 0.05), 1e-8)
+    for name in ("approach", "edge_ratio", "critical_friction"):
+        assert (found[name] == getattr(truth, name)).all()
+        assert (found[f"{name}_error"] == getattr(truth.error, name)).all()
+
+
+def test_where_a_node_fails_the_scenes_are_solved_one_by_one(monkeypatch):
+    def broken(self, scene, logit):
+        raise FloatingPointError
+
+    monkeypatch.setattr(chunk.Continuation, "given_radius", broken)
+    frictions = np.linspace(0.02, 0.09, LEAST)
+    found = sweep(Scene(0.3, 0.5, 0.5), friction=frictions, quantities=NUMBERS)
+    assert (found.ending == "converged").all()
+    truth = solve(Scene(0.3, 0.5, 0.5, 0.02), 1e-8, NUMBERS)
+    assert float(found.stick_radius[0]) == pytest.approx(truth.stick_radius, rel=1e-12)
+
+
+def test_lines_are_of_one_material_and_have_slip():
+    frictions = [*np.linspace(0.09, 0.01, LEAST), 0.01, 0.0, math.inf, None]
+    scenes = [Scene(0.3, alpha, 0.5, f) for f in frictions for alpha in (0.5, 0.1)]
+    columns = listed([*scenes, Scene(0.5, 0.1, 0.5, 0.2)]).columns(np.arange(len(scenes) + 1))
+    todo = np.arange(len(columns))
+    found = list(lines(columns, todo, requested(NUMBERS, 1e-8, 100, None, None)))
+    assert [set(columns.values[1, line]) for line in found] == [{0.1}, {0.5}]
+    for line in found:
+        np.testing.assert_allclose(columns.values[3, line], sorted(frictions[: LEAST + 1]))
+    assert not list(lines(columns, todo[:LEAST], requested(NUMBERS, 1e-8, 100, None, None)))
+    for asked in (["zones"], ["traction"]):
+        request = requested(asked, 1e-8, 100, None, [0.5] if asked == ["traction"] else None)
+        assert not list(lines(columns, todo, request))
+
+
+@pytest.mark.parametrize("logit", [-20.0, -2.0, 3.0, 20.0])
+def test_the_friction_of_a_radius_on_a_smooth_surface(logit):
+    drive = Drive(solve_normal(0.0, 1e-12, 1000, goal="drive"))
+    disk = solve_given_radius(drive, 0.0, logit, 1e-10, 1000).best.value
+    with mpmath.workdps(40):
+        c = mpmath.sqrt(1 / (1 + mpmath.exp(-logit)))
+        true = 2 * mpmath.atanh(c) / c / mpmath.ellipk(1 - c**2)
+    assert abs(disk.friction / float(true) - 1.0) <= disk.shift < 1e-11
