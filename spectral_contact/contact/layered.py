@@ -163,7 +163,7 @@ class LayeredProblem(PartedProblem):
             pressure_error,
             deepest,
         )
-        error = max(indentation.approach_error, load_error)
+        error = max(indentation.approach_error, load_error, work_error, stiff_error)
         if self.pointwise:
             error = max(error, pressure_error)
         else:
