@@ -33,8 +33,8 @@ __all__ = ["LayeredProblem"]
 
 Array = NDArray[np.float64]
 
-#: Of errors of integrals, as in `indented`; and of what two spaces differ by.
-_INTEGRATED, _DIFFERENCE = 2.0, 1.0
+#: Of errors of integrals, as in `indented`; of what two spaces differ by, and of the stiffness.
+_INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 4.0
 #: Roundings of what follows from the data, and of the pressure.
 _ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
 
@@ -117,8 +117,8 @@ class LayeredProblem(PartedProblem):
         own = _INTEGRATED * 2.0 * pi * float(energies @ falls)
         flat = _INTEGRATED * 2.0 * pi * float(flat_change.energies @ falls)
         both = _INTEGRATED * 2.0 * pi * float(change.energies @ falls)
-        # two degrees of what superconverges
-        sides = _DIFFERENCE * worst**4
+        # it superconverges, but signs may have made it small
+        sides = _DIFFERENCE * worst
 
         shifted, data = 0.0, size - min(setting.origin, 0.0)
         if setting.approach is None:
@@ -126,7 +126,7 @@ class LayeredProblem(PartedProblem):
                 np.abs((fields.overclosure - coarse.overclosure)[-used[-1][0].tail_terms :]).sum()
             )
             shifted = lost / edge_value(used[-1][0], fields.rate)
-            shifted = a * max(shifted, sides * abs(whole.shift - less.shift))
+            shifted = a * (shifted + sides * abs(whole.shift - less.shift))
         shifted += _ROUNDINGS * ROUNDING * data
         moved = whole.stiffness * shifted
         load_error = (
@@ -140,7 +140,8 @@ class LayeredProblem(PartedProblem):
             + ROUNDING
         )
         stiff_error = (
-            (a * flat + worst * abs(whole.stiffness - less.stiffness)) / whole.stiffness
+            (a * flat + _STIFFNESS * sides * abs(whole.stiffness - less.stiffness))
+            / whole.stiffness
             + fields.left
             + 2.0 * ROUNDING
         )

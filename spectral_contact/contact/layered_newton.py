@@ -284,7 +284,7 @@ class LayeredNewton:
         at = sampling.values(w)
         pressure = cut(sampling.coefficients(setting.pressure(at)))
         flat = np.zeros(sampling.size)
-        for place, block in sampling.factors(slope):
+        for place, block in sampling.factors(setting.slope(at)):
             flat[place] = block @ rate[place]
         return Fields(w, pressure, rate, cut(flat), fields.shift + moved, fields.left)
 
