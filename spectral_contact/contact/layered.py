@@ -23,7 +23,7 @@ from spectral_contact.contact.indented import (
     pointwise_errors,
     series_on_parts,
 )
-from spectral_contact.contact.layered_newton import Fields, LayeredNewton, Setting
+from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import Radius
@@ -44,13 +44,13 @@ class LayeredProblem(PartedProblem):
 
     Parameters
     ----------
-    setting : Setting
+    setting : LayeredSetting
     tolerance : float
     pointwise : bool
         Whether the pressure is wanted.
     """
 
-    def __init__(self, setting: Setting, tolerance: float, *, pointwise: bool) -> None:
+    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
         self.setting = setting
         self._features = iter(zip(setting.depths, setting.smooth, strict=True))
         super().__init__(setting.parts, tolerance, pointwise=pointwise)
@@ -94,7 +94,7 @@ class LayeredProblem(PartedProblem):
             start = stop + old.tail_terms
         return np.concatenate(rows), shift
 
-    def _judged(self, solver: LayeredNewton, fields: Fields) -> Attempt[Indentation]:
+    def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:
         """Return the contact with its errors."""
         setting, used, a = self.setting, solver.used, self.setting.radius
         whole, coarse = solver.integrals(fields), solver.coarser(fields)

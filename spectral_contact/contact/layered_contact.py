@@ -15,7 +15,7 @@ import numpy as np
 
 from spectral_contact.contact.indented import Indentation
 from spectral_contact.contact.layered import LayeredProblem
-from spectral_contact.contact.layered_newton import Setting
+from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import setting_at_approach
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.errors import SceneError
@@ -35,13 +35,13 @@ _PLACES = np.linspace(0.0, 1.0, 257)
 
 
 def solve_layered(
-    setting: Setting, tolerance: float, max_unknowns: int, *, pointwise: bool = True
+    setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool = True
 ) -> Contact:
     """Solve normal contact through a nonlinear layer in a setting.
 
     Parameters
     ----------
-    setting : Setting
+    setting : LayeredSetting
     tolerance : float
         Bound on the relative error of approach and load, and of the pressure if that is wanted.
     max_unknowns : int

@@ -17,7 +17,7 @@ from spectral_contact.spectral.parted import Parts, PressureSpace
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change
 
-__all__ = ["Fields", "Integrals", "LayeredNewton", "Setting", "balanced"]
+__all__ = ["LayeredFields", "LayeredNewton", "LayeredSetting", "Totals", "balanced"]
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ _SLOPE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class LayeredSetting:
     """What is to be solved, in lengths of the profile's unit.
 
     Attributes
@@ -83,7 +83,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Fields:
+class LayeredFields:
     """A solution, in coefficients.
 
     Attributes
@@ -106,8 +106,8 @@ class Fields:
 
 
 @dataclass(frozen=True, slots=True)
-class Integrals:
-    """Integrals over a solution."""
+class Totals:
+    """Totals over a solution."""
 
     load: float
     stiffness: float
@@ -115,17 +115,28 @@ class Integrals:
     shift: float
 
 
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """Corrections of the overclosure and of ``eps``, and ``dw/ddelta``."""
+
+    overclosure: Array
+    shift: float
+    rate: Array
+
+
 class LayeredNewton:
     """Newton's method in a space.
 
     Parameters
     ----------
-    setting : Setting
+    setting : LayeredSetting
     space : PressureSpace
     used : tuple of (LogPanels, tuple of int)
     """
 
-    def __init__(self, setting: Setting, space: PressureSpace, used: tuple[Used, ...]) -> None:
+    def __init__(
+        self, setting: LayeredSetting, space: PressureSpace, used: tuple[Used, ...]
+    ) -> None:
         self.setting, self.space, self.used = setting, space, used
         self.functions = space.functions
         self.sampling = Sampling(used)
@@ -174,9 +185,9 @@ class LayeredNewton:
                 force = sampling.coefficients(pressure)
                 residual = self._residual(both, force, self._shift, count)
                 matrix = self._matrix(slope)
-                step, _, _ = self._stepped(both, lu_factor(matrix, check_finite=False), residual)
-                both = both + step
-                moved = np.abs(slope * sampling.values(step)).max()
+                step = self._stepped(both, lu_factor(matrix, check_finite=False), residual)
+                both = both + step.overclosure
+                moved = np.abs(slope * sampling.values(step.overclosure)).max()
                 if moved < _NEAR * pressure.max():
                     break
             at = sampling.values(both)
@@ -191,7 +202,7 @@ class LayeredNewton:
         """How the disk is cut."""
         return self.setting.parts
 
-    def solved(self, w: Array, shift: float) -> Fields:
+    def solved(self, w: Array, shift: float) -> LayeredFields:
         """Correct until rounding is left."""
         setting, sampling = self.setting, self.sampling
         before = size = left = inf
@@ -199,8 +210,13 @@ class LayeredNewton:
         for _ in range(_STEPS):
             at = sampling.values(w)
             with np.errstate(over="ignore", invalid="ignore"):
-                step, moved, rate = self._correction(w, at, shift)
-                here, slope, by = setting.pressure(at), setting.slope(at), sampling.values(step)
+                step = self._correction(w, at, shift)
+                rate = step.rate
+                here, slope, by = (
+                    setting.pressure(at),
+                    setting.slope(at),
+                    sampling.values(step.overclosure),
+                )
                 there = setting.pressure(at + by)
                 most = max(float(here.max()), float(there.max()))
                 bend = float(np.abs(there - here - slope * by).max()) / most
@@ -209,8 +225,8 @@ class LayeredNewton:
                 room = at + by + _OWN * (here + slope * by)
                 w, size = sampling.coefficients(balanced(setting, room, at)), inf
             else:
-                w = w + step
-            shift += moved
+                w = w + step.overclosure
+            shift += step.shift
             if not np.isfinite(w).all():
                 w, left = np.zeros(sampling.size), inf
                 break
@@ -222,19 +238,19 @@ class LayeredNewton:
         flat = np.zeros(sampling.size)
         for place, block in sampling.factors(setting.slope(at)):
             flat[place] = block @ rate[place]
-        return Fields(w, pressure, rate, flat, shift, left if left == inf else min(size, left))
+        return LayeredFields(
+            w, pressure, rate, flat, shift, left if left == inf else min(size, left)
+        )
 
-    def _correction(self, w: Array, at: Array, shift: float) -> tuple[Array, float, Array]:
-        """Return the corrections of the overclosure and of ``eps``, and ``dw/ddelta``."""
+    def _correction(self, w: Array, at: Array, shift: float) -> _Step:
+        """Return a correction."""
         pressure = self.sampling.coefficients(self.setting.pressure(at))
         count = len(self.functions.index)
         matrix = self._matrix(self.setting.slope(at))
         residual = self._residual(w, pressure, shift, count)
         return self._stepped(w, lu_factor(matrix, check_finite=False), residual)
 
-    def _stepped(
-        self, w: Array, factors: tuple[Array, Array], residual: Array
-    ) -> tuple[Array, float, Array]:
+    def _stepped(self, w: Array, factors: tuple[Array, Array], residual: Array) -> _Step:
         count = len(residual)
         index, scale = self.functions.index[:count], self._scale[:count]
         both = np.column_stack([residual, 2.0 * self.functions.constant_moments[:count]])
@@ -242,10 +258,10 @@ class LayeredNewton:
         step, rate = np.zeros((2, self.sampling.size))
         step[index], rate[index] = solved.T
         if self._fixed:
-            return step, 0.0, rate
+            return _Step(step, 0.0, rate)
         edge = self.used[-1][0]
         moved = -(edge_value(edge, w) + edge_value(edge, step)) / edge_value(edge, rate)
-        return step + moved * rate, moved, rate
+        return _Step(step + moved * rate, moved, rate)
 
     def _residual(self, w: Array, pressure: Array, shift: float, count: int) -> Array:
         own = self.functions
@@ -263,7 +279,7 @@ class LayeredNewton:
             matrix[:, at] += own.gram[:, at] @ block[np.ix_(inside, inside)]
         return matrix * scale[:, None] * scale
 
-    def coarser(self, fields: Fields) -> Fields:
+    def coarser(self, fields: LayeredFields) -> LayeredFields:
         """Return the solution with two degrees less on every panel, by one correction."""
         setting, sampling, own = self.setting, self.sampling, self.functions
         count = own.kept
@@ -279,16 +295,16 @@ class LayeredNewton:
         w = cut(fields.overclosure)
         pressure = cut(sampling.coefficients(setting.pressure(sampling.values(w))))
         residual = self._residual(w, pressure, fields.shift, count)
-        step, moved, rate = self._stepped(w, lu_factor(matrix, check_finite=False), residual)
-        w = w + step
+        step = self._stepped(w, lu_factor(matrix, check_finite=False), residual)
+        w, rate = w + step.overclosure, step.rate
         at = sampling.values(w)
         pressure = cut(sampling.coefficients(setting.pressure(at)))
         flat = np.zeros(sampling.size)
         for place, block in sampling.factors(setting.slope(at)):
             flat[place] = block @ rate[place]
-        return Fields(w, pressure, rate, cut(flat), fields.shift + moved, fields.left)
+        return LayeredFields(w, pressure, rate, cut(flat), fields.shift + step.shift, fields.left)
 
-    def integrals(self, fields: Fields) -> Integrals:
+    def integrals(self, fields: LayeredFields) -> Totals:
         """Return load, stiffness and work."""
         a, weights, own = self.setting.radius, self.space.weights, self.functions
         half = own.half_integral(fields.pressure)
@@ -296,7 +312,7 @@ class LayeredNewton:
             self.setting.energy(self.sampling.values(fields.overclosure))
         )
         stored = 4.0 * a**2 * float(weights @ own.half_integral(energy))
-        return Integrals(
+        return Totals(
             4.0 * a**2 * float(weights @ half),
             4.0 * a * float(weights @ own.half_integral(fields.flat)),
             stored + a**3 * float(weights @ half**2),
@@ -311,21 +327,21 @@ class LayeredNewton:
         energies = np.bincount(own.panel, each, own.panels + 1)
         return Change(p - p_less, np.asarray(energies, dtype=float))
 
-    def deepest(self, fields: Fields) -> float:
+    def deepest(self, fields: LayeredFields) -> float:
         """Return the largest overclosure."""
         setting = self.setting
         return setting.origin + setting.radius * float(
             self.sampling.values(fields.overclosure).max()
         )
 
-    def sharpest(self, fields: Fields, mean: float) -> float:
+    def sharpest(self, fields: LayeredFields, mean: float) -> float:
         """Return by how much of itself, or of its mean, the pressure moves with the data."""
         at = self.sampling.values(fields.overclosure)
         p, slope = self.setting.pressure(at), self.setting.slope(at)
         moved = slope / (1.0 + _OWN * slope) / self.setting.radius
         return float((moved / np.maximum(p, mean)).max())
 
-    def growth(self, fields: Fields) -> float:
+    def growth(self, fields: LayeredFields) -> float:
         """Return ``ddelta/da``, from how the overclosure falls to the edge."""
         if self._fixed:
             return 0.0
@@ -336,7 +352,7 @@ class LayeredNewton:
         return 2.0 * edge.value(y / reach) / y / edge_value(self.used[-1][0], fields.rate)
 
 
-def balanced(setting: Setting, room: Array, start: Array, spring: float = _OWN) -> Array:
+def balanced(setting: LayeredSetting, room: Array, start: Array, spring: float = _OWN) -> Array:
     """Return w with ``w + spring F(w) = room`` at every point by itself."""
     w = start.copy()
     low, high = np.full(w.shape, -inf), np.full(w.shape, inf)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.indented import profile_parts
-from spectral_contact.contact.layered_newton import Setting, balanced
+from spectral_contact.contact.layered_newton import LayeredSetting, balanced
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.layers.base import Layer
@@ -45,12 +45,12 @@ def has_edge(profile: Profile, layer: Layer) -> bool:
     return layer.start > -inf and not isinstance(profile, Flat)
 
 
-def setting_at_radius(profile: Profile, layer: Layer, radius: float) -> Setting:
+def setting_at_radius(profile: Profile, layer: Layer, radius: float) -> LayeredSetting:
     """Return the setting of a contact radius, for a law with an edge."""
     return _to_edge(profile, layer, radius, None)
 
 
-def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Setting:
+def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> LayeredSetting:
     """Return the setting of an approach, for a flat punch or a law without an edge.
 
     Raises
@@ -72,12 +72,14 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Sett
     for boundary, _, _ in parts.ends:
         depths.append(depth if boundary in turns and turn == knee else 0.0)
         smooth.append(boundary in turns or boundary is EDGE)
-    return Setting(profile, layer, radius, approach, parts, tuple(depths), tuple(smooth))
+    return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), tuple(smooth))
 
 
-def _to_edge(profile: Profile, layer: Layer, radius: float, approach: float | None) -> Setting:
+def _to_edge(
+    profile: Profile, layer: Layer, radius: float, approach: float | None
+) -> LayeredSetting:
     parts = profile_parts(profile, radius)
-    setting = Setting(profile, layer, radius, approach, parts, (), ())
+    setting = LayeredSetting(profile, layer, radius, approach, parts, (), ())
     if approach is None:
         room = 2.0 * float(profile._height(np.array(radius)))
     else:
@@ -90,7 +92,7 @@ def _to_edge(profile: Profile, layer: Layer, radius: float, approach: float | No
         for boundary, _, extent in parts.ends
     ]
     smooth = (False,) * len(depths)
-    return Setting(profile, layer, radius, approach, parts, tuple(depths), smooth)
+    return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), smooth)
 
 
 def _domain(profile: Profile, layer: Layer, approach: float) -> float:

@@ -19,8 +19,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.inputs.choices import one_of
-from spectral_contact.layers.base import Layer
-from spectral_contact.layers.laws import positive
+from spectral_contact.layers.base import Layer, positive
 
 __all__ = ["GreenwoodWilliamson"]
 

@@ -10,14 +10,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import reals
+from spectral_contact.inputs.checks import real, reals
 
-__all__ = ["Layer"]
+__all__ = ["Layer", "positive"]
 
 Array = NDArray[np.float64]
 
 #: Steps of bracketing and of bisection between neighbouring doubles.
 _STEPS = 2100
+
+
+def positive(law: object, name: str, low: float = 1e-100, high: float = 1e100) -> None:
+    """Check a parameter of a law, whose powers have to stay in the range of doubles."""
+    allowed = f"in [{low:g}, {high:g}]"
+    value = real(name, getattr(law, name), allowed=allowed, low=low, high=high)
+    object.__setattr__(law, name, value)
 
 
 class Layer(ABC):

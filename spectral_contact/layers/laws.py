@@ -8,11 +8,10 @@ from math import e, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.inputs.checks import real
 from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
-from spectral_contact.layers.base import Layer
+from spectral_contact.layers.base import Layer, positive
 
-__all__ = ["CalculixExponential", "Exponential", "Linear", "PowerLaw", "positive"]
+__all__ = ["CalculixExponential", "Exponential", "Linear", "PowerLaw"]
 
 Array = NDArray[np.float64]
 
@@ -24,13 +23,6 @@ _HIGHEST = 700.0
 _SHARE = 0.01
 #: Where the energy of `Exponential` is a series, for it would cancel.
 _SMALL, _TERMS = 0.5, 18
-
-
-def positive(law: object, name: str, low: float = 1e-100, high: float = 1e100) -> None:
-    """Check a parameter of a law, whose powers have to stay in the range of doubles."""
-    allowed = f"in [{low:g}, {high:g}]"
-    value = real(name, getattr(law, name), allowed=allowed, low=low, high=high)
-    object.__setattr__(law, name, value)
 
 
 @dataclass(frozen=True, slots=True)

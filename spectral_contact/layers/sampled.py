@@ -42,6 +42,15 @@ def _checked(name: str, values: Any) -> tuple[float, ...]:
     return tuple(found.tolist())
 
 
+@dataclass(frozen=True, slots=True)
+class _Series:
+    """Chebyshev series on every piece: of the pressure, its derivative, and its integral."""
+
+    pressure: Rows
+    slope: Rows
+    energy: Rows
+
+
 class _Pieces(Layer):
     """A law that is a Chebyshev series on every piece, and zero before the first."""
 
@@ -66,7 +75,7 @@ class _Pieces(Layer):
     def _edges(self) -> tuple[float, ...]:
         raise NotImplementedError
 
-    def _series(self) -> tuple[Rows, Rows, Rows]:
+    def _series(self) -> _Series:
         """Return the series of the pressure, its derivative, and its integral on every piece."""
         raise NotImplementedError
 
@@ -74,8 +83,8 @@ class _Pieces(Layer):
     def _size(self) -> float:
         return (self.limit - self.start) / len(self._edges)
 
-    def _sum(self, which: int, w: Array) -> Array:
-        edges, rows = np.array(self._edges), self._series()[which]
+    def _sum(self, rows: Rows, w: Array) -> Array:
+        edges = np.array(self._edges)
         own = np.clip(np.searchsorted(edges, w, side="right") - 1, 0, len(rows) - 1)
         found = np.zeros(np.shape(w))
         for k, row in enumerate(rows):
@@ -86,21 +95,21 @@ class _Pieces(Layer):
 
     def _pressure(self, w: Array) -> Array:
         w = np.asarray(w, dtype=float)
-        past = np.maximum(w - self.limit, 0.0)
-        return self._sum(0, w) + past * self._sum(1, np.array(self.limit))
+        own, past = self._series(), np.maximum(w - self.limit, 0.0)
+        return self._sum(own.pressure, w) + past * self._sum(own.slope, np.array(self.limit))
 
     def _slope(self, w: Array) -> Array:
-        return self._sum(1, np.asarray(w, dtype=float))
+        return self._sum(self._series().slope, np.asarray(w, dtype=float))
 
     def _energy(self, w: Array) -> Array:
         w = np.asarray(w, dtype=float)
-        past, end = np.maximum(w - self.limit, 0.0), np.array(self.limit)
-        more = past * self._sum(0, end) + past**2 / 2.0 * self._sum(1, end)
-        return self._sum(2, w) + more
+        own, past, end = self._series(), np.maximum(w - self.limit, 0.0), np.array(self.limit)
+        more = past * self._sum(own.pressure, end) + past**2 / 2.0 * self._sum(own.slope, end)
+        return self._sum(own.energy, w) + more
 
 
 @cache
-def _integrated(edges: tuple[float, ...], rows: Rows) -> tuple[Rows, Rows, Rows]:
+def _integrated(edges: tuple[float, ...], rows: Rows) -> _Series:
     """Return the series with their derivatives and integrals."""
     slopes, energies, total = [], [], 0.0
     for (low, high), row in zip(pairwise(edges), rows, strict=True):
@@ -110,7 +119,7 @@ def _integrated(edges: tuple[float, ...], rows: Rows) -> tuple[Rows, Rows, Rows]
         energy[0] += total
         energies.append(tuple(energy.tolist()))
         total = float(chebyshev.chebval(1.0, energy))
-    return rows, tuple(slopes), tuple(energies)
+    return _Series(rows, tuple(slopes), tuple(energies))
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,12 +159,12 @@ class Table(_Pieces):
     def _edges(self) -> tuple[float, ...]:
         return self.overclosures
 
-    def _series(self) -> tuple[Rows, Rows, Rows]:
+    def _series(self) -> _Series:
         return _cubics(self.overclosures, self.pressures)
 
 
 @cache
-def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> tuple[Rows, Rows, Rows]:
+def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> _Series:
     from scipy.interpolate import PchipInterpolator
 
     law = PchipInterpolator(np.array(w), np.array(p))
@@ -244,7 +253,7 @@ class Sampled(_Pieces):
     def _edges(self) -> tuple[float, ...]:
         return self.edges
 
-    def _series(self) -> tuple[Rows, Rows, Rows]:
+    def _series(self) -> _Series:
         return _integrated(self.edges, self.series)
 
     def _check(self) -> None:

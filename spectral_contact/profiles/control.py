@@ -77,15 +77,9 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
         told = "one value and two None: give one of them with a profile"
         raise SceneError(", ".join(CONTROLS), tuple(values.values()), told)
     [(name, value)] = given.items()
-    layer = scene["layer"]
-    if name == "approach" and layer is not None:
-        told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
-        return {name: real(name, value, allowed=told, low=layer.start, low_open=True)}
     if name != "contact_radius":
-        return {name: real(name, value, allowed="finite and > 0", low=0.0, low_open=True)}
-    if layer is not None and (isinf(layer.start) or isinstance(profile, Flat)):
-        told = "None: the contact has no edge that moves; give a load or an approach"
-        raise SceneError(name, value, told)
+        return {name: _pressed(name, value, scene["layer"])}
+    _check_edge(scene)
     low, high = profile.flat_part, profile.reach
     told = f"finite, and in ({low:.6g}, {high:.6g}), where the profile is"
     radius = real(name, value, allowed=told, low=low, high=high, low_open=True, high_open=True)
@@ -93,6 +87,22 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
         told = "such that normal_compliance / contact_radius is in [1e-14, 1e14]"
         raise SceneError(name, value, told)
     return {name: radius}
+
+
+def _pressed(name: str, value: Any, layer: Any) -> float:
+    """Return a load or an approach."""
+    if name == "approach" and layer is not None:
+        told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
+        return real(name, value, allowed=told, low=layer.start, low_open=True)
+    return real(name, value, allowed="finite and > 0", low=0.0, low_open=True)
+
+
+def _check_edge(scene: Mapping[str, Any]) -> None:
+    """Refuse a contact radius where there is none that moves."""
+    layer = scene["layer"]
+    if layer is not None and (isinf(layer.start) or isinstance(scene["profile"], Flat)):
+        told = "None: the contact has no edge that moves; give a load or an approach"
+        raise SceneError("contact_radius", scene["contact_radius"], told)
 
 
 def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:

@@ -22,7 +22,7 @@ Used = tuple[LogPanels, tuple[int, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class _Piece:
+class _Stretch:
     """Panels with as many terms and samples each, or a tail.
 
     Attributes
@@ -67,7 +67,7 @@ class Sampling:
     """
 
     def __init__(self, used: tuple[Used, ...]) -> None:
-        self._pieces: list[_Piece] = []
+        self._pieces: list[_Stretch] = []
         self.size = self.samples = 0
         for panels, degrees in used:
             terms, points = panels.degree + 1, panels.samples
@@ -80,7 +80,7 @@ class Sampling:
         evaluate = legendre_values(g, terms - 1)
         expand = legendre_expansion_matrix(points, terms - 1)
         self._pieces.append(
-            _Piece(self.size, self.samples, count, terms, points, evaluate, expand, kept)
+            _Stretch(self.size, self.samples, count, terms, points, evaluate, expand, kept)
         )
         self.size += count * terms
         self.samples += count * points

@@ -24,7 +24,7 @@ from spectral_contact import SceneError, layers, profiles
 from spectral_contact.contact.indented import Indentation
 from spectral_contact.contact.layered import LayeredProblem
 from spectral_contact.contact.layered_contact import solve_layered
-from spectral_contact.contact.layered_newton import Setting
+from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import (
     has_edge,
     setting_at_approach,
@@ -52,7 +52,7 @@ class Better(LayeredProblem):
         return Resolution(replace(found.panels, degree=40), degrees)
 
 
-def drawn(rng: np.random.Generator) -> Setting:
+def drawn(rng: np.random.Generator) -> LayeredSetting:
     """Return what is to be solved, in units of some radius of curvature."""
 
     def decade(low: float, high: float) -> float:
