@@ -15,7 +15,7 @@ from spectral_contact import processes
 
 processes.quiet_imports()  # before what takes a second to import
 
-from spectral_contact import profiles
+from spectral_contact import layers, profiles
 from spectral_contact.errors import (
     ConvergenceError,
     MissingDependencyError,
@@ -87,6 +87,7 @@ __all__ = [
     "explore",
     "fit",
     "gold",
+    "layers",
     "paper",
     "plan",
     "plotting",

@@ -15,6 +15,7 @@ from typing import Any, Final, Self
 from spectral_contact.errors import SceneError, SolutionFileError, shown
 from spectral_contact.inputs.checks import flag, real
 from spectral_contact.inputs.choices import one_of
+from spectral_contact.inputs.kinds import kind_tree
 from spectral_contact.inputs.physical import (
     LARGEST_COMPLIANCE,
     SMALLEST_COMPLIANCE,
@@ -23,8 +24,10 @@ from spectral_contact.inputs.physical import (
 )
 from spectral_contact.inputs.units import Measured, in_si
 from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
+from spectral_contact.layers import Layer
+from spectral_contact.layers.control import check_layer, layer_from
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS, checked_controls, profile_from, profile_tree
+from spectral_contact.profiles.control import CONTROLS, checked_controls, profile_from
 
 __all__ = ["PhysicalData", "Scene", "same_problem"]
 
@@ -62,7 +65,13 @@ class Scene:
         With a profile all lengths are in a reference length L, that of the profile's parameters,
         tractions in E' = E/(4(1−ν²)), loads in E'L², and α* is αE'/L. Keyword only.
     contact_radius, load, approach : float or None
-        With a profile one of them, finite and > 0; else None. Keyword only.
+        With a profile one of them, finite and > 0; else None. Under a layer the approach is more
+        than the overclosure at which its pressure begins, and a contact radius is only given where
+        there is an edge that moves. Keyword only.
+    layer : Layer or None
+        The law of a nonlinear layer, out of `spectral_contact.layers`, in place of
+        ``normal_compliance``; with a profile, which may be ``profiles.Flat``, and without friction.
+        None, the default, is the linear layer. Keyword only.
 
     Raises
     ------
@@ -87,6 +96,7 @@ class Scene:
     contact_radius: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     load: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     approach: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    layer: Layer | None = field(default=None, kw_only=True, metadata=YOUNGER)
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
@@ -102,9 +112,9 @@ class Scene:
             friction = real("friction", self.friction, allowed=allowed, low=0.0, infinite_ok=True)
             put(self, "friction", friction)
         put(self, "coupling", flag("coupling", self.coupling))
-        for name, number in checked_controls(
-            {name: getattr(self, name) for name in _names(Scene)}
-        ).items():
+        given = {name: getattr(self, name) for name in _names(Scene)}
+        check_layer(given)
+        for name, number in checked_controls(given).items():
             put(self, name, number)
         if self.physical is not None:
             self._check_physical()
@@ -230,7 +240,7 @@ class Scene:
         own = {name: getattr(self, name) for name in _names(Scene) if name != "physical"}
         if self.physical is None:
             return own
-        rest = {name: value for name, value in own.items() if name not in CONTROLS}
+        rest = {name: value for name, value in own.items() if name not in (*CONTROLS, "layer")}
         return {**rest, **asdict(self.physical)}
 
     def __repr__(self) -> str:
@@ -266,9 +276,9 @@ class Scene:
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as a dictionary that strict JSON can hold, infinity being ``"inf"``."""
         friction = "inf" if self.friction == math.inf else self.friction
-        values = {**asdict(self), "friction": friction, "profile": self.profile}
-        if self.profile is not None:
-            values["profile"] = profile_tree(self.profile)
+        kinds = {"profile": self.profile, "layer": self.layer}
+        trees = {name: None if one is None else kind_tree(one) for name, one in kinds.items()}
+        values = {**asdict(self), "friction": friction, **trees}
         for whole, part in ((self, values), (self.physical, values["physical"])):
             for one in fields(whole) if whole is not None else ():
                 if left_out(one, part[one.name]):
@@ -298,6 +308,8 @@ class Scene:
             values["physical"] = PhysicalData(**values["physical"])
         if values.get("profile") is not None:
             values["profile"] = profile_from(values["profile"])
+        if values.get("layer") is not None:
+            values["layer"] = layer_from(values["layer"])
         return cls(**values)
 
     def to_json(self) -> str:
@@ -348,7 +360,7 @@ def same_problem(one: Scene, other: Scene) -> bool:
     Without friction normal contact decides: the compliance, the profile and how far it is pressed.
     """
     if one.friction is None and other.friction is None:
-        normal = ("normal_compliance", "profile", *CONTROLS)
+        normal = ("normal_compliance", "layer", "profile", *CONTROLS)
         return all(getattr(one, name) == getattr(other, name) for name in normal)
     return one.replace(physical=None) == other.replace(physical=None)
 

@@ -133,6 +133,22 @@ class Solution(Output):
         """Work ∫P dδ of pressing a profile in, in E'L³."""
         return float(self._value("indentation_work"))
 
+    @property
+    def domain_radius(self) -> float:
+        """Radius at s = 1 in L: of the contact under a profile, or where there is no edge.
+
+        Under a layer with pressure at every gap it is one beyond which the pressure is less than
+        1e-17 of its largest value.
+
+        Raises
+        ------
+        NotComputedError
+            If the scene has no profile.
+        """
+        if "domain_radius" in self.values:
+            return float(self.values["domain_radius"])
+        return self.contact_radius
+
     def gap(self, s: ArrayLike | None = None, *, beyond: ArrayLike | None = None) -> Any:
         """Evaluate the gap between punch and surface outside the contact of a profile, in L.
 

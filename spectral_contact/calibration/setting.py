@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -56,6 +57,7 @@ class Setting:
     def of(cls, scene: Scene, rtol: float) -> Setting:
         """Return the setting of a scene."""
         refuse_profile(scene, "fit")
+        refuse_layer(scene, "fit")
         nu, data = scene.poisson_ratio, scene.physical
         if data is None:
             return cls(nu, 1.0, 1.0, 1.0, rtol)

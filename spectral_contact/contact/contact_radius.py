@@ -14,14 +14,16 @@ from math import exp, inf, isfinite, isinf, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.indented import Indentation, solve_indentation
+from spectral_contact.contact.indented import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import SceneError
 from spectral_contact.profiles import Profile
 
-__all__ = ["find_radius"]
+__all__ = ["Contact", "Solver", "find_radius", "value_of"]
 
 Contact = Indentation | Refinement[Indentation]
+#: The contact of a radius, to a tolerance, and whether the pressure is wanted.
+Solver = Callable[[float, float, bool], Contact]
 
 #: Steps in all; the longest.
 _STEPS, _LONGEST = 60, 3.0
@@ -66,38 +68,41 @@ class _RadiusScale:
 
 def find_radius(
     profile: Profile,
-    compliance: float,
+    solve: Solver,
     tolerance: float,
-    max_unknowns: int,
     *,
     load: float | None,
     approach: float | None,
     pointwise: bool,
     near: float | None = None,
+    origin: float = 0.0,
 ) -> tuple[Contact, float]:
     """Return the contact under a load or approach, and the relative error of its radius.
 
     Parameters
     ----------
     profile : Profile
-    compliance, tolerance, max_unknowns, pointwise
-        As of `solve_indentation`.
+    solve : callable
+        Solves at a radius.
+    tolerance : float
+    pointwise : bool
+        Whether the pressure is wanted.
     load, approach : float or None
         One of them.
     near : float or None
         Where the radius may be.
+    origin : float
+        Approach at which the contact begins.
 
     Raises
     ------
     SceneError
         If no contact smaller than the profile carries it.
     """
-    search = _RadiusSearch(profile, load, approach, near)
+    search = _RadiusSearch(profile, load, approach, near, origin)
 
     def solved(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
-        return lambda radius: solve_indentation(
-            profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
-        )
+        return lambda radius: solve(radius, tolerance, pointwise)
 
     off = max(_SHARE * tolerance, _ROUNDING)
     # a poor space knows what is integrated as well as a rich one knows the pressure
@@ -114,9 +119,14 @@ class _RadiusSearch:
     """Newton's method, bracketed."""
 
     def __init__(
-        self, profile: Profile, load: float | None, approach: float | None, near: float | None
+        self,
+        profile: Profile,
+        load: float | None,
+        approach: float | None,
+        near: float | None,
+        origin: float,
     ) -> None:
-        self.profile, self.load, self.approach = profile, load, approach
+        self.profile, self.load, self.approach, self.origin = profile, load, approach, origin
         self.at = _RadiusScale(profile)
         size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
         if near is None or not profile.flat_part < near < profile.reach:
@@ -153,13 +163,14 @@ class _RadiusSearch:
         if not self.profile.flat_part < radius < self.profile.reach:
             self._refuse()
         self.last = solve(radius)
-        one = _value(self.last)
-        by_load = self.approach is None
-        value, asked = (one.load, self.load) if by_load else (one.approach, self.approach)
-        assert asked is not None
-        rate = one.growth * (one.stiffness if by_load else 1.0)
+        one = value_of(self.last)
+        if self.approach is None:
+            assert self.load is not None
+            value, asked, rate = one.load, self.load, one.growth * one.stiffness
+        else:
+            value, asked, rate = one.approach - self.origin, self.approach - self.origin, one.growth
         misfit = log(value / asked)
-        self.known = one.load_error if by_load else one.approach_error
+        self.known = self._known(one)
         self.slope = rate * self.at.slope(radius) / value
         # between places that are close a secant knows better: next to the rim of a sphere the
         # pressure bends closer to the edge than where its slope is taken
@@ -167,6 +178,12 @@ class _RadiusSearch:
             secant = (misfit - self.misfit) / (self.v - self.before)
             self.slope = secant if secant > 0.0 else self.slope
         self.misfit, self.before = misfit, self.v
+
+    def _known(self, one: Indentation) -> float:
+        """Return the relative error of what is asked for."""
+        if self.approach is None:
+            return one.load_error
+        return one.approach_error * one.approach_size / (self.approach - self.origin)
 
     def _step(self) -> None:
         if self.misfit > 0.0:
@@ -190,8 +207,8 @@ class _RadiusSearch:
     def found(self) -> tuple[Contact, float]:
         """Return the contact, what was asked exactly, and the relative error of its radius."""
         assert self.last is not None
-        one = _value(self.last)
-        of_value = one.load_error if self.approach is None else one.approach_error
+        one = value_of(self.last)
+        of_value = self._known(one)
         # errors of load and approach at this radius are those of a radius that is a little off
         off = of_value + 2.0 * abs(self.misfit)  # the slope is not known to all digits
         error = off / self.slope * self.at.slope(one.radius) / one.radius
@@ -202,13 +219,14 @@ class _RadiusSearch:
         best = replace(
             one,
             work_error=one.work_error + one.load * moved / one.work,
-            # grows like the radius on a smooth surface, like its square in a layer
-            stiffness_error=one.stiffness_error + 2.0 * error,
+            # grows like the radius on a smooth surface, like its square in a linear layer, and as
+            # fast as the load under an exponential law
+            stiffness_error=one.stiffness_error + max(2.0 * error, of_load),
             pressure_error=one.pressure_error + max(of_load, self.rate * error),
         )
         if self.approach is None:
             assert self.load is not None
-            of_approach = one.approach_error + moved / one.approach
+            of_approach = one.approach_error + moved / one.approach_size
             best = replace(best, load=self.load, load_error=0.0, approach_error=of_approach)
         else:
             of_load += one.load_error
@@ -237,5 +255,6 @@ def _pressure_rate(one: Indentation, profile: Profile) -> float:
     return float((np.abs(moved) / np.maximum(np.minimum(p[1:], p[:-1]), mean)).max())
 
 
-def _value(solved: Contact) -> Indentation:
+def value_of(solved: Contact) -> Indentation:
+    """Return the contact."""
     return solved.best.value if isinstance(solved, Refinement) else solved

@@ -8,6 +8,7 @@ pressure vanish at the edge (docs/theory, profiles).
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from math import ceil, inf, log, pi, sqrt
 from typing import Any, TypeAlias
@@ -34,7 +35,19 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parted import PartedSpace, Parts, PressureSpace, pressure_space
 from spectral_contact.spectral.regularised import Change, Regularised
 
-__all__ = ["Indentation", "solve_indentation"]
+__all__ = [
+    "Indentation",
+    "PartedProblem",
+    "Used",
+    "bracket_of",
+    "edge_value",
+    "first_space",
+    "pointwise_errors",
+    "profile_parts",
+    "series_on_parts",
+    "solve_indentation",
+    "split_parts",
+]
 
 Array = NDArray[np.float64]
 Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]
@@ -80,6 +93,8 @@ class Indentation:
         Estimates of relative errors.
     pressure_error : float
         The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
+    overclosure : float
+        The largest, under a nonlinear layer.
     """
 
     radius: float
@@ -95,6 +110,12 @@ class Indentation:
     work_error: float
     stiffness_error: float
     pressure_error: float
+    overclosure: float = 0.0
+
+    @property
+    def approach_size(self) -> float:
+        """What the error of the approach is relative to."""
+        return max(abs(self.approach), self.approach - self.overclosure)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +157,45 @@ class _IntegralErrors:
     work: float
 
 
-class _IndentationProblem:
+class PartedProblem(ABC):
+    """First spaces for a pressure on a disk in parts, and how a vector is cut.
+
+    Parameters
+    ----------
+    parts : Parts
+    tolerance : float
+        Bound on the relative error.
+    pointwise : bool
+        Whether it is that of the pressure, too.
+    """
+
+    def __init__(self, parts: Parts, tolerance: float, *, pointwise: bool) -> None:
+        # integrals superconverge: their errors are the squares of the pressure's
+        self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
+        self.parts = parts
+        self.spaces = [self._first(*end) for end in self.parts.ends]
+        self.counts = [len(one.degrees) for one in self.spaces]
+
+    @abstractmethod
+    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+        """Return the first space of a part."""
+
+    def start(self) -> Resolution:
+        """Return the first space to try."""
+        space = joined(self.spaces)
+        capacity = 4 * ceil((max(space.degrees) + 1) / 4)
+        return Resolution(replace(space.panels, degree=capacity), space.degrees)
+
+    def used(self, resolution: Resolution) -> tuple[Used, ...]:
+        """Return the panels of every part, and the degrees on them."""
+        degrees, used = resolution.degrees, []
+        for count in self.counts:
+            used.append((replace(resolution.panels, panels=count), degrees[:count]))
+            degrees = degrees[count:]
+        return tuple(used)
+
+
+class _IndentationProblem(PartedProblem):
     """Spaces for a contact under a profile."""
 
     def __init__(
@@ -151,53 +210,28 @@ class _IndentationProblem:
         self.profile, self.radius = profile, radius
         #: in units of the contact radius
         self.compliance = compliance / radius
-        # integrals superconverge: their errors are the squares of the pressure's
-        self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
-        self.parts = _parts(profile, radius)
-        self.spaces = [self._first(*end) for end in self.parts.ends]
-        self.counts = [len(one.degrees) for one in self.spaces]
+        super().__init__(profile_parts(profile, radius), tolerance, pointwise=pointwise)
 
     def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
         """Return the first space of a part."""
         thin = min(self.compliance, 1.0)
         # in units of the extent in s**2
         width = min(thin * max(boundary.value, thin) / extent, 1.0)
-        # square roots of the distance in s**2 at a tip
-        rate = 0.5 if boundary is CENTRE else 1.0
-        space = starting_resolution(-log(width), self.tolerance, rate=rate)
-        if len(self.parts.ends) == 1:
-            return space
-        digits, degrees = -log(self.tolerance), list(space.degrees)
-        for j, share in enumerate((_FIRST, _SECOND)):
-            degrees[j] = max(degrees[j], ceil(share * digits))
-        return Resolution(space.panels, tuple(degrees))
-
-    def start(self) -> Resolution:
-        """Return the first space to try."""
-        space = joined(self.spaces)
-        capacity = 4 * ceil((max(space.degrees) + 1) / 4)
-        return Resolution(replace(space.panels, degree=capacity), space.degrees)
+        return first_space(self, boundary, -log(width))
 
     def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
         """Solve in a space."""
-        used = self._used(resolution)
+        used = self.used(resolution)
         space = pressure_space(self.parts, used)
         return self._judged(space, used, self._solve(space, used[-1][0]))
 
-    def _used(self, resolution: Resolution) -> tuple[Used, ...]:
-        degrees, used = resolution.degrees, []
-        for count in self.counts:
-            used.append((replace(resolution.panels, panels=count), degrees[:count]))
-            degrees = degrees[count:]
-        return tuple(used)
-
     def _solve(self, space: PressureSpace, edge: LogPanels) -> _TwoPressures:
-        bracket = _bracket(self.profile, self.radius, space)
+        bracket = bracket_of(self.profile, self.radius, space)
         factored = space.factor(self.compliance)
         own = factored.solve(bracket)
         flat = factored.solve(2.0)
-        at_edge = _edge_value(edge, flat)
-        shift = -_edge_value(edge, own) / at_edge
+        at_edge = edge_value(edge, flat)
+        shift = -edge_value(edge, own) / at_edge
         whole, half = own + shift * flat, space.half_integral
         target = bracket + 2.0 * shift
         return _TwoPressures(factored, flat, whole, half(flat), half(whole), target, shift, at_edge)
@@ -207,14 +241,14 @@ class _IndentationProblem:
     ) -> Attempt[Indentation]:
         """Return the contact with its errors."""
         a, weights = self.radius, space.weights
-        series = _series(used, solved.whole)
+        series = series_on_parts(used, solved.whole)
         moment, flat_moment = float(weights @ solved.whole_half), float(weights @ solved.flat_half)
         energy = float(weights @ (solved.whole_half * solved.target))
         whole_height = float(self.profile._transform(np.asarray(a))) / (2.0 * a)
         approach = whole_height + solved.shift
 
         change, mean = solved.factored.change(solved.whole), 4.0 / pi * moment
-        indicators, rates = _pointwise(used, series, solved.whole, change, mean)
+        indicators, rates = pointwise_errors(used, series, solved.whole, change, mean)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
         shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
         pressure_error = float(indicators.max()) + 20.0 * _ROUNDINGS * ROUNDING
@@ -231,7 +265,7 @@ class _IndentationProblem:
             4.0 * a * flat_moment,
             self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
             self.parts.field(series),
-            self.parts.field(_series(used, solved.flat)) if self.pointwise else None,
+            self.parts.field(series_on_parts(used, solved.flat)) if self.pointwise else None,
             shifted / approach + ROUNDING,
             (shifted * flat_moment + errors.load) / moment + ROUNDING,
             (4.0 * shifted * moment + errors.work) / energy + ROUNDING,
@@ -266,7 +300,20 @@ class _IndentationProblem:
         return 2.0 * edge.value(y / reach) / y / flat_edge
 
 
-def _pointwise(
+def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resolution:
+    """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
+    # square roots of the distance in s**2 at a tip
+    rate = 0.5 if boundary is CENTRE else 1.0
+    space = starting_resolution(depth, problem.tolerance, rate=rate)
+    if len(problem.parts.ends) == 1:
+        return space
+    digits, degrees = -log(problem.tolerance), list(space.degrees)
+    for j, share in enumerate((_FIRST, _SECOND)):
+        degrees[j] = max(degrees[j], ceil(share * digits))
+    return Resolution(space.panels, tuple(degrees))
+
+
+def pointwise_errors(
     used: tuple[Used, ...], series: list[LogSeries], whole: Array, change: Change, mean: float
 ) -> tuple[Array, Array]:
     """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
@@ -274,7 +321,9 @@ def _pointwise(
     They are relative to the pressure, or to its mean if that is larger.
     """
     rates, shares = [], []
-    parts = zip(used, series, _split(used, whole), _split(used, change.coefficients), strict=True)
+    parts = zip(
+        used, series, split_parts(used, whole), split_parts(used, change.coefficients), strict=True
+    )
     for (panels, degrees), one, own, changed in parts:
         rates.append(table_rates(degrees, panel_table(panels, own)))
         size = np.maximum(np.abs(one.at_ends()), mean)
@@ -285,28 +334,32 @@ def _pointwise(
     return (_BROKEN * expected if len(used) > 1 else expected), all_rates
 
 
-def _series(used: tuple[Used, ...], coefficients: Array) -> list[LogSeries]:
-    return [series_of(p, c) for (p, _), c in zip(used, _split(used, coefficients), strict=True)]
+def series_on_parts(used: tuple[Used, ...], coefficients: Array) -> list[LogSeries]:
+    """Return the function on every part."""
+    return [
+        series_of(p, c) for (p, _), c in zip(used, split_parts(used, coefficients), strict=True)
+    ]
 
 
-def _split(used: tuple[Used, ...], coefficients: Array) -> list[Array]:
+def split_parts(used: tuple[Used, ...], coefficients: Array) -> list[Array]:
     """Return the coefficients of every part."""
     return np.split(coefficients, np.cumsum([panels.size for panels, _ in used])[:-1])
 
 
-def _edge_value(panels: LogPanels, coefficients: Array) -> float:
+def edge_value(panels: LogPanels, coefficients: Array) -> float:
     """Return the value at the edge, which the last part's tail has."""
     tail = coefficients[-panels.tail_terms :]
     return float(tail[::2].sum() - tail[1::2].sum())
 
 
-def _bracket(profile: Profile, radius: float, space: PressureSpace) -> Array:
+def bracket_of(profile: Profile, radius: float, space: PressureSpace) -> Array:
     """Return ``H(1) - H(t)`` at the nodes, in units of the radius."""
     past = radius**2 * space.past
     return np.asarray(profile._fall(radius, space.t, space.y, past) / radius)
 
 
-def _parts(profile: Profile, radius: float) -> Parts:
+def profile_parts(profile: Profile, radius: float) -> Parts:
+    """Return how a profile cuts a contact of this radius."""
     inside = [b for b in profile.breaks if b < radius]
     breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in inside)
     return Parts(breaks, profile.pointed)
@@ -314,10 +367,10 @@ def _parts(profile: Profile, radius: float) -> Parts:
 
 def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
     """Return the contact on a smooth surface, where the half-integral is known."""
-    parts, a = _parts(profile, radius), radius
+    parts, a = profile_parts(profile, radius), radius
     panels = LogPanels(_NODES[0], PANEL_WIDTH, _NODES[1])
     space = PartedSpace(parts, ((panels, (panels.degree,) * panels.panels),) * len(parts.ends))
-    bracket = _bracket(profile, a, space)
+    bracket = bracket_of(profile, a, space)
     moment, energy = float(space.weights @ bracket), float(space.weights @ bracket**2)
     pressure = smooth_pressure(profile, a, parts) if pointwise else None
     last = max((b for b in profile.breaks if b < a), default=0.0)

@@ -24,6 +24,7 @@ from spectral_contact.interior.sampling import (
     stress_error,
     stresses,
 )
+from spectral_contact.layers.control import refuse_layer
 from spectral_contact.solution import Solution
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import ProgressLine
@@ -70,6 +71,7 @@ class Inside:
 
     def __init__(self, solution: Solution, units: Units | None = None) -> None:
         self._solution = choices.instance("solution", solution, Solution)
+        refuse_layer(solution.scene, "inside")
         own = own_units(solution)
         self._units = own if units is None else choices.instance("units", units, Units)
         self._nu = solution.scene.poisson_ratio

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from spectral_contact import layers
 from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,
@@ -31,6 +32,7 @@ from spectral_contact.io.codecs import (
 )
 from spectral_contact.profiles import (
     Cone,
+    Flat,
     Parabola,
     PowerLaw,
     RoundedFlat,
@@ -53,7 +55,7 @@ from spectral_contact.records import (
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 
-__all__ = ["CHOICES", "PROFILES", "RECORDS", "SOLUTION"]
+__all__ = ["CHOICES", "LAYERS", "PROFILES", "RECORDS", "SOLUTION"]
 
 _FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(str, "a text")
 _FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
@@ -78,15 +80,38 @@ PROFILES: Final = (
     Record("PowerLaw", PowerLaw, coefficient=_FLOAT, exponent=_FLOAT),
     Record("Cone", Cone, half_angle=_FLOAT),
     Record("TruncatedCone", TruncatedCone, flat_radius=_FLOAT, half_angle=_FLOAT),
+    Record("Flat", Flat, radius=_FLOAT),
     Record("RoundedFlat", RoundedFlat, flat_radius=_FLOAT, radius=_FLOAT),
     Record(
         "Sampled", Sampled, edges=Several(_FLOAT), slopes=Several(Several(_FLOAT)), rounded=_FLAG
     ),
 )
+#: Laws of layers.
+LAYERS: Final = (
+    Record("Linear", layers.Linear, compliance=_FLOAT),
+    Record("PowerLaw", layers.PowerLaw, coefficient=_FLOAT, exponent=_FLOAT),
+    Record("Exponential", layers.Exponential, zero_pressure=_FLOAT, clearance=_FLOAT),
+    Record(
+        "CalculixExponential", layers.CalculixExponential, zero_pressure=_FLOAT, clearance=_FLOAT
+    ),
+    Record(
+        "GreenwoodWilliamson",
+        layers.GreenwoodWilliamson,
+        density=_FLOAT,
+        tip_radius=_FLOAT,
+        height_deviation=_FLOAT,
+        heights=_TEXT,
+    ),
+    Record("Table", layers.Table, overclosures=Several(_FLOAT), pressures=Several(_FLOAT)),
+    Record("Sampled", layers.Sampled, edges=Several(_FLOAT), series=Several(Several(_FLOAT))),
+)
 _SCENE = Record(
     "Scene",
     Scene,
-    {"coupling": False, "profile": None, "contact_radius": None, "load": None, "approach": None},
+    {
+        "coupling": False,
+        **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer")),
+    },
     poisson_ratio=_FLOAT,
     normal_compliance=_FLOAT,
     tangential_compliance=_FLOAT,
@@ -97,6 +122,7 @@ _SCENE = Record(
     contact_radius=_MAYBE_FLOAT,
     load=_MAYBE_FLOAT,
     approach=_MAYBE_FLOAT,
+    layer=Maybe(Either(*LAYERS)),
 )
 _STATE = Choice(
     "StepState",
@@ -232,6 +258,7 @@ SOLUTION: Final = Record(
         load=_FLOAT,
         stiffness=_FLOAT,
         indentation_work=_FLOAT,
+        domain_radius=_FLOAT,
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,
@@ -241,6 +268,7 @@ SOLUTION: Final = Record(
 RECORDS: Final = (
     SOLUTION,
     *PROFILES,
+    *LAYERS,
     *(_PHYSICAL, _SCENE, _PLANNED_STEP, _PLAN, _ZONE, _ERRORS, _REFINEMENT, _STEP_WORK, _WORK),
     *(_RADIUS, _LOG_SERIES, _WEIGHT, _PRESSURE, _DISK, _ANNULUS, _PIECE, _ZONAL),
 )

@@ -13,6 +13,7 @@ import numpy as np
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.inputs import checks
+from spectral_contact.layers.control import refuse_layer
 from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.search import lawful, solved
@@ -81,6 +82,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
     refuse_profile(scene, "reference")
+    refuse_layer(scene, "reference")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")

@@ -9,6 +9,7 @@ from spectral_contact.profiles.base import Profile
 from spectral_contact.profiles.sampled import Sampled
 from spectral_contact.profiles.shapes import (
     Cone,
+    Flat,
     Parabola,
     PowerLaw,
     RoundedFlat,
@@ -18,6 +19,7 @@ from spectral_contact.profiles.shapes import (
 
 __all__ = [
     "Cone",
+    "Flat",
     "Parabola",
     "PowerLaw",
     "Profile",

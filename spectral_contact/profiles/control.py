@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
+from math import isinf
 from typing import Any, Final
 
-from spectral_contact.errors import SceneError, shown
+from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.kinds import kind_from
 from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
 from spectral_contact.profiles.base import Profile
 from spectral_contact.profiles.sampled import Sampled
 from spectral_contact.profiles.shapes import (
     Cone,
+    Flat,
     Parabola,
     PowerLaw,
     RoundedFlat,
@@ -26,7 +29,6 @@ __all__ = [
     "SHAPES",
     "checked_controls",
     "profile_from",
-    "profile_tree",
     "refuse_profile",
 ]
 
@@ -35,13 +37,22 @@ CONTROLS: Final = ("contact_radius", "load", "approach")
 #: Profiles by the name that they have in files.
 KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
-    for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled)
+    for one in (
+        Parabola,
+        Sphere,
+        PowerLaw,
+        Cone,
+        TruncatedCone,
+        RoundedFlat,
+        Sampled,
+        Flat,
+    )
 }
 #: Those that numbers describe, with the names of these.
 SHAPES: Final = {
     name: tuple(one.name for one in fields(kind))  # type: ignore[arg-type]
     for name, kind in KINDS.items()
-    if kind is not Sampled
+    if kind not in (Sampled, Flat)
 }
 
 
@@ -75,7 +86,8 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
         raise SceneError(", ".join(CONTROLS), tuple(values.values()), told)
     [(name, value)] = given.items()
     if name != "contact_radius":
-        return {name: real(name, value, allowed="finite and > 0", low=0.0, low_open=True)}
+        return {name: _pressed(name, value, scene["layer"])}
+    _check_edge(scene)
     low, high = profile.flat_part, profile.reach
     told = f"finite, and in ({low:.6g}, {high:.6g}), where the profile is"
     radius = real(name, value, allowed=told, low=low, high=high, low_open=True, high_open=True)
@@ -85,8 +97,27 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     return {name: radius}
 
 
+def _pressed(name: str, value: Any, layer: Any) -> float:
+    """Return a load or an approach."""
+    if name == "approach" and layer is not None:
+        told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
+        return real(name, value, allowed=told, low=layer.start, low_open=True)
+    return real(name, value, allowed="finite and > 0", low=0.0, low_open=True)
+
+
+def _check_edge(scene: Mapping[str, Any]) -> None:
+    """Refuse a contact radius where there is none that moves."""
+    layer = scene["layer"]
+    if layer is not None and (isinf(layer.start) or isinstance(scene["profile"], Flat)):
+        told = "None: the contact has no edge that moves; give a load or an approach"
+        raise SceneError("contact_radius", scene["contact_radius"], told)
+
+
 def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
     """Refuse what is not solved with this profile."""
+    if isinstance(profile, Flat) and scene["layer"] is None:
+        told = "None for a flat punch on a linear layer, whose radius and load are the units"
+        raise SceneError("profile", profile, told)
     if scene["coupling"] and scene["friction"] and profile.flat_part > 0.0:
         told = "False with friction and a profile that has a flat part"
         raise SceneError("coupling", True, told)
@@ -105,28 +136,12 @@ def refuse_profile(scene: Any, what: str) -> None:
         raise SceneError("scene", scene, told)
 
 
-def profile_tree(profile: Profile) -> dict[str, Any]:
-    """Return a profile as strict JSON can hold it: its kind over its parameters."""
-    body = {one.name: getattr(profile, one.name) for one in fields(profile)}  # type: ignore[arg-type]
-    return {type(profile).__name__: body}
-
-
 def profile_from(tree: Any) -> Profile:
-    """Return the profile that `profile_tree` wrote.
+    """Return the profile that `kind_tree` wrote.
 
     Raises
     ------
     SceneError
         If it is none, or a parameter is out of range.
     """
-    allowed = f"an object with one key, one of {', '.join(KINDS)}, over its parameters"
-    if not isinstance(tree, Mapping) or len(tree) != 1:
-        raise SceneError("profile", tree, allowed)
-    [(kind, body)] = tree.items()
-    if kind not in KINDS or not isinstance(body, Mapping):
-        raise SceneError("profile", shown(tree), allowed)
-    names = {one.name for one in fields(KINDS[kind])}  # type: ignore[arg-type]
-    if names != set(body):
-        raise SceneError("profile", shown(tree), f"{kind} with {', '.join(sorted(names))}")
-    values = {k: tuple(v) if isinstance(v, list) else v for k, v in body.items()}
-    return KINDS[kind](**values)
+    return kind_from("profile", tree, KINDS)

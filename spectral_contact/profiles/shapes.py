@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from spectral_contact.inputs.checks import real
 from spectral_contact.profiles.base import Profile
 
-__all__ = ["Cone", "Parabola", "PowerLaw", "RoundedFlat", "Sphere", "TruncatedCone"]
+__all__ = ["Cone", "Flat", "Parabola", "PowerLaw", "RoundedFlat", "Sphere", "TruncatedCone"]
 
 Array = NDArray[np.float64]
 
@@ -41,6 +41,44 @@ def _half_angle(profile: object) -> None:
 def _inward(t: Array, y: Array) -> Array:
     """Return ``1 - t`` without cancellation."""
     return y / (1.0 + t)
+
+
+@dataclass(frozen=True, slots=True)
+class Flat(Profile):
+    """The flat punch, whose contact ends where it does; under a layer that is given by its law.
+
+    Parameters
+    ----------
+    radius : float
+        Finite and > 0.
+
+    Raises
+    ------
+    SceneError
+        If it is not.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        _positive(self, "radius")
+
+    @property
+    def reach(self) -> float:
+        """Its radius."""
+        return self.radius
+
+    def _height(self, r: Array) -> Array:
+        return np.zeros(np.shape(r))
+
+    def _transform(self, t: Array) -> Array:
+        return np.zeros(np.shape(t))
+
+    def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        return np.zeros(np.shape(t))
+
+    def _rate(self, t: Array, past: Array) -> Array:
+        return np.zeros(np.shape(t))
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 
 from spectral_contact.inputs.choices import instance, names
+from spectral_contact.layers.control import endless
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     COUPLING,
@@ -63,6 +64,8 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
         scene.tangential_compliance == 0.0,
         scene.coupling,
         shaped,
+        scene.layer is None,
+        endless(scene),
     )
     return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
 
@@ -78,6 +81,8 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     elif scene.profile is not None:
         for name in ("slip", *sorted(_STICK_ONLY)):
             missing[name] = "it is not computed of growing contacts"
+    if endless(scene):
+        missing["contact_radius"] = "the layer has pressure at every gap: there is no edge"
     present = tuple(name for name in _present(scene) if name not in missing)
     if scene.profile is not None:
         growing = *_coupling(scene, present), _normal(scene, present), _growth(scene, present)
@@ -144,7 +149,8 @@ def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
 
 
 def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
-    smooth = "; closed form, the surface is smooth" if scene.normal_compliance == 0.0 else ""
+    bare = scene.normal_compliance == 0.0 and scene.layer is None
+    smooth = "; closed form, the surface is smooth" if bare else ""
     if scene.couples and _needs_tangential(scene, present):
         return PlannedStep(NORMAL, StepState.SKIPPED, "the pressure is found with the traction")
     if "pressure" in present:

@@ -7,11 +7,14 @@ from time import perf_counter
 
 from scipy.interpolate import barycentric_interpolate
 
-from spectral_contact.contact.contact_radius import find_radius
+from spectral_contact.contact.contact_radius import Contact, find_radius, value_of
 from spectral_contact.contact.indented import Indentation, solve_indentation
-from spectral_contact.contact.refine import Refinement
-from spectral_contact.errors import NotComputedError
+from spectral_contact.contact.layered_contact import layered_contact, solve_layered
+from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
+from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
+from spectral_contact.layers.control import endless
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.solution import (
     COUPLING,
     GROWTH,
@@ -63,37 +66,47 @@ class ProfileRun(Run):
 
     def _indent(self, *, pointwise: bool) -> None:
         scene, begin = self.scene, perf_counter()
-        profile, alpha = scene.profile, scene.normal_compliance
+        profile = scene.profile
         assert profile is not None
+        edged = scene.layer is None or has_edge(profile, scene.layer)
         error = 0.0
-        solved: Indentation | Refinement[Indentation]
         value = scene.approach if scene.load is None else scene.load
+        solved: Contact
         if value is None:
             assert scene.contact_radius is not None
-            solved = solve_indentation(
+            solved = self._at(scene.contact_radius, self.rtol, pointwise)
+        elif not edged:
+            assert scene.layer is not None
+            solved = layered_contact(
                 profile,
-                scene.contact_radius,
-                alpha,
-                self.rtol,
-                self.max_unknowns,
-                pointwise=pointwise,
-            )
-        else:
-            path = self.shared.get(NORMAL, (profile, alpha, scene.load is None), _RadiusPath)
-            solved, error = find_radius(
-                profile,
-                alpha,
+                scene.layer,
                 self.rtol,
                 self.max_unknowns,
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
-                near=path.near(value),
             )
+        else:
+            key = (profile, scene.normal_compliance, scene.layer, scene.load is None)
+            path = self.shared.get(NORMAL, key, _RadiusPath)
+            origin = 0.0 if scene.layer is None else scene.layer.start
+            at = value if scene.approach is None else value - origin
+            solved, error = find_radius(
+                profile,
+                self._at,
+                self.rtol,
+                load=scene.load,
+                approach=scene.approach,
+                pointwise=pointwise,
+                near=path.near(at),
+                origin=origin,
+            )
+            path.add(at, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
-        if value is not None:
-            path.add(value, found.radius)
+        self._check(found)
         self.pressure = found.pressure
+        if endless(scene):
+            self.values["domain_radius"] = found.radius
         self.values.update(
             contact_radius=found.radius,
             load=found.load,
@@ -109,6 +122,32 @@ class ProfileRun(Run):
             indentation_work=found.work_error,
             pressure=found.pressure_error,
         )
+
+    def _at(self, radius: float, tolerance: float, pointwise: bool) -> Contact:
+        """Return the contact of a radius."""
+        scene = self.scene
+        assert scene.profile is not None
+        if scene.layer is not None:
+            setting = setting_at_radius(scene.profile, scene.layer, radius)
+            return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
+        return solve_indentation(
+            scene.profile,
+            radius,
+            scene.normal_compliance,
+            tolerance,
+            self.max_unknowns,
+            pointwise=pointwise,
+        )
+
+    def _check(self, found: Indentation) -> None:
+        """Refuse what a layer's law does not know."""
+        layer = self.scene.layer
+        if layer is None or found.overclosure <= layer.limit:
+            return
+        [name] = [one for one in CONTROLS if getattr(self.scene, one) is not None]
+        told = f"such that the overclosure stays below the end of the law, {layer.limit:.6g}; "
+        told += f"it becomes {found.overclosure:.6g}"
+        raise SceneError(name, getattr(self.scene, name), told)
 
     def _grow(self, history: Stages) -> None:
         """Add up the flat punches of the history, whose load is known."""
@@ -193,22 +232,18 @@ class ProfileRun(Run):
         """Return radius and load of normal contact: not far away, and a little more than needed."""
         scene = self.scene
         assert scene.profile is not None
-        shape = scene.profile, scene.normal_compliance
         if scene.contact_radius is not None:
-            radius = scene.contact_radius
-            found = solve_indentation(
-                shape[0], radius, shape[1], _ROUGH, self.max_unknowns, pointwise=False
-            )
+            found = self._at(scene.contact_radius, _ROUGH, pointwise=False)
         else:
             found, _ = find_radius(
-                *shape,
+                scene.profile,
+                self._at,
                 _ROUGH,
-                self.max_unknowns,
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=False,
             )
-        value = found.best.value if isinstance(found, Refinement) else found
+        value = value_of(found)
         radius = value.radius
         if scene.contact_radius is None:  # near nu = 0.5 it is the same but for its error
             radius += min(_ROOM * radius, (scene.profile.reach - radius) / 2.0)

@@ -42,6 +42,8 @@ _LOG = logging.getLogger("spectral_contact.solving.solver")
 
 #: What follows from the pressure for everything tangential; no step of its own.
 _DRIVE = "drive"
+#: Values that are there unasked.
+_BESIDE = ("opening", "domain_radius")
 #: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
 _TIGHTER, _TIGHTEST = 0.1, 1.2e-13
 
@@ -117,7 +119,7 @@ class Run:
             ending is Ending.CONVERGED,
             ending,
             Work(tuple(self.work)),
-            {k: v for k, v in self.values.items() if k in wanted or k == "opening"},
+            {k: v for k, v in self.values.items() if k in wanted or k in _BESIDE},
             self.pressure if "pressure" in wanted else None,
             self.traction if "traction" in wanted else None,
             self.slip if "slip" in wanted else None,

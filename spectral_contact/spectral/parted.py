@@ -33,7 +33,7 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.regularised import Regularised
+from spectral_contact.spectral.regularised import Factorable, Regularised
 from spectral_contact.threads import cached_property
 
 __all__ = ["DiskSpace", "PartedSpace", "Parts", "PressureSpace", "pressure_space"]
@@ -54,28 +54,35 @@ class Parts:
     breaks : tuple of Radius
         From the centre outward.
     pointed : bool
+    turns : tuple of Radius
+        Those of the breaks at which the profile itself is smooth.
     """
 
-    def __init__(self, breaks: tuple[Radius, ...], pointed: bool) -> None:
-        self.breaks, self.pointed = breaks, pointed
+    def __init__(
+        self, breaks: tuple[Radius, ...], pointed: bool, turns: tuple[Radius, ...] = ()
+    ) -> None:
+        self.breaks, self.pointed, self.turns = breaks, pointed, turns
         bounds = (CENTRE, *breaks, EDGE)
         #: boundary, side of it that the part is on, and extent in s**2, of every part
         self.ends: list[tuple[Radius, int, float]] = []
-        #: the last break before every part, or the centre
+        #: the last break of the profile before every part, or the centre
         self.inner: list[Radius] = []
+        last = CENTRE
         for inner, outer in pairwise(bounds):
             halves = [(outer, -1)] if inner is CENTRE and not pointed else [(inner, 1), (outer, -1)]
             extent = gap(inner, outer) / len(halves)
             self.ends += [(boundary, sign, extent) for boundary, sign in halves]
-            self.inner += [inner] * len(halves)
+            last = last if inner in turns else inner
+            self.inner += [last] * len(halves)
 
     def __hash__(self) -> int:
-        return hash((self.breaks, self.pointed))
+        return hash((self.breaks, self.pointed, self.turns))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Parts):
             return NotImplemented
-        return (self.breaks, self.pointed) == (other.breaks, other.pointed)
+        own = self.breaks, self.pointed, self.turns
+        return own == (other.breaks, other.pointed, other.turns)
 
     def field(self, series: Sequence[LogSeries]) -> PressureField | ZonalField:
         """Return the pressure with these series on the parts."""
@@ -113,6 +120,10 @@ class PressureSpace(Protocol):
     def unknowns(self) -> int:
         """Number of unknowns."""
 
+    @property
+    def functions(self) -> Factorable:
+        """The functions with their matrices."""
+
     def factor(self, compliance: float) -> Regularised[Any]:
         """Factor the problem with a compliance."""
 
@@ -141,6 +152,11 @@ class DiskSpace:
     def unknowns(self) -> int:
         """Number of unknowns."""
         return self._space.unknowns
+
+    @property
+    def functions(self) -> Factorable:
+        """The functions with their matrices."""
+        return self._space
 
     def factor(self, compliance: float) -> Regularised[Any]:
         """Factor the problem with a compliance."""
@@ -211,6 +227,11 @@ class PartedSpace:
     def unknowns(self) -> int:
         """Number of unknowns."""
         return len(self.index)
+
+    @property
+    def functions(self) -> Factorable:
+        """The functions with their matrices."""
+        return self
 
     @cached_property
     def _matrix(self) -> Array:

@@ -19,6 +19,7 @@ from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import NotComputedError
 from spectral_contact.inputs.checks import radii
 from spectral_contact.inputs.choices import instance, names
+from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -149,6 +150,7 @@ def sensitivity(
     asked = PARAMETERS if parameters is None else names("parameters", parameters, PARAMETERS)
     scene = instance("solution", solution, Solution).scene
     refuse_profile(scene, "sensitivity")
+    refuse_layer(scene, "sensitivity")
     if scene.couples:
         raise NotComputedError("the sensitivity", "with elastic coupling there is none yet")
     places = None if s is None and from_edge is None else radii(s, from_edge)

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import reals
+from spectral_contact.inputs.kinds import kind_tree
+from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS, profile_tree
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 
 __all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "alone", "changed", "grid", "listed"]
@@ -152,7 +154,7 @@ class Parameters:
         for values in self.axes.values() if self.table is None else [self.table]:
             digest.update(repr(values.shape).encode() + values.astype("<f8").tobytes())
         for profile in self.profiles:
-            digest.update(b"" if profile is None else repr(profile_tree(profile)).encode())
+            digest.update(b"" if profile is None else repr(kind_tree(profile)).encode())
         return digest.hexdigest()
 
 
@@ -233,6 +235,7 @@ def alone(scene: Scene) -> Parameters:
 def _check_uncoupled(scene: Scene) -> None:
     if scene.coupling:
         raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
+    refuse_layer(scene, "sweep")
 
 
 def _row(scene: Scene) -> tuple[float, ...]:

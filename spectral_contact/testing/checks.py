@@ -20,6 +20,7 @@ from spectral_contact.equations.residuals import (
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
+from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 
@@ -138,6 +139,7 @@ def check_solution(
     True
     """
     refuse_profile(instance("scene", scene, Scene), "check_solution")
+    refuse_layer(scene, "check_solution")
     flag("strict", strict)
     rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
     cuts = [

@@ -56,6 +56,8 @@ def of_scene(scene: Scene) -> str:
             rows.append((words, symbol, f"{si:.6g} {unit}"))
     if scene.profile is not None:
         rows.append(("profile", "", scene.profile.brief))
+    if scene.layer is not None:
+        rows.append(("layer", "", scene.layer.brief))
     if scene.coupling:
         rows.append(("elastic coupling", "", "yes"))
     return table_html(rows)

@@ -158,8 +158,11 @@ class _Units:
         """Return the units of the scene; dimensionless if the load is not known."""
         profile, data = solution.scene.profile, solution.scene.physical
         if profile is not None and data is None:
-            radius = rf"$a = {math_number(solution.values['contact_radius'])}\,L$"
-            title = (f"{profile.brief},   {radius}",)
+            symbol = "a" if "contact_radius" in solution.values else "R"
+            radius = rf"${symbol} = {math_number(solution.domain_radius)}\,L$"
+            layer = solution.scene.layer
+            shown = [profile.brief, *([] if layer is None else [layer.brief]), radius]
+            title = (",   ".join(shown),)
             return cls(1.0, 1.0, stress_unit="$E'$", title=title)
         known = data is not None and (
             profile or data.load or "approach" in solution.plan.quantities

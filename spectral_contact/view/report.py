@@ -200,7 +200,8 @@ def _shape_text(scene: Scene) -> str:
         return ""
     given = {name: getattr(scene, name) for name in CONTROLS}
     [control] = [f"{name} = {one!r}" for name, one in given.items() if one is not None]
-    return f", {scene.profile.brief}, {control.replace('_', ' ')}"
+    layer = "" if scene.layer is None else f", {scene.layer.brief}"
+    return f", {scene.profile.brief}{layer}, {control.replace('_', ' ')}"
 
 
 def _scene_text(solution: Solution) -> str:

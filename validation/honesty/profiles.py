@@ -87,9 +87,13 @@ def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
     found, truth = solved.best.value, refine(better, 1e-11, 20_000).best.value
     label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, rtol = {tolerance:.1e}"
     compared = [_compared(found, truth, 0.0)]
+
+    def at(radius: float, rtol: float, pointwise: bool) -> Indentation | Refinement[Indentation]:
+        return solve_indentation(profile, radius, compliance, rtol, 20_000, pointwise=pointwise)
+
     for load, approach in ((truth.load, None), (None, truth.approach)):
         searched, off = find_radius(
-            profile, compliance, tolerance, 20_000, load=load, approach=approach, pointwise=True
+            profile, at, tolerance, load=load, approach=approach, pointwise=True
         )
         value = searched.best.value if isinstance(searched, Refinement) else searched
         compared.append(_compared(value, truth, off))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SpectralContactError
 from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
@@ -120,13 +121,13 @@ def texts_of(scene: Scene | None, rtol: float | None = None) -> dict[str, str]:
     Raises
     ------
     SceneError
-        If it is no scene, or its profile is one that numbers do not describe; for a tolerance out
-        of range.
+        If it is no scene, has a layer, or its profile is one that numbers do not describe; for a
+        tolerance out of range.
     """
     told = {} if rtol is None else {"rtol": _text(checked_tolerance(rtol, _FIELDS))}
     if scene is None:
         return {name: KNOBS[name].start for name in FLAT} | told
-    instance("scene", scene, Scene)
+    refuse_layer(instance("scene", scene, Scene), "explore")
     texts = {name: _text(getattr(scene, name)) for name in FLAT}
     if scene.coupling:
         texts["coupling"] = "true"

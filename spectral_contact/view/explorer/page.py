@@ -69,7 +69,7 @@ def explore(scene: Scene | None = None, *, rtol: float | None = None) -> Any:
     Raises
     ------
     SceneError
-        If it is no scene, or one with a sampled profile.
+        If it is no scene, or one with a layer or a sampled profile.
     MissingDependencyError
         If Panel is not installed (extra: explore).
     """

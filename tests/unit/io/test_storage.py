@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spectral_contact import profiles
+from spectral_contact import layers, profiles
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
@@ -34,6 +34,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.inputs import physical
 from spectral_contact.io import schema, storage
+from spectral_contact.layers import asperities, laws, sampled
 from spectral_contact.profiles import sampled as sampled_profiles
 from spectral_contact.profiles import shapes as shape_profiles
 from spectral_contact.scene import Scene
@@ -52,6 +53,7 @@ from spectral_contact.solution import (
 from spectral_contact.solving.solver import solve
 
 profile_classes = (sampled_profiles, shape_profiles)
+layer_classes = (asperities, laws, sampled)
 SUFFIXES = (".npz", ".json")
 AWKWARD = [math.inf, -math.inf, -0.0, 5e-324, -2.2e-308, 1.7976931348623157e308, 0.1 + 0.2, 1e22]
 STEEL = {
@@ -269,7 +271,7 @@ def test_the_schema_declares_every_class_and_every_field():
     own = field_classes, physical, record_classes, scene_classes, solution_classes
     classes = {
         cls
-        for module in (*own, *profile_classes)
+        for module in (*own, *profile_classes, *layer_classes)
         for cls in vars(module).values()
         if isinstance(cls, type) and cls.__module__ == module.__name__
         if is_dataclass(cls) or issubclass(cls, Enum)
@@ -282,7 +284,8 @@ def test_the_schema_declares_every_class_and_every_field():
         declared = {one.name: one for one in fields(record.cls)}
         assert list(record.kinds) == list(declared)
         assert record.later == {key: declared[key].default for key in record.later}
-    others = set(schema.RECORDS) - set(schema.PROFILES)  # those have a test of their own
+    shaped = {*schema.PROFILES, *schema.LAYERS}  # those have a test of their own
+    others = set(schema.RECORDS) - shaped
     assert all(f'"{one.tag}": ' in synthetic().to_json() for one in others)
 
 
@@ -313,7 +316,32 @@ def test_solutions_with_a_profile_round_trip(name, alpha, tmp_path):
 
 
 def test_each_profile_is_declared_and_tried():
-    assert {one.cls for one in schema.PROFILES} == {type(one) for one in PROFILES.values()}
+    tried = {type(one) for one in PROFILES.values()}
+    assert {one.cls for one in schema.PROFILES} == tried | {profiles.Flat}
+
+
+LAYERS = {
+    "linear": layers.Linear(0.5),
+    "power": layers.PowerLaw(5.0, 2.0),
+    "abaqus": layers.Exponential(0.1, 0.2),
+    "calculix": layers.CalculixExponential(0.1, 0.2),
+    "asperities": layers.GreenwoodWilliamson(3.0, 0.1, 0.2),
+    "table": layers.Table((0.0, 1.0, 2.0, 3.0), (0.0, 2.0, 4.0, 6.0)),
+    "sampled": layers.Sampled((0.0, 2.0), ((2.0, 2.0),)),
+}
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_solutions_with_a_layer_round_trip(name, tmp_path):
+    scene = Scene(0.3, layer=LAYERS[name], profile=profiles.Flat(1.5), load=0.1)
+    solution = solve(scene, 1e-4)
+    for suffix in SUFFIXES:
+        assert_identical(through_file(solution, tmp_path / f"a{suffix}"), solution)
+    assert Scene.from_json(scene.to_json()) == scene
+
+
+def test_each_layer_is_declared_and_tried():
+    assert {one.cls for one in schema.LAYERS} == {type(one) for one in LAYERS.values()}
 
 
 def test_flat_scenes_say_nothing_of_profiles():

@@ -1,0 +1,370 @@
+r"""Newton's method for contact through a nonlinear layer, in a given space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from spectral_contact.contact.indented import Used, bracket_of, edge_value, series_on_parts
+from spectral_contact.layers.base import Layer
+from spectral_contact.profiles import Profile
+from spectral_contact.spectral.annulus import Family
+from spectral_contact.spectral.parted import Parts, PressureSpace
+from spectral_contact.spectral.pointwise import Sampling
+from spectral_contact.spectral.regularised import Change
+
+__all__ = ["LayeredFields", "LayeredNewton", "LayeredSetting", "Totals", "balanced"]
+
+Array = NDArray[np.float64]
+
+#: ``N`` of the pressure 1 on the unit disk, at its centre.
+_OWN = 0.5
+#: Most corrections; by how much of the largest pressure the law may bend over one that is taken as
+#: it is; what ends the iteration: a correction, or what the next one would be.
+_STEPS, _BEND, _DONE, _NEXT = 80, 0.1, 1e-14, 1e-15
+#: A correction that is smaller and does not fall any more is rounding.
+_ROUNDED = 1e-9
+#: Steps of the pointwise equation, and its tolerance.
+_POINTWISE_STEPS, _POINTWISE = 200, 1e-13
+#: Stiffness times `_OWN` beyond which a spring eases the beginning, by what it becomes stiffer,
+#: corrections with each, and what is near enough.
+_SOFT, _STIFFER, _EASED, _NEAR = 10.0, 0.2, 12, 0.02
+#: Where next to the edge the slope is taken, in units of the layer.
+_SLOPE = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class LayeredSetting:
+    """What is to be solved, in lengths of the profile's unit.
+
+    Attributes
+    ----------
+    profile : Profile
+    layer : Layer
+    radius : float
+        Of the disk: the contact's, or that beyond which there is no pressure to rounding.
+    approach : float or None
+        None where the overclosure begins at the edge.
+    parts : Parts
+    depths : tuple of float
+        ``x`` of the deepest feature at the end of every part.
+    smooth : tuple of bool
+        Whether the pressure is smooth in ``s**2`` at the end of every part.
+    """
+
+    profile: Profile
+    layer: Layer
+    radius: float
+    approach: float | None
+    parts: Parts
+    depths: tuple[float, ...]
+    smooth: tuple[bool, ...]
+
+    @property
+    def origin(self) -> float:
+        """The overclosure from which the unknown is counted."""
+        return self.layer.start if self.layer.start > -inf else 0.0
+
+    def pressure(self, w: Array) -> Array:
+        """Return the pressure at overclosures beyond the origin, in units of the radius."""
+        return self.layer._pressure(self.origin + self.radius * w)
+
+    def slope(self, w: Array) -> Array:
+        """Return its derivative."""
+        return self.radius * self.layer._slope(self.origin + self.radius * w)
+
+    def energy(self, w: Array) -> Array:
+        """Return its integral, in lengths of the profile's unit."""
+        return self.layer._energy(self.origin + self.radius * w)
+
+
+@dataclass(frozen=True, slots=True)
+class LayeredFields:
+    """A solution, in coefficients.
+
+    Attributes
+    ----------
+    overclosure, pressure : ndarray
+    rate, flat : ndarray
+        Their derivatives in the approach, both in units of the radius.
+    shift : float
+        ``eps``.
+    left : float
+        What the last correction leaves, of the largest pressure.
+    """
+
+    overclosure: Array
+    pressure: Array
+    rate: Array
+    flat: Array
+    shift: float
+    left: float
+
+
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """Totals over a solution."""
+
+    load: float
+    stiffness: float
+    work: float
+    shift: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """Corrections of the overclosure and of ``eps``, and ``dw/ddelta``."""
+
+    overclosure: Array
+    shift: float
+    rate: Array
+
+
+class LayeredNewton:
+    """Newton's method in a space.
+
+    Parameters
+    ----------
+    setting : LayeredSetting
+    space : PressureSpace
+    used : tuple of (LogPanels, tuple of int)
+    """
+
+    def __init__(
+        self, setting: LayeredSetting, space: PressureSpace, used: tuple[Used, ...]
+    ) -> None:
+        self.setting, self.space, self.used = setting, space, used
+        self.functions = space.functions
+        self.sampling = Sampling(used)
+        self._place = np.full(self.sampling.size, -1)
+        self._place[self.functions.index] = np.arange(len(self.functions.index))
+        self._scale = 1.0 / np.sqrt(self.functions.mass.diagonal())
+        self._bracket = bracket_of(setting.profile, setting.radius, space)
+        a = setting.radius
+        half = float(setting.profile._transform(np.asarray(a))) / 2.0
+        self._fixed = setting.approach is not None
+        given = setting.approach if setting.approach is not None else setting.origin + half
+        self._shift = (given - setting.origin - half) / a
+
+    def local(self) -> tuple[Array, float]:
+        """Return what every point would do by itself: the first overclosure, and ``eps``."""
+        setting, a = self.setting, self.setting.radius
+        ends = zip(self.parts.ends, self.used, strict=True)
+        z = np.concatenate([Family(*end, panels).sampling().z for end, (panels, _) in ends])
+        height = setting.profile._height(a * np.minimum(np.sqrt(z), 1.0)) / a
+        if setting.approach is None:
+            top = float(setting.profile._height(np.array(a))) / a
+            room = 2.0 * (top - height)
+        else:
+            room = (setting.approach - setting.origin) / a - height
+        w = self.sampling.coefficients(balanced(setting, room, room))
+        return (self._eased(room, w) if self._fixed else w), self._shift
+
+    def _eased(self, room: Array, w: Array) -> Array:
+        """Return where to begin on a stiff layer: solutions with a spring that becomes stiffer.
+
+        The unknown is the room of spring and layer together, in which the pressure never bends
+        faster than the spring has it.
+        """
+        setting, sampling, spring = self.setting, self.sampling, _OWN
+        stiff = float(setting.slope(sampling.values(w)).max())
+        if stiff * spring < _SOFT:
+            return w
+        count = len(self.functions.index)
+        both = sampling.coefficients(room)
+        while True:
+            for _ in range(_EASED):
+                at = sampling.values(both)
+                own = balanced(setting, at, np.minimum(at, 0.0), spring)
+                pressure, slope = setting.pressure(own), setting.slope(own)
+                slope = slope / (1.0 + spring * slope)
+                force = sampling.coefficients(pressure)
+                residual = self._residual(both, force, self._shift, count)
+                matrix = self._matrix(slope)
+                step = self._stepped(both, lu_factor(matrix, check_finite=False), residual)
+                both = both + step.overclosure
+                moved = np.abs(slope * sampling.values(step.overclosure)).max()
+                if moved < _NEAR * pressure.max():
+                    break
+            at = sampling.values(both)
+            own = balanced(setting, at, np.minimum(at, 0.0), spring)
+            if spring * float(setting.slope(own).max()) < 1.0:
+                return sampling.coefficients(own)
+            pressure, spring = setting.pressure(own), spring * _STIFFER
+            both = sampling.coefficients(own + spring * pressure)
+
+    @property
+    def parts(self) -> Parts:
+        """How the disk is cut."""
+        return self.setting.parts
+
+    def solved(self, w: Array, shift: float) -> LayeredFields:
+        """Correct until rounding is left."""
+        setting, sampling = self.setting, self.sampling
+        before = size = left = inf
+        rate = np.zeros(sampling.size)
+        for _ in range(_STEPS):
+            at = sampling.values(w)
+            with np.errstate(over="ignore", invalid="ignore"):
+                step = self._correction(w, at, shift)
+                rate = step.rate
+                here, slope, by = (
+                    setting.pressure(at),
+                    setting.slope(at),
+                    sampling.values(step.overclosure),
+                )
+                there = setting.pressure(at + by)
+                most = max(float(here.max()), float(there.max()))
+                bend = float(np.abs(there - here - slope * by).max()) / most
+                before, size = size, float(np.abs(there - here).max()) / most
+            if not bend <= _BEND:
+                room = at + by + _OWN * (here + slope * by)
+                w, size = sampling.coefficients(balanced(setting, room, at)), inf
+            else:
+                w = w + step.overclosure
+            shift += step.shift
+            if not np.isfinite(w).all():
+                w, left = np.zeros(sampling.size), inf
+                break
+            left = size * min(size / before, 1.0) if before < inf else size
+            if size < _DONE or (size < _ROUNDED and (left < _NEXT or size > 0.5 * before)):
+                break
+        at = sampling.values(w)
+        pressure = sampling.coefficients(setting.pressure(at))
+        flat = np.zeros(sampling.size)
+        for place, block in sampling.factors(setting.slope(at)):
+            flat[place] = block @ rate[place]
+        return LayeredFields(
+            w, pressure, rate, flat, shift, left if left == inf else min(size, left)
+        )
+
+    def _correction(self, w: Array, at: Array, shift: float) -> _Step:
+        """Return a correction."""
+        pressure = self.sampling.coefficients(self.setting.pressure(at))
+        count = len(self.functions.index)
+        matrix = self._matrix(self.setting.slope(at))
+        residual = self._residual(w, pressure, shift, count)
+        return self._stepped(w, lu_factor(matrix, check_finite=False), residual)
+
+    def _stepped(self, w: Array, factors: tuple[Array, Array], residual: Array) -> _Step:
+        count = len(residual)
+        index, scale = self.functions.index[:count], self._scale[:count]
+        both = np.column_stack([residual, 2.0 * self.functions.constant_moments[:count]])
+        solved = lu_solve(factors, both * scale[:, None], check_finite=False) * scale[:, None]
+        step, rate = np.zeros((2, self.sampling.size))
+        step[index], rate[index] = solved.T
+        if self._fixed:
+            return _Step(step, 0.0, rate)
+        edge = self.used[-1][0]
+        moved = -(edge_value(edge, w) + edge_value(edge, step)) / edge_value(edge, rate)
+        return _Step(step + moved * rate, moved, rate)
+
+    def _residual(self, w: Array, pressure: Array, shift: float, count: int) -> Array:
+        own = self.functions
+        misfit = self._bracket + 2.0 * shift - own.half_integral(pressure)
+        return own.moments(misfit)[:count] - own.mass[:count] @ w[own.index]
+
+    def _matrix(self, slope: Array) -> Array:
+        """Return Newton's matrix with the mass scaled to a diagonal of 1."""
+        own, scale = self.functions, self._scale
+        matrix = own.mass.copy()
+        for place, block in self.sampling.factors(slope):
+            at = self._place[place]
+            inside = at >= 0
+            at = at[inside]
+            matrix[:, at] += own.gram[:, at] @ block[np.ix_(inside, inside)]
+        return matrix * scale[:, None] * scale
+
+    def coarser(self, fields: LayeredFields) -> LayeredFields:
+        """Return the solution with two degrees less on every panel, by one correction."""
+        setting, sampling, own = self.setting, self.sampling, self.functions
+        count = own.kept
+        lost = own.index[count:]
+
+        def cut(coefficients: Array) -> Array:
+            coefficients = coefficients.copy()
+            coefficients[lost] = 0.0
+            return coefficients
+
+        slope = setting.slope(sampling.values(fields.overclosure))
+        matrix = self._matrix(slope)[:count, :count]
+        w = cut(fields.overclosure)
+        pressure = cut(sampling.coefficients(setting.pressure(sampling.values(w))))
+        residual = self._residual(w, pressure, fields.shift, count)
+        step = self._stepped(w, lu_factor(matrix, check_finite=False), residual)
+        w, rate = w + step.overclosure, step.rate
+        at = sampling.values(w)
+        pressure = cut(sampling.coefficients(setting.pressure(at)))
+        flat = np.zeros(sampling.size)
+        for place, block in sampling.factors(setting.slope(at)):
+            flat[place] = block @ rate[place]
+        return LayeredFields(w, pressure, rate, cut(flat), fields.shift + step.shift, fields.left)
+
+    def integrals(self, fields: LayeredFields) -> Totals:
+        """Return load, stiffness and work."""
+        a, weights, own = self.setting.radius, self.space.weights, self.functions
+        half = own.half_integral(fields.pressure)
+        energy = self.sampling.coefficients(
+            self.setting.energy(self.sampling.values(fields.overclosure))
+        )
+        stored = 4.0 * a**2 * float(weights @ own.half_integral(energy))
+        return Totals(
+            4.0 * a**2 * float(weights @ half),
+            4.0 * a * float(weights @ own.half_integral(fields.flat)),
+            stored + a**3 * float(weights @ half**2),
+            fields.shift,
+        )
+
+    def change(self, p: Array, p_less: Array, w: Array, w_less: Array) -> Change:
+        """Return the difference of two pressures, and its energy with that of overclosures."""
+        own = self.functions
+        dp, dw = np.abs(p - p_less)[own.index], np.abs(w - w_less)[own.index]
+        each = dp * (dw * own.mass.diagonal() + dp * own.gram.diagonal())
+        energies = np.bincount(own.panel, each, own.panels + 1)
+        return Change(p - p_less, np.asarray(energies, dtype=float))
+
+    def deepest(self, fields: LayeredFields) -> float:
+        """Return the largest overclosure."""
+        setting = self.setting
+        return setting.origin + setting.radius * float(
+            self.sampling.values(fields.overclosure).max()
+        )
+
+    def sharpest(self, fields: LayeredFields, mean: float) -> float:
+        """Return by how much of itself, or of its mean, the pressure moves with the data."""
+        at = self.sampling.values(fields.overclosure)
+        p, slope = self.setting.pressure(at), self.setting.slope(at)
+        moved = slope / (1.0 + _OWN * slope) / self.setting.radius
+        return float((moved / np.maximum(p, mean)).max())
+
+    def growth(self, fields: LayeredFields) -> float:
+        """Return ``ddelta/da``, from how the overclosure falls to the edge."""
+        if self._fixed:
+            return 0.0
+        reach = self.parts.ends[-1][2]
+        edge = series_on_parts(self.used, fields.overclosure)[-1]
+        slope = float(self.setting.slope(self.sampling.values(fields.overclosure)).max())
+        y = min(_SLOPE * min(1.0 / max(slope, 1.0), 1.0), 0.5 * reach)
+        return 2.0 * edge.value(y / reach) / y / edge_value(self.used[-1][0], fields.rate)
+
+
+def balanced(setting: LayeredSetting, room: Array, start: Array, spring: float = _OWN) -> Array:
+    """Return w with ``w + spring F(w) = room`` at every point by itself."""
+    w = start.copy()
+    low, high = np.full(w.shape, -inf), np.full(w.shape, inf)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(_POINTWISE_STEPS):
+            off = w + spring * setting.pressure(w) - room
+            low, high = np.where(off < 0.0, w, low), np.where(off < 0.0, high, w)
+            step = w - off / (1.0 + spring * setting.slope(w))
+            middle = np.where(np.isfinite(low + high), 0.5 * (low + high), np.minimum(w, room))
+            new = np.where((step > low) & (step < high), step, middle)
+            done = np.abs(new - w) <= _POINTWISE * (np.abs(new) + np.abs(room))
+            w = new
+            if done.all():
+                break
+    return w

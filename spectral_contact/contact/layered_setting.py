@@ -1,0 +1,160 @@
+"""Where the pressure under a nonlinear layer ends, and where it has features.
+
+Under a law with an edge it ends at the contact radius. Under one with pressure at every gap it is
+followed to where it has fallen below rounding of its largest value; if the layer is thin it turns
+fast from contact to gap, and panels are graded to that place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, log, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.indented import profile_parts
+from spectral_contact.contact.layered_newton import LayeredSetting, balanced
+from spectral_contact.errors import SceneError
+from spectral_contact.fields.series import EDGE, Radius
+from spectral_contact.layers.base import Layer
+from spectral_contact.profiles import Profile
+from spectral_contact.profiles.shapes import Flat
+from spectral_contact.spectral.parted import Parts
+
+__all__ = ["has_edge", "setting_at_approach", "setting_at_radius"]
+
+Array = NDArray[np.float64]
+
+#: Share of the pressure at the centre at which the disk ends.
+_NOTHING = 1e-18
+#: Where in the disk the turn may lie for panels to be graded to it, and how far from a break.
+_INNER, _OUTER, _APART = 0.3, 0.85, 0.05
+#: Load of a smooth contact over four times the product of radius and approach, that of a parabola.
+_SHARE = 2.0 / 3.0
+#: Largest radius that is looked at, how much less the least is, and how well one is found.
+_FAR, _LEAST, _FOUND = 1e100, 1e-200, 1e-3
+#: Steps of a bisection of the overclosure, and where it begins, in sizes of the law.
+_STEPS, _RANGE = 60, 1e3
+#: Deepest turn in ``x``.
+_DEEPEST = 25.0
+
+
+def has_edge(profile: Profile, layer: Layer) -> bool:
+    """Return whether the contact has a radius that the load decides."""
+    return layer.start > -inf and not isinstance(profile, Flat)
+
+
+def setting_at_radius(profile: Profile, layer: Layer, radius: float) -> LayeredSetting:
+    """Return the setting of a contact radius, for a law with an edge."""
+    return _to_edge(profile, layer, radius, None)
+
+
+def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> LayeredSetting:
+    """Return the setting of an approach, for a flat punch or a law without an edge.
+
+    Raises
+    ------
+    SceneError
+        If the profile ends before the pressure does.
+    """
+    if isinstance(profile, Flat):
+        return _to_edge(profile, layer, profile.radius, approach)
+    radius = _domain(profile, layer, approach)
+    turn = _turn(profile, layer, approach)
+    knee = min(max(turn, _INNER * radius), _OUTER * radius)
+    own, turns = profile_parts(profile, radius), []
+    if all(abs(one.value * radius - knee) >= _APART * radius for one in own.breaks):
+        turns = [Radius(knee / radius, (radius - knee) / radius)]
+    breaks = sorted([*own.breaks, *turns], key=lambda one: one.value)
+    parts = Parts(tuple(breaks), own.pointed, tuple(turns))
+    depth, depths, smooth = _sharpness(profile, layer, approach, turn), [], []
+    for boundary, _, _ in parts.ends:
+        depths.append(depth if boundary in turns and turn == knee else 0.0)
+        smooth.append(boundary in turns or boundary is EDGE)
+    return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), tuple(smooth))
+
+
+def _to_edge(
+    profile: Profile, layer: Layer, radius: float, approach: float | None
+) -> LayeredSetting:
+    parts = profile_parts(profile, radius)
+    setting = LayeredSetting(profile, layer, radius, approach, parts, (), ())
+    if approach is None:
+        room = 2.0 * float(profile._height(np.array(radius)))
+    else:
+        room = approach - setting.origin
+    centre = np.array([room / radius])
+    slope = float(setting.slope(balanced(setting, centre, centre))[0])
+    thin = 1.0 / max(slope, 1.0)
+    depths = [
+        max(-log(thin * max(boundary.value, thin) / extent), 0.0)
+        for boundary, _, extent in parts.ends
+    ]
+    smooth = (False,) * len(depths)
+    return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), smooth)
+
+
+def _domain(profile: Profile, layer: Layer, approach: float) -> float:
+    """Return the radius beyond which the pressure is rounding."""
+    pressure = _central(layer, approach, max(_turn(profile, layer, approach), layer._size))
+    room = approach - layer._overclosure(max(_NOTHING * pressure, float(np.finfo(float).tiny)))
+
+    def beyond(radius: float) -> bool:
+        with np.errstate(over="ignore"):
+            return float(profile._height(np.array(radius))) > room
+
+    high = min(profile.reach, _FAR)
+    if not beyond(high * (1.0 - _FOUND)):
+        told = "such that the pressure ends before the profile does: "
+        told += f"at its end, {high:.6g}, it is not below rounding yet"
+        raise SceneError("approach", approach, told)
+    return _bisected(beyond, high)
+
+
+def _bisected(beyond: Callable[[float], bool], high: float) -> float:
+    """Return the least radius for which a condition holds, as it does at the highest."""
+    low = high * _LEAST
+    while high - low > _FOUND * high:
+        middle = sqrt(low) * sqrt(high)
+        low, high = (low, middle) if beyond(middle) else (middle, high)
+    return high
+
+
+def _central(layer: Layer, approach: float, radius: float) -> float:
+    """Return about the pressure at the centre of a contact of this radius."""
+    low, high = approach - _RANGE * layer._size - radius, approach
+
+    def more(w: float) -> bool:
+        with np.errstate(over="ignore"):
+            return w + 0.5 * radius * float(layer._pressure(np.array(w))) > approach
+
+    for _ in range(_STEPS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if more(middle) else (middle, high)
+    return float(layer._pressure(np.array(high)))
+
+
+def _turn(profile: Profile, layer: Layer, approach: float) -> float:
+    """Return the radius of a smooth contact whose approach is that less of the layer's; or 0."""
+    high = min(profile.reach, _FAR)
+
+    def beyond(radius: float) -> bool:
+        half = float(profile._transform(np.array(radius))) / 2.0
+        pressure = 4.0 * _SHARE * half / (pi * radius)
+        return pressure > float(layer._pressure(np.array(approach - half)))
+
+    with np.errstate(over="ignore"):
+        return _bisected(beyond, high) if beyond(high * (1.0 - _FOUND)) else 0.0
+
+
+def _sharpness(profile: Profile, layer: Layer, approach: float, turn: float) -> float:
+    """Return how deep in ``x`` the turn from contact to gap is: the gap grows as ``y**(3/2)``."""
+    if turn <= 0.0:
+        return 0.0
+    half = float(profile._transform(np.array(turn))) / 2.0
+    w = np.array(approach - half)
+    pressure, slope = float(layer._pressure(w)), float(layer._slope(w))
+    if not (pressure > 0.0 and slope > 0.0):
+        return 0.0
+    return float(min(max(-2.0 / 3.0 * log(pressure / slope / half), 0.0), _DEEPEST))

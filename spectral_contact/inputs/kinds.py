@@ -1,0 +1,47 @@
+"""Objects of a known kind in documents: the name of the kind over its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from spectral_contact.errors import SceneError, shown
+
+__all__ = ["kind_from", "kind_tree"]
+
+T = TypeVar("T")
+
+
+def kind_tree(known: Any) -> dict[str, Any]:
+    """Return an object as strict JSON can hold it: its kind over its parameters."""
+    return {type(known).__name__: {one.name: getattr(known, one.name) for one in fields(known)}}
+
+
+def kind_from(name: str, tree: Any, kinds: Mapping[str, type[T]]) -> T:
+    """Return the object that `kind_tree` wrote.
+
+    Parameters
+    ----------
+    name : str
+        Of the parameter, for an error.
+    tree : object
+    kinds : mapping
+        Classes by the name that they have in documents.
+
+    Raises
+    ------
+    SceneError
+        If it is none, or a parameter is out of range.
+    """
+    allowed = f"an object with one key, one of {', '.join(kinds)}, over its parameters"
+    if not isinstance(tree, Mapping) or len(tree) != 1:
+        raise SceneError(name, tree, allowed)
+    [(kind, body)] = tree.items()
+    if kind not in kinds or not isinstance(body, Mapping):
+        raise SceneError(name, shown(tree), allowed)
+    names = {one.name for one in fields(kinds[kind])}  # type: ignore[arg-type]
+    if names != set(body):
+        raise SceneError(name, shown(tree), f"{kind} with {', '.join(sorted(names))}")
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in body.items()}
+    return kinds[kind](**values)

@@ -1,0 +1,171 @@
+r"""The layer of Greenwood and Williamson: spherical asperities of one radius and random heights.
+
+With the separation ``d = -w`` from the mean of their heights they carry
+
+    p = (4/3) density E* sqrt(tip_radius) int_d^inf (z - d)^(3/2) phi(z) dz,   E* = 4 E'
+
+(Proc. R. Soc. Lond. A 295 (1966) 300-319). Under a parabola this is the contact of Greenwood and
+Tripp (J. Appl. Mech. 34 (1967) 153-159).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from math import gamma, inf, pi, sqrt
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from spectral_contact.inputs.choices import one_of
+from spectral_contact.layers.base import Layer, positive
+
+__all__ = ["GreenwoodWilliamson"]
+
+Array = NDArray[np.float64]
+
+_HEIGHTS = "gaussian", "exponential"
+#: ``4/3 E*`` in E'.
+_FACTOR = 16.0 / 3.0
+#: Points of the trapezoidal rule, good to -30 deviations; where it ends, an exponential of -40.
+_POINTS, _END = 128, 80.0
+#: Terms of a series that stands for it on an interval of unit length.
+_TERMS = 18
+#: Separations in deviations, whole numbers, between which that is done.
+_NEAREST, _FARTHEST = -30.0, 45.0
+
+
+@dataclass(frozen=True, slots=True)
+class GreenwoodWilliamson(Layer):
+    """Asperities with spherical tips, as Greenwood and Williamson have them.
+
+    The overclosure is counted from the mean of the heights: ``w = -d``; for exponential heights
+    from the lowest asperity, where Greenwood and Williamson put it.
+
+    Parameters
+    ----------
+    density : float
+        Asperities per area, in 1/L².
+    tip_radius : float
+        Radius of the tips, in L.
+    height_deviation : float
+        Standard deviation of the heights, in L.
+    heights : {"gaussian", "exponential"}
+        Their distribution.
+
+    Raises
+    ------
+    SceneError
+        If a number is not in [1e-100, 1e100], or the distribution is another.
+    """
+
+    density: float
+    tip_radius: float
+    height_deviation: float
+    heights: str = "gaussian"
+
+    def __post_init__(self) -> None:
+        for name in ("density", "tip_radius", "height_deviation"):
+            positive(self, name)
+        one_of("heights", self.heights, _HEIGHTS)
+
+    @property
+    def start(self) -> float:
+        """Minus infinity: there is pressure at every gap."""
+        return -inf
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Zero for exponential heights: all asperities touch beyond."""
+        return () if self.heights == "gaussian" else (0.0,)
+
+    @property
+    def _size(self) -> float:
+        return self.height_deviation
+
+    @property
+    def _unit(self) -> float:
+        return float(_FACTOR * self.density * sqrt(self.tip_radius) * self.height_deviation**1.5)
+
+    def _carried(self, w: Array, order: int) -> Array:
+        """Return ``int (z - h)^(order/2) phi(z) dz`` at ``h = -w`` over the deviation."""
+        h = -np.asarray(w, dtype=float) / self.height_deviation
+        if self.heights == "exponential":
+            return _exponential(order, h)
+        return _gaussian(order, h)
+
+    def _pressure(self, w: Array) -> Array:
+        return self._unit * self._carried(w, 3)
+
+    def _slope(self, w: Array) -> Array:
+        return 1.5 * self._unit / self.height_deviation * self._carried(w, 1)
+
+    def _energy(self, w: Array) -> Array:
+        return 0.4 * self._unit * self.height_deviation * self._carried(w, 5)
+
+
+def _gaussian(order: int, h: Array) -> Array:
+    """Return the moment of Gaussian heights of unit deviation, for an odd order."""
+    within = np.clip(h, _NEAREST, _FARTHEST)
+    place = np.minimum((within - _NEAREST).astype(int), int(_FARTHEST - _NEAREST) - 1)
+    local = 2.0 * (within - _NEAREST - place) - 1.0
+    rows = _series(order)[place]
+    found = np.zeros(np.shape(h))
+    before = np.zeros(np.shape(h))
+    for k in range(_TERMS - 1, 0, -1):
+        found, before = rows[..., k] + 2.0 * local * found - before, found
+    found = rows[..., 0] + local * found - before
+    with np.errstate(under="ignore"):
+        found = found * np.exp(-0.5 * np.maximum(within, 0.0) ** 2)
+    found = np.where(h > _FARTHEST, 0.0, found)
+    return np.asarray(np.where(h < _NEAREST, _deep(order / 2.0, np.maximum(-h, 1.0)), found))
+
+
+@cache
+def _series(order: int) -> Array:
+    """Return Chebyshev series of the moment on intervals of unit length, (intervals, terms).
+
+    Beyond 0 they are over the density of the heights.
+    """
+    nodes = chebyshev.chebpts1(_TERMS)
+    starts = np.arange(_NEAREST, _FARTHEST)
+    h = starts[:, None] + (1.0 + nodes) / 2.0
+    return np.asarray(chebyshev.chebfit(nodes, _moment(order, h).T, _TERMS - 1).T)
+
+
+def _moment(order: int, h: Array) -> Array:
+    """Return the moment, beyond 0 over the density of the heights.
+
+    With ``z = h + v**2`` the integrand is entire and dies out: the trapezoidal rule converges
+    geometrically, and cancels nothing.
+    """
+    reach = np.sqrt(np.sqrt(h**2 + _END) - h)
+    v = reach[..., None] * (np.arange(1.0, _POINTS + 1.0) / _POINTS)
+    exponent = h[..., None] * v**2 + v**4 / 2.0 + np.minimum(h, 0.0)[..., None] ** 2 / 2.0
+    values = v ** (order + 1) * np.exp(-exponent)
+    return np.asarray(2.0 * reach / _POINTS / sqrt(2.0 * pi) * values.sum(axis=-1))
+
+
+def _deep(power: float, x: Array) -> Array:
+    """Return ``int (z + x)^power phi(z) dz`` for large x: by the even moments of phi."""
+    term, total = x**power, np.zeros(np.shape(x))
+    for k in range(1, 13):
+        total = total + term
+        n = power - 2.0 * (k - 1)
+        term = term * n * (n - 1.0) / (2.0 * k) / x**2
+    return total
+
+
+def _exponential(order: int, h: Array) -> Array:
+    """Return the moment of exponential heights of unit deviation, 1, 3 or 5 its order."""
+    from scipy.special import erfcx  # takes long to import
+
+    x = np.maximum(-h, 0.0)
+    root = np.sqrt(x)
+    found = root + 0.5 * sqrt(pi) * erfcx(root)
+    for k in range(3, order + 1, 2):
+        found = x ** (k / 2.0) + k / 2.0 * found
+    with np.errstate(under="ignore"):
+        outside = gamma(order / 2.0 + 1.0) * np.exp(-np.maximum(h, 0.0))
+    return np.asarray(np.where(h > 0.0, outside, found))

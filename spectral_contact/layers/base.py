@@ -1,0 +1,146 @@
+"""What the solver asks of a layer: pressure, slope and energy over the overclosure."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import real, reals
+
+__all__ = ["Layer", "positive"]
+
+Array = NDArray[np.float64]
+
+#: Steps of bracketing and of bisection between neighbouring doubles.
+_STEPS = 2100
+
+
+def positive(law: object, name: str, low: float = 1e-100, high: float = 1e100) -> None:
+    """Check a parameter of a law, whose powers have to stay in the range of doubles."""
+    allowed = f"in [{low:g}, {high:g}]"
+    value = real(name, getattr(law, name), allowed=allowed, low=low, high=high)
+    object.__setattr__(law, name, value)
+
+
+class Layer(ABC):
+    """A law of a rough layer. Immutable, comparable, hashable and picklable."""
+
+    __slots__ = ()
+
+    @property
+    def start(self) -> float:
+        """Overclosure at which the pressure begins; minus infinity if there is some everywhere."""
+        return 0.0
+
+    @property
+    def limit(self) -> float:
+        """Largest overclosure that the law knows."""
+        return inf
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Overclosures, increasing, between start and limit where a derivative jumps."""
+        return ()
+
+    @property
+    def brief(self) -> str:
+        """Its kind and parameters, in one line."""
+        return repr(self)
+
+    def pressure(self, overclosure: ArrayLike) -> Any:
+        """Return the pressure, in E'.
+
+        Parameters
+        ----------
+        overclosure : array_like
+            Finite, in L, at most `limit`; any shape. Below `start` the pressure is zero.
+
+        Returns
+        -------
+        float or ndarray
+            Infinite beyond the range of a double.
+
+        Raises
+        ------
+        SceneError
+            If an overclosure is another.
+        """
+        return self._evaluated(self._pressure, overclosure)
+
+    def stiffness(self, overclosure: ArrayLike) -> Any:
+        """Return the derivative of the pressure, in E'/L; arguments and errors as `pressure`."""
+        return self._evaluated(self._slope, overclosure)
+
+    def overclosure(self, pressure: float) -> float:
+        """Return the overclosure of a pressure.
+
+        Parameters
+        ----------
+        pressure : float
+            Positive, in E', and at most that of the `limit`.
+
+        Raises
+        ------
+        SceneError
+            If it is another.
+        """
+        most = float(self._pressure(np.array(self.limit))) if self.limit < inf else inf
+        value = float(np.asarray(reals("pressure", pressure, "finite and > 0")).item())
+        if not (0.0 < value < inf and value <= most):
+            raise SceneError("pressure", pressure, f"finite, and in (0, {most:.6g}]")
+        return self._overclosure(value)
+
+    def _evaluated(self, law: Any, overclosure: ArrayLike) -> Any:
+        allowed = f"finite, and at most {self.limit:.6g}"
+        given = np.asarray(reals("overclosure", overclosure, allowed), dtype=float)
+        wrong = ~(np.isfinite(given) & (given <= self.limit))
+        if wrong.any():
+            raise SceneError("overclosure", float(given[wrong][0]), allowed)
+        with np.errstate(over="ignore"):
+            return law(given)[()]
+
+    def _overclosure(self, pressure: float) -> float:
+        """Return the overclosure of a pressure that the law reaches, by bisection."""
+
+        def less(w: float) -> bool:
+            with np.errstate(over="ignore"):
+                return float(self._pressure(np.array(w))) < pressure
+
+        size = self._size
+        low = self.start if self.start > -inf else -size
+        step = size
+        while not less(low) and self.start == -inf:
+            low, step = low - step, 2.0 * step
+        high, step = max(low, 0.0) + size, size
+        while less(high):
+            low, high, step = high, high + step, 2.0 * step
+        for _ in range(_STEPS):
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                break
+            low, high = (middle, high) if less(middle) else (low, middle)
+        return high
+
+    # the members below are the solver's: arrays of doubles as they are
+
+    @property
+    @abstractmethod
+    def _size(self) -> float:
+        """An overclosure over which the law changes."""
+
+    @abstractmethod
+    def _pressure(self, w: Array) -> Array:
+        """Return the pressure, beyond the limit as a tangent goes on; infinite is allowed."""
+
+    @abstractmethod
+    def _slope(self, w: Array) -> Array:
+        """Return its derivative."""
+
+    @abstractmethod
+    def _energy(self, w: Array) -> Array:
+        """Return its integral from the start on."""

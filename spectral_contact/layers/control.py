@@ -1,0 +1,96 @@
+"""Layers of scenes: what goes with them, and layers in documents."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isinf
+from typing import Any, Final
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.kinds import kind_from
+from spectral_contact.layers.asperities import GreenwoodWilliamson
+from spectral_contact.layers.base import Layer
+from spectral_contact.layers.laws import CalculixExponential, Exponential, Linear, PowerLaw
+from spectral_contact.layers.sampled import Sampled, Table
+from spectral_contact.profiles import Flat
+
+__all__ = ["KINDS", "check_layer", "endless", "layer_from", "refuse_layer"]
+
+#: Layers by the name that they have in files.
+KINDS: Final[dict[str, type[Layer]]] = {
+    one.__name__: one
+    for one in (
+        Linear,
+        PowerLaw,
+        Exponential,
+        CalculixExponential,
+        GreenwoodWilliamson,
+        Table,
+        Sampled,
+    )
+}
+
+
+def check_layer(scene: Mapping[str, Any]) -> None:
+    """Check the layer of a scene, and that nothing else of it needs a linear one.
+
+    Parameters
+    ----------
+    scene : mapping
+        What a scene has, by name.
+
+    Raises
+    ------
+    SceneError
+        If it does, or the layer is no layer.
+    """
+    layer = scene["layer"]
+    if layer is None:
+        return
+    if type(layer) not in KINDS.values():
+        raise SceneError("layer", layer, f"None or one of layers: {', '.join(KINDS)}")
+    if scene["normal_compliance"]:
+        told = "0 with a layer, which has a law of its own; one of the two"
+        raise SceneError("normal_compliance", scene["normal_compliance"], told)
+    if scene["friction"]:
+        told = "None or 0 with a layer: the traction of a growing contact is a superposition of "
+        told += "flat punches, which holds for linear layers only"
+        raise SceneError("friction", scene["friction"], told)
+    if scene["tangential_compliance"]:
+        told = "0 with a layer, under which there is no friction"
+        raise SceneError("tangential_compliance", scene["tangential_compliance"], told)
+    if scene["physical"] is not None:
+        told = "None with a layer, whose law is in E' and in the profile's unit of length"
+        raise SceneError("physical", scene["physical"], told)
+    if scene["profile"] is None:
+        raise SceneError("profile", None, "given with a layer: profiles.Flat is a flat punch")
+
+
+def endless(scene: Any) -> bool:
+    """Return whether the contact of a scene has no edge: the layer has pressure at every gap."""
+    layer = scene.layer
+    return layer is not None and isinf(layer.start) and not isinstance(scene.profile, Flat)
+
+
+def refuse_layer(scene: Any, what: str) -> None:
+    """Refuse a scene with a layer on behalf of what knows linear layers only.
+
+    Raises
+    ------
+    SceneError
+        If it has one.
+    """
+    if scene.layer is not None:
+        told = f"one without layer: {what} knows linear layers only, as normal_compliance"
+        raise SceneError("scene", scene, told)
+
+
+def layer_from(tree: Any) -> Layer:
+    """Return the layer that `kind_tree` wrote.
+
+    Raises
+    ------
+    SceneError
+        If it is none, or a parameter is out of range.
+    """
+    return kind_from("layer", tree, KINDS)

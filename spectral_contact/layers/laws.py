@@ -1,0 +1,205 @@
+"""Laws in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import e, inf, log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
+from spectral_contact.layers.base import Layer, positive
+
+__all__ = ["CalculixExponential", "Exponential", "Linear", "PowerLaw"]
+
+Array = NDArray[np.float64]
+
+#: Below 1 the layer softens under pressure; beyond, it is as good as rigid at one overclosure.
+_EXPONENTS = 1.0, 10.0
+#: Exponentials of more leave the range of doubles.
+_HIGHEST = 700.0
+#: The overclosure of CalculiX' parameter: there the pressure is this share.
+_SHARE = 0.01
+#: Where the energy of `Exponential` is a series, for it would cancel.
+_SMALL, _TERMS = 0.5, 18
+
+
+@dataclass(frozen=True, slots=True)
+class Linear(Layer):
+    """The linear layer ``p = w / compliance``, the same as ``normal_compliance`` of a scene.
+
+    Parameters
+    ----------
+    compliance : float
+        ``α* = αE'/L``, in [1e-14, 1e14].
+
+    Raises
+    ------
+    SceneError
+        If it is not.
+    """
+
+    compliance: float
+
+    def __post_init__(self) -> None:
+        positive(self, "compliance", SMALLEST_COMPLIANCE, LARGEST_COMPLIANCE)
+
+    @property
+    def _size(self) -> float:
+        return self.compliance
+
+    def _pressure(self, w: Array) -> Array:
+        return np.maximum(w, 0.0) / self.compliance
+
+    def _slope(self, w: Array) -> Array:
+        return np.where(w >= 0.0, 1.0 / self.compliance, 0.0)
+
+    def _energy(self, w: Array) -> Array:
+        return np.maximum(w, 0.0) ** 2 / (2.0 * self.compliance)
+
+
+@dataclass(frozen=True, slots=True)
+class PowerLaw(Layer):
+    """The power law ``p = coefficient w**exponent``.
+
+    Parameters
+    ----------
+    coefficient : float
+        In E'/L**exponent, in [1e-100, 1e100].
+    exponent : float
+        In [1, 10].
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of its range.
+    """
+
+    coefficient: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        positive(self, "coefficient")
+        positive(self, "exponent", *_EXPONENTS)
+
+    @property
+    def _size(self) -> float:
+        return float(self.coefficient ** (-1.0 / self.exponent))
+
+    def _pressure(self, w: Array) -> Array:
+        return np.asarray(self.coefficient * np.maximum(w, 0.0) ** self.exponent)
+
+    def _slope(self, w: Array) -> Array:
+        grown = np.maximum(w, 0.0) ** (self.exponent - 1.0)
+        return np.where(w >= 0.0, self.coefficient * self.exponent * grown, 0.0)
+
+    def _energy(self, w: Array) -> Array:
+        more = self.exponent + 1.0
+        return np.asarray(self.coefficient / more * np.maximum(w, 0.0) ** more)
+
+
+@dataclass(frozen=True, slots=True)
+class Exponential(Layer):
+    """Abaqus' exponential law, with no pressure at clearances beyond one.
+
+    With ``x = 1 + w/clearance`` it is ``p = zero_pressure x (exp(x) - 1)/(e - 1)`` where x > 0.
+
+    Parameters
+    ----------
+    zero_pressure : float
+        p₀, that at zero overclosure, in E'; in [1e-100, 1e100].
+    clearance : float
+        c₀, that at which the pressure begins, in L; in [1e-100, 1e100].
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of its range.
+    """
+
+    zero_pressure: float
+    clearance: float
+
+    def __post_init__(self) -> None:
+        positive(self, "zero_pressure")
+        positive(self, "clearance")
+
+    @property
+    def start(self) -> float:
+        """Overclosure at which the pressure begins."""
+        return -self.clearance
+
+    @property
+    def _size(self) -> float:
+        return self.clearance
+
+    @property
+    def _unit(self) -> float:
+        return self.zero_pressure / (e - 1.0)
+
+    def _place(self, w: Array) -> Array:
+        return np.clip(1.0 + w / self.clearance, 0.0, _HIGHEST)
+
+    def _pressure(self, w: Array) -> Array:
+        x = self._place(w)
+        return np.asarray(self._unit * x * np.expm1(x))
+
+    def _slope(self, w: Array) -> Array:
+        x = self._place(w)
+        return np.asarray(self._unit / self.clearance * (np.expm1(x) + x * np.exp(x)))
+
+    def _energy(self, w: Array) -> Array:
+        x = self._place(w)
+        small = x < _SMALL
+        # (x - 1) e^x + 1 - x^2/2 = sum over n > 2 of x^n/n! (n - 1)
+        near = np.where(small, x, 0.0)
+        term, series = near**2 / 2.0, np.zeros(np.shape(x))
+        for n in range(3, _TERMS):
+            term = term * near / n
+            series = series + (n - 1.0) * term
+        whole = (x - 1.0) * np.exp(x) + 1.0 - x**2 / 2.0
+        return np.asarray(self._unit * self.clearance * np.where(small, series, whole))
+
+
+@dataclass(frozen=True, slots=True)
+class CalculixExponential(Layer):
+    """CalculiX' exponential law ``p = zero_pressure exp(ln(100) w/clearance)``, at any gap.
+
+    Parameters
+    ----------
+    zero_pressure : float
+        p₀, that at zero overclosure, in E'; in [1e-100, 1e100].
+    clearance : float
+        c₀, that at which one hundredth of it is left, in L; in [1e-100, 1e100].
+
+    Raises
+    ------
+    SceneError
+        If a parameter is out of its range.
+    """
+
+    zero_pressure: float
+    clearance: float
+
+    def __post_init__(self) -> None:
+        positive(self, "zero_pressure")
+        positive(self, "clearance")
+
+    @property
+    def start(self) -> float:
+        """Minus infinity: there is pressure at every gap."""
+        return -inf
+
+    @property
+    def _size(self) -> float:
+        return self.clearance / -log(_SHARE)
+
+    def _pressure(self, w: Array) -> Array:
+        return np.asarray(self.zero_pressure * np.exp(np.minimum(w / self._size, _HIGHEST)))
+
+    def _slope(self, w: Array) -> Array:
+        return self._pressure(w) / self._size
+
+    def _energy(self, w: Array) -> Array:
+        return self._pressure(w) * self._size

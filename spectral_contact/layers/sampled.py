@@ -1,0 +1,293 @@
+"""Laws made of points or of functions: a polynomial on every piece of the overclosure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import finite, values_at
+from spectral_contact.inputs.choices import function, listed
+from spectral_contact.layers.base import Layer
+
+__all__ = ["Sampled", "Table"]
+
+Array = NDArray[np.float64]
+Rows = tuple[tuple[float, ...], ...]
+
+#: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
+_DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
+#: How far from zero a law may begin, and two pieces may differ where they meet, of that.
+_ZERO, _JUMP = 10.0, 1e3
+#: By how much of its largest value a derivative may differ from that of the pressure.
+_ALIKE = 1e-9
+#: Where a piece is looked at.
+_LOOKS = 257
+#: Least points of a table.
+_LEAST = 4
+
+
+def _checked(name: str, values: Any) -> tuple[float, ...]:
+    """Return numbers that increase."""
+    found = finite(name, values)
+    if not (np.diff(found) > 0.0).all():
+        raise SceneError(name, values, "numbers that increase")
+    return tuple(found.tolist())
+
+
+@dataclass(frozen=True, slots=True)
+class _Series:
+    """Chebyshev series on every piece: of the pressure, its derivative, and its integral."""
+
+    pressure: Rows
+    slope: Rows
+    energy: Rows
+
+
+class _Pieces(Layer):
+    """A law that is a Chebyshev series on every piece, and zero before the first."""
+
+    __slots__ = ()
+
+    @property
+    def start(self) -> float:
+        """Overclosure at which the pressure begins."""
+        return self._edges[0]
+
+    @property
+    def limit(self) -> float:
+        """Overclosure at which the law ends."""
+        return self._edges[-1]
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Where a piece ends and the next begins."""
+        return self._edges[1:-1]
+
+    @property
+    def _edges(self) -> tuple[float, ...]:
+        raise NotImplementedError
+
+    def _series(self) -> _Series:
+        """Return the series of the pressure, its derivative, and its integral on every piece."""
+        raise NotImplementedError
+
+    @property
+    def _size(self) -> float:
+        return (self.limit - self.start) / len(self._edges)
+
+    def _sum(self, rows: Rows, w: Array) -> Array:
+        edges = np.array(self._edges)
+        own = np.clip(np.searchsorted(edges, w, side="right") - 1, 0, len(rows) - 1)
+        found = np.zeros(np.shape(w))
+        for k, row in enumerate(rows):
+            here = own == k
+            local = 2.0 * (w[here] - edges[k]) / (edges[k + 1] - edges[k]) - 1.0
+            found[here] = chebyshev.chebval(np.clip(local, -1.0, 1.0), row)
+        return np.where(w < edges[0], 0.0, found)
+
+    def _pressure(self, w: Array) -> Array:
+        w = np.asarray(w, dtype=float)
+        own, past = self._series(), np.maximum(w - self.limit, 0.0)
+        return self._sum(own.pressure, w) + past * self._sum(own.slope, np.array(self.limit))
+
+    def _slope(self, w: Array) -> Array:
+        return self._sum(self._series().slope, np.asarray(w, dtype=float))
+
+    def _energy(self, w: Array) -> Array:
+        w = np.asarray(w, dtype=float)
+        own, past, end = self._series(), np.maximum(w - self.limit, 0.0), np.array(self.limit)
+        more = past * self._sum(own.pressure, end) + past**2 / 2.0 * self._sum(own.slope, end)
+        return self._sum(own.energy, w) + more
+
+
+@cache
+def _integrated(edges: tuple[float, ...], rows: Rows) -> _Series:
+    """Return the series with their derivatives and integrals."""
+    slopes, energies, total = [], [], 0.0
+    for (low, high), row in zip(pairwise(edges), rows, strict=True):
+        half = (high - low) / 2.0
+        slopes.append(tuple((chebyshev.chebder(row) / half).tolist()))
+        energy = chebyshev.chebint(row, lbnd=-1.0) * half
+        energy[0] += total
+        energies.append(tuple(energy.tolist()))
+        total = float(chebyshev.chebval(1.0, energy))
+    return _Series(rows, tuple(slopes), tuple(energies))
+
+
+@dataclass(frozen=True, slots=True)
+class Table(_Pieces):
+    """A law through points, with SciPy's shape-preserving cubics (PCHIP) between them.
+
+    Every point is a knot, to which panels are graded where the contact meets it.
+
+    Parameters
+    ----------
+    overclosures : sequence of float
+        At least four, in L, increasing. Below the first there is no pressure.
+    pressures : sequence of float
+        As many, in E', increasing from 0. Beyond the last, a scene is refused.
+
+    Raises
+    ------
+    SceneError
+        If they are not.
+    """
+
+    overclosures: tuple[float, ...]
+    pressures: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        w = _checked("overclosures", self.overclosures)
+        if len(w) < _LEAST:
+            raise SceneError("overclosures", self.overclosures, "four numbers or more")
+        p = _checked("pressures", self.pressures)
+        if len(p) != len(w) or p[0] != 0.0:
+            told = f"{len(w)} numbers that increase from 0, one for each overclosure"
+            raise SceneError("pressures", self.pressures, told)
+        object.__setattr__(self, "overclosures", w)
+        object.__setattr__(self, "pressures", p)
+
+    @property
+    def _edges(self) -> tuple[float, ...]:
+        return self.overclosures
+
+    def _series(self) -> _Series:
+        return _cubics(self.overclosures, self.pressures)
+
+
+@cache
+def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> _Series:
+    from scipy.interpolate import PchipInterpolator
+
+    law = PchipInterpolator(np.array(w), np.array(p))
+    nodes = chebyshev.chebpts1(4)
+    rows = []
+    for low, high in pairwise(w):
+        at_nodes = law(low + (high - low) * (1.0 + nodes) / 2.0)
+        rows.append(tuple(chebyshev.chebfit(nodes, at_nodes, 3).tolist()))
+    return _integrated(w, tuple(rows))
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled(_Pieces):
+    """A law whose pressure is a Chebyshev series on every piece; made by `from_functions`.
+
+    Parameters
+    ----------
+    edges : tuple of float
+        Overclosures at which the pieces begin and end, in L, increasing.
+    series : tuple of tuple of float
+        Chebyshev coefficients of the pressure, in E', on each piece.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is not of this form, or the pressure does not increase from 0.
+    """
+
+    edges: tuple[float, ...]
+    series: Rows
+
+    def __post_init__(self) -> None:
+        edges = _checked("edges", self.edges)
+        given = listed("series", self.series, "lists of numbers, one for each piece")
+        rows = tuple(tuple(finite("series", row).tolist()) for row in given)
+        if len(edges) < 2 or len(rows) != len(edges) - 1 or not all(rows):
+            told = "one list of numbers for each piece between two edges"
+            raise SceneError("series", self.series, told)
+        object.__setattr__(self, "edges", edges)
+        object.__setattr__(self, "series", rows)
+        self._check()
+
+    @classmethod
+    def from_functions(
+        cls,
+        pressure: Callable[[Array], ArrayLike],
+        derivative: Callable[[Array], ArrayLike],
+        *,
+        start: float,
+        limit: float,
+        knots: Sequence[float] = (),
+    ) -> Self:
+        """Make a law of two functions of the overclosure, which are sampled now.
+
+        Parameters
+        ----------
+        pressure, derivative : callable
+            The pressure in E' and its derivative in E'/L, at an array of overclosures in L.
+        start, limit : float
+            Where the pressure begins, and up to which overclosure the functions are used.
+        knots : sequence of float
+            Overclosures in between at which a derivative jumps: the law has to be smooth elsewhere.
+
+        Raises
+        ------
+        SceneError
+            If the pressure is not smooth between the knots, to 2e-14 of its largest value; does
+            not increase from 0 at the start; or the derivative is not its derivative.
+        """
+        function("pressure", pressure, "overclosures")
+        function("derivative", derivative, "overclosures")
+        inner = finite("knots", listed("knots", knots, "overclosures")).tolist()
+        edges = _checked("start, knots, limit", (start, *inner, limit))
+        largest = float(np.abs(values_at("pressure", pressure, np.array([edges[-1]])))[0])
+        law = cls(edges, tuple(_fitted(pressure, *ends, largest) for ends in pairwise(edges)))
+        w = np.linspace(edges[0], edges[-1], _LOOKS)[1:-1]
+        w = w[~np.isin(w, edges)]
+        given, own = values_at("derivative", derivative, w), law._slope(w)
+        off = ~(np.abs(given - own) <= _ALIKE * float(np.abs(own).max()))
+        if off.any():
+            told = f"{own[off][0]:.10g} at {w[off][0]:.6g}, the derivative of the pressure"
+            raise SceneError("derivative", float(given[off][0]), told)
+        return law
+
+    @property
+    def _edges(self) -> tuple[float, ...]:
+        return self.edges
+
+    def _series(self) -> _Series:
+        return _integrated(self.edges, self.series)
+
+    def _check(self) -> None:
+        """Refuse what does not increase from zero."""
+        w = np.concatenate([np.linspace(*ends, _LOOKS) for ends in pairwise(self.edges)])
+        local = np.linspace(-1.0, 1.0, _LOOKS)
+        p = np.concatenate([chebyshev.chebval(local, row) for row in self.series])
+        slack = _EXACT * float(np.abs(p).max())
+        if not abs(p[0]) <= _ZERO * slack:
+            raise SceneError("pressure", float(p[0]), f"0 at the start, {w[0]:.6g}")
+        if not p[-1] > 0.0:
+            raise SceneError("pressure", float(p[-1]), f"positive at the limit, {w[-1]:.6g}")
+        falls = np.diff(p) < -slack
+        if falls.any():
+            worst = int(np.flatnonzero(falls)[0])
+            told = f"increasing with the overclosure, which it is not at {w[worst]:.6g}"
+            raise SceneError("pressure", float(p[worst + 1]), told)
+        jumps = np.abs(p[_LOOKS::_LOOKS] - p[_LOOKS - 1 : -1 : _LOOKS]) > _JUMP * slack
+        if jumps.any():
+            where = self.edges[1 + int(np.flatnonzero(jumps)[0])]
+            raise SceneError("pressure", "a jump", f"continuous, also at {where:.6g}")
+
+
+def _fitted(
+    pressure: Callable[[Array], ArrayLike], low: float, high: float, largest: float
+) -> tuple[float, ...]:
+    """Return the Chebyshev series of a piece."""
+    for degree in _DEGREES:
+        nodes = chebyshev.chebpts1(degree + 1)
+        values = values_at("pressure", pressure, low + (high - low) * (1.0 + nodes) / 2.0)
+        if not np.isfinite(values).all():
+            raise SceneError("pressure", float(values[~np.isfinite(values)][0]), "finite")
+        row = chebyshev.chebfit(nodes, values, degree)
+        if np.abs(row[-3:]).max() <= _EXACT * max(largest, float(np.abs(values).max())):
+            return tuple(row.tolist())
+    told = f"smooth between its knots: on [{low:.6g}, {high:.6g}] a polynomial does not fit it"
+    raise SceneError("pressure", "a function", told)

@@ -1,0 +1,213 @@
+"""Normal contact through nonlinear layers, against what shares no code with the solver.
+
+The oracle solves by collocation in the radius (`oracles.layered_collocation`); Greenwood and
+Tripp's numbers are those of docs/theory.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from oracles.layered_collocation import collocated, to_edge
+
+from spectral_contact import NotComputedError, Scene, SceneError, Solution, layers, profiles, solve
+
+BALL = profiles.Parabola(1.0)
+E = math.e - 1.0
+
+
+def abaqus(u):
+    x = np.maximum(1.0 + u / 0.2, 0.0)
+    return 0.1 / E * x * np.expm1(x)
+
+
+def abaqus_slope(u):
+    x = np.maximum(1.0 + u / 0.2, 0.0)
+    return 0.5 / E * (np.expm1(x) + x * np.exp(x))
+
+
+def calculix(u):
+    return 0.1 * 100.0 ** (u / 0.2)
+
+
+def calculix_slope(u):
+    return calculix(u) * math.log(100.0) / 0.2
+
+
+#: Panels from a half to the edge.
+TOWARDS = to_edge(1.0)[1:].tolist()
+#: Scene's arguments, and the oracle's: law, slope, height, edges, and what else it takes.
+CASES = {
+    "power": (
+        {"layer": layers.PowerLaw(5.0, 2.0), "profile": BALL, "contact_radius": 1.0},
+        (lambda u: 5.0 * np.maximum(u, 0.0) ** 2, lambda u: 10.0 * np.maximum(u, 0.0)),
+        (lambda r: r**2 / 2.0, to_edge(1.0)),
+        {"start": 0.0},
+    ),
+    "Abaqus, cone": (
+        {
+            "layer": layers.Exponential(0.1, 0.2),
+            "profile": profiles.Cone(math.atan(2.0)),
+            "contact_radius": 1.0,
+        },
+        (abaqus, abaqus_slope),
+        (lambda r: r / 2.0, np.append(0.0, 0.5 * 0.1 ** np.arange(6)[::-1]).tolist() + TOWARDS),
+        {"start": -0.2},
+    ),
+    "CalculiX": (
+        {"layer": layers.CalculixExponential(0.1, 0.2), "profile": BALL, "approach": 0.3},
+        (calculix, calculix_slope),
+        (lambda r: r**2 / 2.0, np.linspace(0.0, 2.0, 9)),
+        {"approach": 0.3},
+    ),
+    "flat": (
+        {
+            "layer": layers.CalculixExponential(0.1, 0.2),
+            "profile": profiles.Flat(1.0),
+            "approach": 0.3,
+        },
+        (calculix, calculix_slope),
+        (lambda r: 0.0 * r, to_edge(1.0)),
+        {"approach": 0.3},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_collocation_finds_the_same(name):
+    given, law, (height, edges), how = CASES[name]
+    oracle = collocated(*law, height, edges, **how)
+    loose, fine = (solve(Scene(0.3, **given), rtol) for rtol in (1e-5, 1e-11))
+    for solution in (loose, fine):
+        assert solution.converged
+        assert solution.approach == pytest.approx(oracle.approach, rel=1e-11)
+        assert solution.load == pytest.approx(oracle.load, rel=1e-11)
+    mean = loose.load / (math.pi * loose.domain_radius**2)
+    errors = []
+    for solution in (loose, fine):
+        s = np.minimum(oracle.r / solution.domain_radius, 1.0)
+        off = np.abs(solution.pressure(s) - oracle.pressure) / np.maximum(oracle.pressure, mean)
+        errors.append(off.max())
+    assert errors[0] <= loose.error.pressure
+    assert errors[1] <= 5e-10  # the oracle's own, next to the edge
+
+
+MU, SEPARATION, CENTRE = 24.0425586841, 0.5, 7.705398372318
+#: With heights of the deviation 1/2 under a sphere of radius 1 their lengths are ours.
+SPHERES = layers.GreenwoodWilliamson(MU / (16.0 / 3.0 * 0.5**1.5), 1.0, 0.5)
+
+
+def test_greenwood_and_tripp():
+    approach = 0.5 * (CENTRE - SEPARATION)
+    solution = solve(Scene(0.3, layer=SPHERES, profile=BALL, approach=approach), 1e-11)
+    # the separation is known to 5e-13, the load changes thrice as fast
+    assert solution.load == pytest.approx(44.168134490717, rel=3e-13)
+    assert solution.pressure(0.0) == pytest.approx(4.693194098358, rel=5e-13)
+    by_load = solve(Scene(0.3, layer=SPHERES, profile=BALL, load=44.168134490717), 1e-11)
+    assert by_load.approach == pytest.approx(approach, rel=3e-12)
+    assert by_load.stiffness == pytest.approx(solution.stiffness, rel=1e-11)
+    with pytest.raises(NotComputedError, match="every gap"):
+        solution.contact_radius  # noqa: B018
+    assert solution.pressure(1.0) < 1e-16 * solution.pressure(0.0)
+
+
+@pytest.mark.parametrize("alpha", [10.0, 0.5, 1e-3, 1e-8])
+@pytest.mark.parametrize(
+    "law", [layers.Linear, lambda alpha: layers.PowerLaw(1.0 / alpha, 1.0)], ids=["linear", "power"]
+)
+def test_a_linear_law_is_the_linear_layer(law, alpha):
+    for given in ({"contact_radius": 1.0}, {"load": 0.7}, {"approach": 0.6}):
+        linear = solve(Scene(0.3, alpha, profile=BALL, **given), 1e-12)
+        solution = solve(Scene(0.3, layer=law(alpha), profile=BALL, **given), 1e-12)
+        for name in ("contact_radius", "load", "approach", "stiffness", "indentation_work"):
+            assert getattr(solution, name) == pytest.approx(getattr(linear, name), rel=1e-13)
+        y = np.geomspace(1e-12, 1.0, 40)
+        p, known = solution.pressure(from_edge=y), linear.pressure(from_edge=y)
+        mean = linear.load / (math.pi * linear.contact_radius**2)
+        assert (np.abs(p - known) / np.maximum(known, mean)).max() < 1e-12
+
+
+def test_a_flat_punch_on_a_linear_law_is_the_flat_punch():
+    load, a = 3.0, 2.0
+    known = solve(Scene(0.3, 0.25), 1e-12)
+    scene = Scene(0.3, layer=layers.Linear(0.5), profile=profiles.Flat(a), load=load)
+    solution = solve(scene, 1e-12)
+    assert solution.approach == pytest.approx(known.approach * load / a, rel=1e-13)
+    assert solution.pressure(from_edge=0.0) == pytest.approx(
+        known.pressure(from_edge=0.0) * load / a**2, rel=1e-12
+    )
+    assert solution.stiffness == pytest.approx(load / solution.approach, rel=1e-12)
+
+
+#: What differences of the fourth order leave.
+WITHIN = 1e-7
+#: Edge, flat and endless.
+WORKING = {
+    "Abaqus": (layers.Exponential(0.1, 0.2), BALL, 0.2),
+    "power on a flat": (layers.PowerLaw(3.0, 3.0), profiles.Flat(1.5), 0.4),
+    "rough spheres": (SPHERES, BALL, 0.3),
+    "exponential heights": (
+        layers.GreenwoodWilliamson(30.0, 1.0, 0.1, "exponential"),
+        profiles.RoundedFlat(0.5, 1.0),
+        -0.1,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WORKING)
+def test_work_stiffness_and_load_are_derivatives_of_each_other(name):
+    layer, profile, middle = WORKING[name]
+    step = 4e-3
+    wanted = ("load", "stiffness", "indentation_work")
+    at = [
+        solve(Scene(0.3, layer=layer, profile=profile, approach=middle + k * step), 1e-9, wanted)
+        for k in (-2, -1, 0, 1, 2)
+    ]
+    weights = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * step)
+    work, load = (np.array([getattr(one, n) for one in at]) for n in ("indentation_work", "load"))
+    assert weights @ work == pytest.approx(at[2].load, rel=WITHIN)
+    assert weights @ load == pytest.approx(at[2].stiffness, rel=WITHIN)
+
+
+def test_a_thin_layer_of_asperities_tends_to_hertz():
+    hertz = 4.0 / 3.0 * 4.0  # of E', radius and contact radius 1
+    off = []
+    for deviation in (1e-2, 1e-3, 1e-4):
+        layer = layers.GreenwoodWilliamson(1.0 / deviation**2, deviation, deviation)
+        solution = solve(Scene(0.3, layer=layer, profile=BALL, approach=1.0), 1e-6)
+        off.append(abs(solution.load / hertz - 1.0))
+    # heights add to the approach
+    assert off[0] < 0.05
+    assert off[1] < 0.2 * off[0]
+    assert off[2] < 0.2 * off[1]
+
+
+def test_a_stiff_power_law_is_a_rigid_gap():
+    """As the coefficient grows all is as if the surfaces were smooth."""
+    smooth = solve(Scene(0.3, profile=BALL, contact_radius=1.0), 1e-10)
+    stiff = Scene(0.3, layer=layers.PowerLaw(1e16, 2.0), profile=BALL, contact_radius=1.0)
+    off = solve(stiff, 1e-10).load / smooth.load - 1.0
+    assert -1e-5 < off < 0.0
+
+
+def test_beyond_the_end_of_a_table_is_an_error():
+    table = layers.Table((0.0, 0.02, 0.04, 0.06), (0.0, 0.1, 0.3, 0.6))
+    for given in ({"load": 5.0}, {"approach": 2.0}, {"contact_radius": 1.5}):
+        with pytest.raises(SceneError, match="end of the law") as caught:
+            solve(Scene(0.3, layer=table, profile=BALL, **given), 1e-6)
+        assert caught.value.parameter == next(iter(given))
+
+
+def test_a_profile_that_ends_before_the_pressure_is_an_error():
+    layer = layers.CalculixExponential(0.1, 2.0)
+    with pytest.raises(SceneError, match="ends"):
+        solve(Scene(0.3, layer=layer, profile=profiles.Sphere(1.0), load=1.0), 1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".json", ".npz"])
+def test_solutions_are_saved_with_their_domain(tmp_path, suffix):
+    solution = solve(Scene(0.3, layer=SPHERES, profile=BALL, approach=0.5), 1e-4)
+    solution.save(tmp_path / f"a{suffix}")
+    loaded = Solution.load(tmp_path / f"a{suffix}")
+    assert loaded == solution
+    assert loaded.domain_radius == solution.domain_radius

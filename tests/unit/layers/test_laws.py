@@ -1,0 +1,167 @@
+"""Laws of layers: values against mpmath, their derivatives and integrals, and bad input."""
+
+import math
+import pickle
+
+import mpmath
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, SceneError, layers, profiles
+
+TABLE = layers.Table((0.0, 0.1, 0.3, 0.7, 1.5), (0.0, 0.1, 0.5, 2.0, 9.0))
+CUBIC = layers.Sampled.from_functions(
+    lambda w: w**3 + w, lambda w: 3.0 * w**2 + 1.0, start=0.0, limit=2.0
+)
+LAWS = {
+    "linear": layers.Linear(0.3),
+    "power": layers.PowerLaw(2.0, 2.5),
+    "abaqus": layers.Exponential(0.1, 0.2),
+    "calculix": layers.CalculixExponential(0.1, 0.2),
+    "gaussian": layers.GreenwoodWilliamson(3.0, 0.1, 0.2),
+    "exponential heights": layers.GreenwoodWilliamson(3.0, 0.1, 0.2, "exponential"),
+    "table": TABLE,
+    "sampled": CUBIC,
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_stiffness_is_the_derivative_and_energy_the_integral(name):
+    law = LAWS[name]
+    start = law.start if math.isfinite(law.start) else -0.9
+    w, step = np.linspace(start + 0.01, 1.4, 200), 1e-5
+    rise = (law._pressure(w + step) - law._pressure(w - step)) / (2.0 * step)
+    np.testing.assert_allclose(rise, law.stiffness(w), rtol=1e-6)
+    rise = (law._energy(w + step) - law._energy(w - step)) / (2.0 * step)
+    np.testing.assert_allclose(rise, law.pressure(w), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_overclosure_is_the_inverse(name):
+    law = LAWS[name]
+    for pressure in (1e-6, 0.37, 2.0):
+        assert law.pressure(law.overclosure(pressure)) == pytest.approx(pressure, rel=1e-12)
+
+
+def test_abaqus_law_has_the_pressures_that_its_manual_names():
+    law = layers.Exponential(0.1, 0.2)
+    assert law.pressure(0.0) == pytest.approx(0.1, rel=1e-15)
+    assert law.pressure([-0.2, -0.3]).tolist() == [0.0, 0.0]
+    x = mpmath.mpf(1) + mpmath.mpf("0.07") / mpmath.mpf("0.2")
+    exact = mpmath.mpf("0.1") / (mpmath.e - 1) * x * (mpmath.e**x - 1)
+    assert law.pressure(0.07) == pytest.approx(float(exact), rel=1e-14)
+
+
+def test_calculix_law_has_a_hundredth_left_at_its_clearance():
+    law = layers.CalculixExponential(0.1, 0.2)
+    assert law.pressure(0.0) == 0.1
+    assert law.pressure(-0.2) == pytest.approx(1e-3, rel=1e-14)
+
+
+@pytest.mark.parametrize("separation", [-40.0, -7.0, -0.3, 0.0, 1.7, 8.0])
+@pytest.mark.parametrize("heights", ["gaussian", "exponential"])
+def test_asperities_carry_the_integral_over_their_heights(heights, separation):
+    law = layers.GreenwoodWilliamson(3.0, 0.1, 0.2, heights)
+    d = mpmath.mpf(separation)
+    if heights == "gaussian":
+        share = mpmath.npdf
+        places = [d + k for k in (0, 1, 3, 6)] + [k for k in (-9, -6, -2, 0, 2, 6, 20) if k > d]
+    else:
+        share = lambda z: mpmath.exp(-z)  # noqa: E731
+        places = [max(d, 0) + k for k in (0, 1, 5, 20, 60)]
+    places = sorted(set(places))
+    carried = mpmath.quad(lambda z: (z - d) ** mpmath.mpf(1.5) * share(z), places)
+    exact = mpmath.mpf(16) / 3 * 3 * mpmath.sqrt("0.1") * mpmath.mpf("0.2") ** 1.5 * carried
+    assert law.pressure(-0.2 * separation) == pytest.approx(float(exact), rel=2e-12)
+
+
+def test_a_straight_table_is_a_linear_layer():
+    law, w = layers.Table((0, 1, 2, 3), (0, 2, 4, 6)), np.linspace(0.0, 3.0, 50)
+    np.testing.assert_allclose(law.pressure(w), layers.Linear(0.5).pressure(w), atol=1e-14)
+
+
+def test_laws_are_values():
+    for law in LAWS.values():
+        twin = pickle.loads(pickle.dumps(law))
+        assert twin == law
+        assert hash(twin) == hash(law)
+
+
+BAD = {
+    "negative": lambda: layers.Linear(-1.0),
+    "softening": lambda: layers.PowerLaw(1.0, 0.5),
+    "no clearance": lambda: layers.Exponential(1.0, 0.0),
+    "text": lambda: layers.CalculixExponential("1", 1.0),
+    "heights": lambda: layers.GreenwoodWilliamson(1.0, 1.0, 1.0, "gausian"),
+    "three points": lambda: layers.Table((0, 1, 2), (0, 1, 2)),
+    "out of order": lambda: layers.Table((0, 2, 1, 3), (0, 1, 2, 3)),
+    "falling": lambda: layers.Table((0, 1, 2, 3), (0, 1, 0.5, 3)),
+    "not from zero": lambda: layers.Table((0, 1, 2, 3), (1, 2, 3, 4)),
+    "lengths": lambda: layers.Table((0, 1, 2, 3), (0, 1, 2)),
+    "not monotone": lambda: layers.Sampled.from_functions(
+        lambda w: np.sin(3.0 * w), lambda w: 3.0 * np.cos(3.0 * w), start=0.0, limit=2.0
+    ),
+    "wrong derivative": lambda: layers.Sampled.from_functions(
+        lambda w: w**2, lambda w: w, start=0.0, limit=2.0
+    ),
+    "kinked": lambda: layers.Sampled.from_functions(
+        lambda w: np.maximum(w, 2.0 * w - 1.0), lambda w: 1.0 + (w > 1), start=0.0, limit=2.2
+    ),
+    "jump": lambda: layers.Sampled((0.0, 1.0, 2.0), ((0.5, 0.5), (2.5, 0.5))),
+    "beyond the end": lambda: TABLE.pressure(1.6),
+    "no pressure": lambda: TABLE.overclosure(10.0),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_laws_are_refused(case):
+    with pytest.raises(SceneError):
+        BAD[case]()
+
+
+BALL, POWER = profiles.Parabola(1.0), layers.PowerLaw(5.0, 2.0)
+OPEN = layers.CalculixExponential(0.1, 0.2)
+SCENES = {
+    "normal_compliance": {"normal_compliance": 0.1, "load": 1.0},
+    "tangential_compliance": {"tangential_compliance": 0.1, "load": 1.0},
+    "friction": {"friction": 0.2, "load": 1.0},
+    "profile": {"profile": None, "load": 1.0},
+    "contact_radius": {"layer": OPEN, "contact_radius": 1.0},
+    "approach": {"approach": -0.1},
+    "layer": {"layer": "linear", "load": 1.0},
+    "contact_radius, load, approach": {},
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_say_what_is_wrong_with_a_layer(name):
+    given = {"layer": POWER, "profile": BALL, **SCENES[name]}
+    with pytest.raises(SceneError) as caught:
+        Scene(0.3, **given)
+    assert caught.value.parameter == name
+
+
+def test_friction_is_refused_with_the_reason():
+    with pytest.raises(SceneError, match="superposition"):
+        Scene(0.3, friction=0.1, layer=POWER, profile=BALL, load=1.0)
+
+
+def test_a_flat_profile_is_for_layers():
+    with pytest.raises(SceneError, match="units"):
+        Scene(0.3, profile=profiles.Flat(1.0), load=1.0)
+    with pytest.raises(SceneError, match="edge"):
+        Scene(0.3, layer=POWER, profile=profiles.Flat(1.0), contact_radius=0.5)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_scenes_with_layers_go_through_documents(name):
+    scene = Scene(0.3, layer=LAWS[name], profile=BALL, load=0.5)
+    assert Scene.from_json(scene.to_json()) == scene
+    assert LAWS[name].brief in repr(scene)
+
+
+def test_a_layer_of_a_document_is_checked():
+    tree = Scene(0.3, layer=POWER, profile=BALL, load=0.5).to_dict()
+    for wrong in ({"PowerLaw": {"coefficient": 1.0}}, {"Power": {}}, [], {"PowerLaw": 3}):
+        with pytest.raises(SceneError, match="layer"):
+            Scene.from_dict({**tree, "layer": wrong})

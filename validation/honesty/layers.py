@@ -1,0 +1,149 @@
+"""True errors of contact through random nonlinear layers against their estimates.
+
+Run as ``python validation/honesty/layers.py [scenes] [seed]``; writes
+validation/results/honesty_layers.md. Scenes have random laws, shapes, sizes and tolerances. The
+truth is the same method with eight degrees more on every panel and two panels more at every end:
+that the method converges to the truth is tested by collocation, which shares no code with it.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import sys
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from spectral_contact import SceneError, layers, profiles
+from spectral_contact.contact.indented import Indentation
+from spectral_contact.contact.layered import LayeredProblem
+from spectral_contact.contact.layered_contact import solve_layered
+from spectral_contact.contact.layered_newton import LayeredSetting
+from spectral_contact.contact.layered_setting import (
+    has_edge,
+    setting_at_approach,
+    setting_at_radius,
+)
+from spectral_contact.contact.refine import Resolution, refine
+from spectral_contact.fields.series import Radius
+
+RESULTS = Path(__file__).parents[1] / "results"
+FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
+NAMES = ("approach", "load", "work", "stiffness", "pressure")
+
+
+class Better(LayeredProblem):
+    """The problem with eight degrees and two panels more."""
+
+    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+        found = super()._first(boundary, sign, extent)
+        return Resolution(found.panels, (*found.degrees, 2, 2))
+
+    def start(self) -> Resolution:
+        """Return the space."""
+        found = super().start()
+        degrees = tuple(min(n + 8, 38) for n in found.degrees)
+        return Resolution(replace(found.panels, degree=40), degrees)
+
+
+def drawn(rng: np.random.Generator) -> LayeredSetting:
+    """Return what is to be solved, in units of some radius of curvature."""
+
+    def decade(low: float, high: float) -> float:
+        return float(10.0 ** rng.uniform(low, high))
+
+    profile = [
+        profiles.Parabola(1.0),
+        profiles.Parabola(1.0),
+        profiles.Cone(float(rng.uniform(0.5, 1.4))),
+        profiles.PowerLaw(1.0, float(rng.choice([1.5, 3.0, 4.0]))),
+        profiles.RoundedFlat(0.5, 1.0),
+        profiles.Flat(1.0),
+    ][rng.integers(6)]
+    size, strength = decade(-2.0, 0.5), decade(-2.0, 3.0)
+    law = [
+        layers.PowerLaw(strength / size ** (m := float(rng.uniform(1.0, 5.0))), m),
+        layers.Exponential(strength, size),
+        layers.CalculixExponential(strength, size),
+        layers.GreenwoodWilliamson(strength / size**2, size, size),
+        layers.Linear(size / strength),
+    ][rng.integers(5)]
+    if has_edge(profile, law):
+        return setting_at_radius(profile, law, 0.5 + decade(-2.0, 0.5))
+    return setting_at_approach(profile, law, max(law.start, -size) + decade(-1.5, 0.3))
+
+
+def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
+    """Return true errors over estimates for one scene, what it is, and whether it converged."""
+    setting = drawn(rng)
+    tolerance, pointwise = 10.0 ** rng.uniform(-11.0, -4.0), bool(rng.integers(2))
+    solved = solve_layered(setting, tolerance, 4_000, pointwise=pointwise)
+    better = Better(setting, 1e-13, pointwise=True)
+    truth = refine(better, 1e-11, 20_000).best.value
+    label = f"{setting.profile.brief}, {setting.layer.brief}, radius {setting.radius:.6g}, "
+    label += f"approach {truth.approach:.6g}, rtol {tolerance:.1e}{', pressure' * pointwise}"
+    converged = solved.best.error <= tolerance
+    return _compared(solved.best.value, truth, pointwise), label, converged
+
+
+def _compared(found: Indentation, truth: Indentation, pointwise: bool) -> dict[str, float]:
+    names = NAMES[1:-1]
+    errors = {name: abs(getattr(found, name) / getattr(truth, name) - 1.0) for name in names}
+    errors["approach"] = abs(found.approach - truth.approach) / truth.approach_size
+    errors["pressure"] = 0.0
+    if pointwise:
+        assert found.pressure is not None
+        assert truth.pressure is not None
+        s = 1.0 - FROM_EDGE
+        exact = truth.pressure(s, FROM_EDGE)
+        size = np.maximum(np.abs(exact), truth.load / (pi * truth.radius**2))
+        errors["pressure"] = float((np.abs(found.pressure(s, FROM_EDGE) - exact) / size).max())
+    # the truth is not exact
+    room = {n: getattr(found, f"{n}_error") + getattr(truth, f"{n}_error") for n in NAMES}
+    return {name: errors[name] / room[name] for name in NAMES}
+
+
+def main() -> int:
+    """Run the study, and write its table."""
+    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    rng, found, violations, unmet, refused = np.random.default_rng(seed), [], [], [], 0
+    while len(found) + refused < scenes:
+        try:
+            one, label, converged = ratios(rng)
+        except SceneError:  # the profile ends before the pressure does
+            refused += 1
+            continue
+        found.append(one)
+        unmet += [] if converged else [label]
+        violations += [f"{name} {ratio:.2f}: {label}" for name, ratio in one.items() if ratio > 1.0]
+    lines = [
+        "# Honesty of contacts through nonlinear layers",
+        "",
+        f"{scenes} random scenes, seed {seed}, by validation/honesty/layers.py: true error over "
+        f"its estimate; {len(unmet)} scenes did not meet their tolerance and said so, {refused} "
+        "were refused.",
+        "",
+        "| quantity | largest | median | violations |",
+        "|---|---|---|---|",
+    ]
+    for name in NAMES:
+        values = np.array([one[name] for one in found])
+        lines.append(
+            f"| {name} | {values.max():.2g} | {np.median(values):.2g} | {(values > 1.0).sum()} |"
+        )
+    lines += ["", *(f"- {one}" for one in violations), *(f"- not met: {one}" for one in unmet)]
+    text = "\n".join(lines).rstrip()
+    (RESULTS / "honesty_layers.md").write_text(f"{text}\n", encoding="utf-8")
+    print(text)
+    return bool(violations)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
