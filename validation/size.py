@@ -37,7 +37,7 @@ class Gate:
 
 GATES = (
     Gate("lines of the core", 11_327, 6_500),
-    Gate("lines in all", 41_510, 23_000),
+    Gate("lines in all", 41_516, 23_000),
     Gate("float literals of the core", 267, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 19, 0),

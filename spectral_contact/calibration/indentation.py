@@ -27,7 +27,13 @@ from spectral_contact.inputs.choices import names
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 
-__all__ = ["INDENTATION_PARAMETERS", "IndentationData", "IndentationFit", "fit_indentation"]
+__all__ = [
+    "INDENTATION_PARAMETERS",
+    "IndentationData",
+    "IndentationFit",
+    "curve_load",
+    "fit_indentation",
+]
 
 Array = NDArray[np.float64]
 
@@ -148,7 +154,7 @@ class IndentationFit:
         return "\n".join(lines)
 
 
-class _Load(NamedTuple):
+class _CurveLoad(NamedTuple):
     """``L = P/E'`` and its derivatives."""
 
     value: float
@@ -156,7 +162,7 @@ class _Load(NamedTuple):
     by_layer: float
 
 
-def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> _Load:
+def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> _CurveLoad:
     """Return the load of an approach, over E', with its derivatives.
 
     Parameters
@@ -174,7 +180,7 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
         If the tolerance is not met.
     """
     if approach <= 0.0:
-        return _Load(0.0, 0.0, 0.0)
+        return _CurveLoad(0.0, 0.0, 0.0)
     solved, _ = find_radius(
         profile, layer, rtol, _MOST_UNKNOWNS, load=None, approach=approach, pointwise=layer > 0.0
     )
@@ -183,7 +189,7 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
         told = f"the load of {profile.brief} at {approach:.6g} is known to {found.load_error:.1e}"
         raise ConvergenceError(told, "loosen rtol.")
     if layer == 0.0:
-        return _Load(found.load, found.stiffness, 0.0)
+        return _CurveLoad(found.load, found.stiffness, 0.0)
     pressure, flat, a = found.pressure, found.flat, found.radius
     assert pressure is not None
     assert flat is not None
@@ -197,7 +203,7 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     corners = np.array([0.0, *([1.0] if profile.pointed else []), *breaks])
     cuts = np.add.outer(corners, [-steps, steps]).ravel()
     integral = half_load(product, breaks=[float(d) for d in cuts if 0.0 < d < 1.0])
-    return _Load(found.load, found.stiffness, -2.0 * math.pi * a * integral)
+    return _CurveLoad(found.load, found.stiffness, -2.0 * math.pi * a * integral)
 
 
 def fit_indentation(
@@ -243,7 +249,7 @@ def fit_indentation(
     rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
     whole("max_evaluations", max_evaluations, 1)
     free = names("free", [free] if isinstance(free, str) else free, INDENTATION_PARAMETERS)
-    problem = _Curve(scene, data, tuple(free), rtol)
+    problem = _CurveProblem(scene, data, tuple(free), rtol)
     found = least_squares(
         lambda x: problem.at(tuple(x.tolist()))[0],
         problem.start,
@@ -262,7 +268,7 @@ def fit_indentation(
     return problem.outcome(found)
 
 
-class _Curve:
+class _CurveProblem:
     """Residuals and derivatives by ln E*, ln alpha and the zero point."""
 
     def __init__(
