@@ -70,8 +70,8 @@ def main() -> None:
         "# A sphere, with and without layer, by tamaas",
         "",
         f"Parabola of radius 1, load {LOAD:g}, by validation/peers/sphere.py with tamaas "
-        f"{tamaas.__version__}: relative errors against `solve` to 1e-11. The last column is by how "
-        "much our approach differs from Hertz's closed form. Seconds on a shared machine.",
+        f"{tamaas.__version__}: relative errors against `solve` to 1e-11. The last column is by "
+        "how much our approach differs from Hertz's closed form. Seconds on a shared machine.",
         "",
         "| alpha | pixels | approach | largest pressure | s | ours - Hertz |",
         "|---|---|---|---|---|---|",
