@@ -1,20 +1,31 @@
 """Roughness from experiments: compliances and friction fitted to what was measured.
 
 `fit` takes a scene, which says what is known and where to start, and measured approaches
-(`ApproachData`), pressures (`PressureData`) or stick radii (`StickRadiusData`).
+(`ApproachData`), pressures (`PressureData`) or stick radii (`StickRadiusData`), or a curve of
+forces and depths under a profile (`IndentationData`), which tells the modulus, too.
 """
 
 from spectral_contact.calibration.estimate import fit
+from spectral_contact.calibration.indentation import (
+    INDENTATION_PARAMETERS,
+    IndentationData,
+    IndentationFit,
+    fit_indentation,
+)
 from spectral_contact.calibration.measurements import ApproachData, PressureData, StickRadiusData
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
 from spectral_contact.calibration.setting import PARAMETERS
 
 __all__ = [
+    "INDENTATION_PARAMETERS",
     "PARAMETERS",
     "ApproachData",
     "FittedParameter",
+    "IndentationData",
+    "IndentationFit",
     "PressureData",
     "RoughnessFit",
     "StickRadiusData",
     "fit",
+    "fit_indentation",
 ]

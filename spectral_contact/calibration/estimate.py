@@ -6,10 +6,16 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from itertools import count
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.calibration.indentation import (
+    IndentationData,
+    IndentationFit,
+    fit_indentation,
+)
 from spectral_contact.calibration.measurements import (
     ApproachData,
     Data,
@@ -36,6 +42,19 @@ _FRICTIONS = 1e-6, 1e6
 _LARGEST_ERROR = 10.0
 
 
+@overload
+def fit(
+    scene: Scene,
+    data: IndentationData,
+    free: str | Sequence[str],
+    *,
+    rtol: float = 1e-10,
+    max_evaluations: int = 200,
+    progress: bool | None = None,
+) -> IndentationFit: ...
+
+
+@overload
 def fit(
     scene: Scene,
     data: Measurement | Sequence[Measurement],
@@ -44,7 +63,18 @@ def fit(
     rtol: float = 1e-10,
     max_evaluations: int = 200,
     progress: bool | None = None,
-) -> RoughnessFit:
+) -> RoughnessFit: ...
+
+
+def fit(
+    scene: Scene,
+    data: Measurement | Sequence[Measurement] | IndentationData,
+    free: str | Sequence[str],
+    *,
+    rtol: float = 1e-10,
+    max_evaluations: int = 200,
+    progress: bool | None = None,
+) -> RoughnessFit | IndentationFit:
     """Find compliances and friction that fit measured data best.
 
     Minimises the sum of the squares of (theory − measurement)/σ over the logarithms of the free
@@ -56,7 +86,8 @@ def fit(
         What is known, and values of the free parameters at which to start, each above 0. In SI
         units if it was made by `Scene.from_physical`, which takes the data for SI, too.
     data : ApproachData, PressureData, StickRadiusData, or a sequence of them
-        All are of the same material, layer and friction, where they do not say otherwise.
+        All are of the same material, layer and friction, where they do not say otherwise. With
+        `IndentationData`, of a scene with a profile, see `fit_indentation`.
     free : str or sequence of str
         The parameters to find, out of ``"normal_compliance"``, ``"tangential_compliance"`` and
         ``"friction"``. The others keep the values of the scene.
@@ -69,7 +100,7 @@ def fit(
 
     Returns
     -------
-    RoughnessFit
+    RoughnessFit or IndentationFit
 
     Raises
     ------
@@ -92,6 +123,8 @@ def fit(
     chi square 0.2539 at 1 degrees of freedom, p = 0.61
     """
     instance("scene", scene, Scene)
+    if isinstance(data, IndentationData):
+        return fit_indentation(scene, data, free, rtol=rtol, max_evaluations=max_evaluations)
     problem = _Problem(
         scene,
         _measurements(data),

@@ -64,8 +64,9 @@ _NODES = 20, 20
 #: What breaks add to the expected error of the pressure, and what integrals of a smooth space lack,
 #: as the worst of three times 300 random profiles need them.
 _BROKEN, _INTEGRATED = 8.0, 2.0
-#: Roundings of the shift, and of what follows from it, measured over random profiles.
-_ROUNDINGS = 3.0
+#: Roundings of the shift, and of what follows from it, measured over random profiles and against
+#: the gold tables: the work under a rounded flat takes 3.05.
+_ROUNDINGS = 3.5
 #: The place of a break is rounded, which counts relative to its distance from the edge: so many of
 #: our roundings for integrals and for the pressure, measured as close as 1e-4 of the radius.
 _PLACE, _PLACE_POINTWISE = 0.2, 0.7

@@ -13,12 +13,20 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ellipkm1
 
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
 from spectral_contact.inputs.checks import real, values_at
 from spectral_contact.inputs.choices import function, listed
 
-__all__ = ["approach_slope", "load", "normal_displacement", "shear_lift", "tangential_displacement"]
+__all__ = [
+    "approach_slope",
+    "load",
+    "normal_displacement",
+    "outer_displacement",
+    "shear_lift",
+    "tangential_displacement",
+]
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
@@ -96,6 +104,36 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
     """
     place, breaks = _place(from_edge), _cuts(breaks)
     return _potential(_field("pressure", pressure), normal_kernel, place, breaks)
+
+
+def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] = ()) -> float:
+    """Return ``N p`` outside the contact, where the surface moves as (3.5) says.
+
+    Parameters
+    ----------
+    pressure : callable
+        ``p*`` as a function of an array of distances from the edge.
+    beyond : float
+        Distance from the edge, > 0.
+    breaks : sequence of float
+        Distances from the edge at which the field is not smooth.
+
+    Raises
+    ------
+    SceneError
+        As of `load`.
+    """
+    field = _field("pressure", pressure)
+    past = real("beyond", beyond, allowed="finite and > 0", low=0.0, low_open=True)
+    outside = 1.0 + past
+
+    def integrand(d: Array, s: Array) -> Array:
+        complement = (past + d) * (outside + s) / outside**2
+        return np.asarray(field(d) * s * ellipkm1(complement))
+
+    cuts = sorted({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
+    total = sum(_integral(integrand, *pair) for pair in pairwise(cuts))
+    return total / (np.pi * outside)
 
 
 def tangential_displacement(

@@ -26,7 +26,8 @@ from spectral_contact.io.documents import (
     read_file,
     reported,
 )
-from spectral_contact.records import ErrorEstimates, Zone
+from spectral_contact.profiles.control import CONTROLS, profile_from
+from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem
 
 __all__ = [
@@ -100,6 +101,8 @@ class GoldSolution:
         Largest distance from the edge at which elastic coupling makes the pressure change sign.
     points : tuple of GoldPoint
         From the centre to the edge; without the edge where the fields have no limit there.
+    contact_radius, load, stiffness, indentation_work : mpf or None
+        Of a scene with a profile, in its units; approach and pressure are, too.
     table : str
         Name of its table.
     error : ErrorEstimates
@@ -120,6 +123,10 @@ class GoldSolution:
     points: tuple[GoldPoint, ...]
     error: ErrorEstimates
     table: str = ""
+    contact_radius: Any = None
+    load: Any = None
+    stiffness: Any = None
+    indentation_work: Any = None
 
     def __repr__(self) -> str:
         return f"<GoldSolution {self.name!r}, {self.digits} digits: approach={self.approach}>"
@@ -210,8 +217,8 @@ def tables() -> tuple[GoldTable, ...]:
 def find(scene: Scene) -> GoldSolution | None:
     """Return the gold solution of a scene that ships with the library; None if there is none.
 
-    Without friction the normal compliance alone decides; SI data do not matter. There are none with
-    a profile.
+    Without friction the normal compliance alone decides, and a profile with what is given of the
+    contact; SI data do not matter.
 
     Parameters
     ----------
@@ -273,7 +280,9 @@ def _table(document: Any) -> GoldTable:
     for i, entry in enumerate(_list("the table", document, "scenes")):
         where = f"scene {i + 1}"
         coupled = isinstance(entry, dict) and "opening" in entry
-        _check_keys(where, entry, (*_ENTRY_KEYS, "opening") if coupled else _ENTRY_KEYS)
+        pressed = isinstance(entry, dict) and PROFILE_QUANTITIES[0] in entry
+        more = ("opening",) * coupled + PROFILE_QUANTITIES * pressed
+        _check_keys(where, entry, (*_ENTRY_KEYS, *more))
         digits = entry["digits"]
         if type(digits) is not int or not _FEWEST_DIGITS <= digits <= _MOST_DIGITS:
             allowed = f"a whole number in [{_FEWEST_DIGITS}, {_MOST_DIGITS}]"
@@ -293,6 +302,7 @@ class _Entry:
     def __init__(self, where: str, body: dict[str, Any], mp: Any) -> None:
         self.where, self.body, self.mp = where, body, mp
         self.digits: int = body["digits"]
+        self.pressed = PROFILE_QUANTITIES[0] in body
 
     def solution(self, table: str) -> GoldSolution:
         """Return the record."""
@@ -315,21 +325,25 @@ class _Entry:
             self._points(),
             error,
             table,
+            **{name: self._number(where, body, name) for name in PROFILE_QUANTITIES * self.pressed},
         )
 
     def _scene(self) -> Scene:
         where, body = f"{self.where}, scene", self.body["scene"]
         coupled = "opening" in self.body
-        _check_keys(where, body, (*_PARAMETERS, "coupling") if coupled else _PARAMETERS)
+        more = ("coupling",) * coupled + ("profile", *CONTROLS) * self.pressed
+        _check_keys(where, body, (*_PARAMETERS, *more))
         values: dict[str, Any] = {
             name: None
-            if body[name] is None and name == "friction"
+            if body[name] is None and name in ("friction", *CONTROLS)
             else _double(f"{where}, {name}", body[name])
-            for name in _PARAMETERS
+            for name in (*_PARAMETERS, *CONTROLS * self.pressed)
         }
         if coupled:
             values["coupling"] = body["coupling"]
         try:
+            if self.pressed:
+                values["profile"] = profile_from(body["profile"])
             return Scene(**values)
         except ValueError as error:
             raise Refused(f"{where}: {error}") from error
@@ -366,7 +380,7 @@ class _Entry:
 
     def _error(self) -> ErrorEstimates:
         where, body = f"{self.where}, error", self.body["error"]
-        _check_keys(where, body, _ERRORS)
+        _check_keys(where, body, (*_ERRORS, *PROFILE_QUANTITIES * self.pressed))
         for name, error in body.items():
             if name == "edge_ratio" and self.body[name] is None:
                 if error is not None:

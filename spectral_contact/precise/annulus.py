@@ -123,9 +123,21 @@ class Blocks:
         self.tail_targets = f.times(factors, f.exp(-exponents * (h + depth)))
 
     @cached_property
-    def near_doubles(self) -> Near:
-        """The same in double precision."""
-        return Near(*map(self.fixed.floats, self.near))
+    def poled(self) -> Near:
+        """`near` for functions that are a polynomial in the outer tail over its root."""
+        f = self.fixed
+        to_end = self._h - self.offset
+        shallow = f.exp(to_end // 2)
+        quarter = f.map(f.mp.asin, f.over(0 * to_end + f.one, shallow))
+        right = f.of(f.mp.pi) // 2 + 0 * to_end
+        return self.near._replace(
+            last=self._rooted(shallow, quarter, f.mp.sin, shallow, 0)[:, ::-1],
+            outer=self._rooted(self.root, right, f.mp.sin, self.root, 0)[::-1, ::-1],
+        )
+
+    def doubles(self, *, pole: bool) -> Near:
+        """Return `poled` or `near` in double precision."""
+        return Near(*map(self.fixed.floats, self.poled if pole else self.near))
 
     def _convolved(self, lower: Ints, upper: Ints, shift: Ints) -> Ints:
         """Return integrals over ``lower < X - Y < upper``, where a panel starts at ``-shift``."""
@@ -134,13 +146,13 @@ class Blocks:
         local = 2 * f.over(u + shift[:, None], self._h) - f.one
         return self.interpolated(weights, local)
 
-    def _rooted(self, root: Ints, top: Ints, of: Any, factor: Any = None) -> Ints:
-        """Return ``int_0^top psi(v) v factor dtheta`` with ``v = root of(theta)``, in a tail."""
+    def _rooted(self, root: Ints, top: Ints, of: Any, factor: Any = None, power: int = 1) -> Ints:
+        """Return ``int_0^top psi v**power factor dtheta``, ``v = root of(theta)``, in a tail."""
         f = self.fixed
         g, w = f.gauss(2 * self._rule)
         theta = f.times(top[:, None], f.one + g) // 2
         v = f.times(root[:, None], f.map(of, theta))
-        weights = f.times(v, top[:, None], w) // 2
+        weights = f.times(v if power else 0 * v + f.one, top[:, None], w) // 2
         if factor is not None:
             weights = f.times(weights, factor[:, None])
         return self.interpolated(weights, 2 * v - f.one)
@@ -161,6 +173,9 @@ class AnnulusMesh:
     blocks : Blocks
     before, after : int
         Panels on either side of the middle, of which there are two at least.
+    pole : bool
+        Whether `half_integral` is of functions that have a pole in the root of the odds at the
+        outer end, as ``1/t`` has at the centre.
 
     Attributes
     ----------
@@ -172,9 +187,9 @@ class AnnulusMesh:
         Those of ``ds**2``.
     """
 
-    def __init__(self, blocks: Blocks, before: int, after: int) -> None:
+    def __init__(self, blocks: Blocks, before: int, after: int, *, pole: bool = False) -> None:
         f = self.fixed = blocks.fixed
-        self.blocks, self.before, self.after = blocks, before, after
+        self.blocks, self.before, self.after, self._pole = blocks, before, after, pole
         h = f.of(blocks.width)
         self.panels = before + after
         self.inner_end, self.outer_end = f.exp(-h * before), f.exp(-h * after)
@@ -209,6 +224,8 @@ class AnnulusMesh:
             (-1, self.above, self.outer_end),
         ):
             weight[k] = f.times(part[k], f.sqrt(part[k]), end)
+        if self._pole:
+            weight[-1] = f.times(self.above[-1], f.sqrt(self.outer_end), f.sqrt(self.below[-1]))
         return np.asarray(weight)
 
     @cached_property
@@ -220,11 +237,12 @@ class AnnulusMesh:
     def half_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)`` at the nodes, of values there."""
         f, b, cells = self.fixed, self.blocks, len(values)
+        blocks = b.poled if self._pole else b.near
         near, masses = f.times(values, self._weight), f.times(values, self._source)
         result, far = np.empty_like(values), 0 * b.decay
         for c in reversed(range(cells)):
             total = 0 * b.offset
-            for block, source in zip(b.near.at(c, self.panels), near[c : c + 2], strict=True):
+            for block, source in zip(blocks.at(c, self.panels), near[c : c + 2], strict=True):
                 total = total + block @ source
             if c + 2 < cells:
                 sources = b.sources if c + 3 < cells else b.tail_sources[:, ::-1]
@@ -233,9 +251,18 @@ class AnnulusMesh:
             result[c] = total >> f.bits
         return np.asarray(f.over(result, f.sqrt(self.below)))
 
-    def inner_integral(self, values: Ints) -> Ints:
-        """Return ``1/2 int_{z < s^2} phi dz / sqrt(s^2 - z)`` at the nodes, of values there."""
-        return self.reflected.half_integral(values[::-1, ::-1])[::-1, ::-1]
+    @cached_property
+    def central(self) -> AnnulusMesh:
+        """The reflected mesh for functions that have a pole in s at the centre."""
+        return AnnulusMesh(self.blocks, self.after, self.before, pole=True)
+
+    def inner_integral(self, values: Ints, *, pole: bool = False) -> Ints:
+        """Return ``1/2 int_{z < s^2} phi dz / sqrt(s^2 - z)`` at the nodes, of values there.
+
+        With a `pole` of phi in s at the centre, where the mesh begins.
+        """
+        mesh = self.central if pole else self.reflected
+        return mesh.half_integral(values[::-1, ::-1])[::-1, ::-1]
 
     def limits(self, values: Ints) -> tuple[Any, Any]:
         """Return the values at the inner and the outer end, from those at the nodes."""
@@ -252,16 +279,16 @@ class AnnulusMesh:
         rows, columns = np.nonzero(far)
         matrix[rows, columns] = 0.5 / np.sqrt(-np.expm1(x[rows] - x[columns]))
         matrix *= f.floats(self._source).ravel()
-        weight = f.floats(self._weight).ravel()
+        weight, blocks = f.floats(self._weight).ravel(), self.blocks.doubles(pole=self._pole)
         for c in range(self.panels + 2):
-            for k, block in enumerate(self.blocks.near_doubles.at(c, self.panels)):
+            for k, block in enumerate(blocks.at(c, self.panels)):
                 own, part = slice(c * m, (c + 1) * m), slice((c + k) * m, (c + k + 1) * m)
                 matrix[own, part] = block * weight[part]
         return np.asarray(matrix / np.sqrt(f.floats(self.below)).reshape(-1, 1))
 
-    def inner_matrix(self) -> Array:
+    def inner_matrix(self, *, pole: bool = False) -> Array:
         """Return the matrix of `inner_integral` in double precision, (nodes, nodes)."""
-        return self.reflected.matrix()[::-1, ::-1]
+        return (self.central if pole else self.reflected).matrix()[::-1, ::-1]
 
     def series(self, values: Ints) -> AnnulusSeries:
         """Return the function through values at the nodes."""

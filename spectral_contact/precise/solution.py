@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from spectral_contact.precise.coupled_run import CoupledRun
 from spectral_contact.precise.run import Run
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
+
+if TYPE_CHECKING:
+    from spectral_contact.precise.pressed import PressedRun
 
 __all__ = ["ReferenceSolution"]
 
@@ -49,6 +52,8 @@ class ReferenceSolution:
         Of the fixed-point numbers, after the point.
     seconds : float
         Time that it took.
+    contact_radius, load, stiffness, indentation_work : mpf or None
+        Of a scene with a profile, in its units; the approach is, too.
     """
 
     scene: Scene
@@ -64,10 +69,14 @@ class ReferenceSolution:
     unknowns: int
     bits: int
     seconds: float = field(compare=False)
-    _run: Run | CoupledRun = field(repr=False, compare=False)
+    _run: Run | CoupledRun | PressedRun = field(repr=False, compare=False)
+    contact_radius: Any = None
+    load: Any = None
+    stiffness: Any = None
+    indentation_work: Any = None
 
     def pressure(self, s: Any = None, *, from_edge: Any = None) -> Any:
-        """Evaluate p* at radii `s`, or at distances `from_edge` from the edge.
+        """Evaluate p* (with a profile p) at radii `s`, or at distances `from_edge` from the edge.
 
         Parameters
         ----------
@@ -78,7 +87,8 @@ class ReferenceSolution:
         -------
         mpf or ndarray of mpf
             Infinite at the edge of a surface that is smooth in normal contact, of either sign with
-            coupling; then of one that is smooth altogether, NaN.
+            coupling; then of one that is smooth altogether, NaN. Under a profile on a smooth
+            surface infinite at tips and corners.
 
         Raises
         ------

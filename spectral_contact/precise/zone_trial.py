@@ -23,7 +23,7 @@ from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.threads import cached_property
 
-__all__ = ["Layout", "ZoneProblem", "ZoneTrial", "Zones"]
+__all__ = ["Layout", "ZoneProblem", "ZoneTrial", "Zones", "panel_points"]
 
 Array = NDArray[np.float64]
 
@@ -81,7 +81,7 @@ class Layout:
         self, fixed: Fixed, alpha: float, beta: float, digits: int, width: float
     ) -> list[AnnulusMesh]:
         """Return the meshes of the zones."""
-        blocks = Blocks(fixed, width, _points(digits, width), digits)
+        blocks = Blocks(fixed, width, panel_points(digits, width), digits)
         return [AnnulusMesh(blocks, *n) for n in self.panels(alpha, beta, digits, width)]
 
 
@@ -105,7 +105,7 @@ class Zones:
     unknowns: int
 
 
-def _points(digits: int, width: float) -> int:
+def panel_points(digits: int, width: float) -> int:
     """Return how many nodes of a panel resolve singularities ``i pi`` from it."""
     reach = 2.0 * pi / width
     return ceil((digits + 4.0) / log10(reach + sqrt(1.0 + reach * reach))) + 4

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.inputs.choices import instance
+from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
@@ -28,6 +29,8 @@ Numbers = Callable[..., Any] | ArrayLike
 
 _RTOL: Final = 1e-12
 _FIELDS: Final = ("pressure", "traction", "slip")
+_OF_MEAN: Final = ("load", "contact_radius")
+_NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +128,10 @@ def compare(
     slip: Callable[..., Any] | ArrayLike | None = None,
     stick_radius: float | None = None,
     total_shear: float | None = None,
+    contact_radius: float | None = None,
+    load: float | None = None,
+    stiffness: float | None = None,
+    indentation_work: float | None = None,
     s: ArrayLike | None = None,
     from_edge: ArrayLike | None = None,
     truth: Any = None,
@@ -137,6 +144,8 @@ def compare(
         What they claim to solve. They are dimensionless as in `Solution`; in SI units if the scene
         was made by `Scene.from_physical`, radii in m.
     approach, stick_radius, total_shear : float, optional
+    contact_radius, load, stiffness, indentation_work : float, optional
+        Of a scene with a profile.
     pressure, traction, slip : callable or array_like, optional
         A function of arrays of radii, or of distances if it takes ``from_edge``; or its values at
         `s` or `from_edge`.
@@ -151,6 +160,8 @@ def compare(
     Comparison
         Errors of pressure and traction are relative to the value at each radius (with elastic
         coupling to the two together, see docs/coupling), those of the slip to its largest value.
+        With a profile pressures are relative to the mean where they are smaller, and tractions to
+        the largest.
         Where the truth is infinite, at the edge of a smooth surface, nothing is compared.
 
     Raises
@@ -172,7 +183,15 @@ def compare(
     truth: solve, rtol = 1e-12
     """
     instance("scene", scene, Scene)
-    numbers = {"approach": approach, "stick_radius": stick_radius, "total_shear": total_shear}
+    numbers = {
+        "approach": approach,
+        "stick_radius": stick_radius,
+        "total_shear": total_shear,
+        "contact_radius": contact_radius,
+        "load": load,
+        "stiffness": stiffness,
+        "indentation_work": indentation_work,
+    }
     fields = {"pressure": pressure, "traction": traction, "slip": slip}
     given = {name: one for name, one in {**numbers, **fields}.items() if one is not None}
     if not given:
@@ -195,6 +214,7 @@ def compare(
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
     """Solve for what is given, and for what its units and the sizes of its errors take."""
     needed = {*given, "approach"} | ({"pressure", "traction"} if scene.couples else set())
+    needed |= {*_OF_MEAN} if scene.profile is not None else set()
     return solve(scene, _RTOL, tuple(needed), strict=False)
 
 
@@ -207,7 +227,7 @@ class _Problem:
             raise SceneError("truth", own, f"that of {scene}")
         self.scene, self.truth = scene, truth
         self.length = 1.0
-        self.scale = dict.fromkeys((*_FIELDS, "approach", "stick_radius", "total_shear"), 1.0)
+        self.scale = dict.fromkeys((*_FIELDS, *_NUMBERS), 1.0)
         data = scene.physical
         if data is not None:
             nu = scene.poisson_ratio
@@ -220,7 +240,10 @@ class _Problem:
                 self.length = data.radius
                 load = data.load_for(checks.scalar("truth.approach", truth.approach), nu)
                 stress, moved = data.pressure_scale(load), data.displacement_scale(load, nu)
+            of_profile = dict.fromkeys(PROFILE_QUANTITIES[1:], load)
             self.scale = {
+                **of_profile,
+                "contact_radius": 1.0,
                 **{"pressure": stress, "traction": stress, "slip": moved, "approach": moved},
                 **{"stick_radius": self.length, "total_shear": load},
             }
@@ -286,6 +309,11 @@ class _Problem:
         if name == "slip":
             return np.full(len(true), largest)
         sizes = np.abs(true)
+        if self.scene.profile is not None:
+            if name == "traction":
+                return np.full(len(true), largest)
+            load, a = (checks.scalar(f"truth.{of}", getattr(self.truth, of)) for of in _OF_MEAN)
+            sizes = np.maximum(sizes, load / (np.pi * a**2))
         if self.scene.couples:
             s = 1.0 - places
             p, q = (field_of(self.truth, one, "truth")(places) for one in _FIELDS[:2])

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from spectral_contact.equations.residuals import (
     load,
     normal_displacement,
+    outer_displacement,
     shear_lift,
     tangential_displacement,
 )
@@ -21,7 +22,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
 from spectral_contact.layers.control import refuse_layer
-from spectral_contact.profiles.control import refuse_profile
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 
 __all__ = ["Check", "CheckReport", "by_distance", "check_solution", "field_of"]
@@ -31,6 +32,8 @@ Field = Callable[[Array], Array]
 
 #: What the quadrature and rounding leave of a residual, measured on solutions right to 1e-13.
 _FLOOR = 1e-12
+#: So near to a tip or corner a pressure may be infinite; what is left out is below rounding.
+_CORNER = 1e-14
 #: Distances from the edge where fields are looked at: the bulk, the edge and the centre.
 _PLACES = np.concatenate([10.0 ** -np.linspace(8.0, 1.0, 8), np.linspace(0.15, 0.95, 9), [0.999]])
 
@@ -102,6 +105,10 @@ def check_solution(
     traction lifts. A field that is right to a relative `rtol`
     everywhere passes.
 
+    With a profile the pressure has to bear the load, press the surface to the punch, and leave it
+    below the punch outside; what is given of the contact has to be met. Of friction, which
+    depends on how the load grew, only the bound ``f p`` and the total shear are checked.
+
     Parameters
     ----------
     solution : object
@@ -110,6 +117,8 @@ def check_solution(
         used; without it layers thinner than 1e-8 cannot be seen. ``approach`` and
         ``total_shear`` are checked where they exist; ``zones`` give their boundaries to `breaks`.
         Closer to the edge than its ``opening``, if it has one, the pressure may be negative.
+        With a profile ``contact_radius`` is needed if the scene does not give it; ``load`` is
+        checked where it exists.
     scene : Scene
         What the solution claims to solve.
     rtol : float
@@ -129,7 +138,8 @@ def check_solution(
     AssertionError
         If a check fails; its text is the report.
     SceneError
-        If `rtol` or `breaks` are out of range, or `solution` lacks the fields.
+        If `rtol` or `breaks` are out of range, or `solution` lacks the fields, or its contact
+        radius.
 
     Examples
     --------
@@ -138,8 +148,7 @@ def check_solution(
     >>> check_solution(solve(scene), scene, 1e-10).passed
     True
     """
-    refuse_profile(instance("scene", scene, Scene), "check_solution")
-    refuse_layer(scene, "check_solution")
+    refuse_layer(instance("scene", scene, Scene), "check_solution")
     flag("strict", strict)
     rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
     cuts = [
@@ -153,14 +162,23 @@ def check_solution(
     finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
     cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0]
     pressure = field_of(solution, "pressure")
-    traction = None if scene.friction is None else field_of(solution, "traction")
-    checks = _normal_checks(solution, scene, pressure, traction, rtol + _FLOOR, cuts)
-    if traction is not None:
-        checks += _friction_checks(solution, scene, pressure, traction, rtol + _FLOOR, cuts)
-    report = CheckReport(tuple(checks))
+    report = CheckReport(tuple(_all_checks(solution, scene, pressure, rtol + _FLOOR, cuts)))
     if strict and not report.passed:
         raise AssertionError(f"the solution does not solve {scene}\n{report}")
     return report
+
+
+def _all_checks(
+    solution: Any, scene: Scene, pressure: Field, rtol: float, cuts: list[float]
+) -> list[Check]:
+    """Return the checks of a scene."""
+    traction = None if scene.friction is None else field_of(solution, "traction")
+    if scene.profile is not None:
+        return _Indented(solution, scene, rtol, cuts).checks(pressure, traction)
+    checks = _normal_checks(solution, scene, pressure, traction, rtol, cuts)
+    if traction is not None:
+        checks += _friction_checks(solution, scene, pressure, traction, rtol, cuts)
+    return checks
 
 
 def field_of(solution: Any, name: str, owner: str = "solution") -> Field:
@@ -255,6 +273,96 @@ def _normal_checks(
         _worst("normal equation (3.5)", np.abs(under / approach - 1.0), rtol, _PLACES),
         Check("approach, by reciprocity", abs(approach / (0.125 + excess) - 1.0), rtol),
     ]
+
+
+class _Indented:
+    """Checks of a contact under a profile."""
+
+    def __init__(self, solution: Any, scene: Scene, rtol: float, cuts: list[float]) -> None:
+        profile = scene.profile
+        assert profile is not None
+        self.solution, self.scene, self.rtol, self.profile = solution, scene, rtol, profile
+        radius = getattr(solution, "contact_radius", None) or scene.contact_radius
+        low, high = profile.flat_part, profile.reach
+        limits: dict[str, Any] = {"low": low, "high": high, "low_open": True, "high_open": True}
+        told = f"a number in ({low:.6g}, {high:.6g}), where the profile is"
+        self.radius = real("solution.contact_radius", radius, allowed=told, **limits)
+        self.cuts = [*cuts, *self._around_breaks()]
+
+    def _around_breaks(self) -> list[float]:
+        """Return places around breaks, where the pressure is as layered as at the edge."""
+        profile, a = self.profile, self.radius
+        finest = (self.scene.normal_compliance or a) / a
+        steps = 10.0 ** -np.arange(1.0, 15.0)
+        steps = np.append(steps[steps > finest / 30.0], 0.0)
+        radii = [0.0] if profile.pointed else []
+        radii += [b / a for b in profile.breaks if b < a]
+        self.corners = 1.0 - np.array(radii)
+        around = np.add.outer(self.corners, [-steps, steps]).ravel()
+        return [float(d) for d in around if 0.0 < d < 1.0]
+
+    def _integrable(self, pressure: Field) -> Field:
+        """Return the pressure with 0 where a smooth surface has it infinite, like a logarithm."""
+        if self.scene.normal_compliance or not len(self.corners):
+            return pressure
+
+        def finite(d: Array) -> Array:
+            p = pressure(d)
+            near = np.abs(np.subtract.outer(d, self.corners)).min(axis=-1) < _CORNER
+            return np.where(near & np.isposinf(p), 0.0, p)
+
+        return finite
+
+    def checks(self, pressure: Field, traction: Field | None) -> list[Check]:
+        """Return all checks."""
+        pressure = self._integrable(pressure)
+        scene, a, rtol, cuts = self.scene, self.radius, self.rtol, self.cuts
+        p = pressure(_PLACES)
+        moved = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
+        heights = self.profile.height(a * (1.0 - _PLACES))
+        under = scene.normal_compliance * p + a * moved + heights
+        approach = _number(self.solution, "approach", float(np.mean(under)))
+        borne = 2.0 * pi * a**2 * load(pressure, breaks=cuts)
+        checks = [
+            _worst(
+                "pressure is not negative", np.maximum(-p, 0.0) / np.mean(np.abs(p)), 0.0, _PLACES
+            ),
+            Check(
+                "pressure bears the load",
+                abs(borne / _number(self.solution, "load", borne) - 1.0),
+                rtol,
+            ),
+            _worst("surface follows the punch", np.abs(under / approach - 1.0), rtol, _PLACES),
+            self._outside(pressure, approach),
+        ]
+        found = {"load": borne, "approach": approach, "contact_radius": a}
+        for name in CONTROLS:
+            given = getattr(scene, name)
+            if given is not None:
+                checks.append(Check(f"{name} is the one given", abs(found[name] / given - 1), rtol))
+        return checks if traction is None else checks + self._friction(pressure, traction)
+
+    def _outside(self, pressure: Field, approach: float) -> Check:
+        """Return the check of the gap."""
+        room = min(self.profile.reach / self.radius - 1.0, 1.0)
+        beyond = np.array([d * room for d in _PLACES])
+        moved = np.array([outer_displacement(pressure, float(d), self.cuts) for d in beyond])
+        gap = self.profile.height(self.radius * (1.0 + beyond)) - approach + self.radius * moved
+        overlap = np.maximum(-gap, 0.0) / approach
+        return _worst("surface is below the punch outside", overlap, self.rtol, -beyond)
+
+    def _friction(self, pressure: Field, traction: Field) -> list[Check]:
+        """Return the checks that need no history."""
+        scene, (p, q) = self.scene, (pressure(_PLACES), traction(_PLACES))
+        checks = []
+        if scene.friction is not None and scene.friction < inf:
+            largest = scene.friction * np.mean(np.abs(p)) or 1.0
+            beyond = np.maximum(np.abs(q) - scene.friction * p, 0.0) / largest
+            checks.append(_worst("traction within friction", beyond, 2.0 * self.rtol, _PLACES))
+        shear = 2.0 * pi * self.radius**2 * load(traction, breaks=self.cuts)
+        given = _number(self.solution, "total_shear", shear)
+        error = abs(given - shear) / max(abs(shear), 1e-300) if given != shear else 0.0
+        return [*checks, Check("total shear is that of the traction", error, self.rtol)]
 
 
 def _smooth_share(traction: Field, d: Array) -> Array:

@@ -29,9 +29,12 @@ from typing import Any
 
 from mpmath import mp
 
-from spectral_contact import ConvergenceError, Scene, __version__
+from spectral_contact import ConvergenceError, Scene, __version__, profiles
 from spectral_contact.io.documents import replace_file
 from spectral_contact.precise import reference
+from spectral_contact.profiles import Profile
+from spectral_contact.profiles.control import CONTROLS, profile_tree
+from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.view.progress import ProgressLine
 
 TABLES = Path(__file__).parents[2] / "spectral_contact" / "gold" / "tables"
@@ -50,6 +53,15 @@ def sliding(*rows: tuple[float, float, float, float]) -> list[Scene]:
     """Return scenes of ``(nu, alpha, beta, f / kappa)``."""
     return [Scene(nu, a, b, ratio * Scene(nu).kappa) for nu, a, b, ratio in rows]
 
+
+def pressed(*rows: tuple[float, Profile, dict[str, float]]) -> list[Scene]:
+    """Return scenes of a compliance, a profile and what is given of the contact."""
+    return [Scene(0.3, alpha, profile=shape, **given) for alpha, shape, given in rows]
+
+
+#: Slopes of polynomials: ``h = r**2 / 2 + r**4 / 8``; and a parabola that a steeper cone continues.
+BOWL = profiles.Sampled((0.0, 2.0), ((2.25, 2.875, 0.75, 0.125),), rounded=True)
+KINKED = profiles.Sampled((0.0, 0.5, 2.0), ((0.25, 0.25), (1.5,)), rounded=True)
 
 #: The scenes by regime: what each table is about, and its scenes.
 REGIMES: dict[str, tuple[str, list[Scene]]] = {
@@ -229,6 +241,48 @@ REGIMES: dict[str, tuple[str, list[Scene]]] = {
             coupling=True,
         ),
     ),
+    "profiles_smooth": (
+        "normal contact under a profile on a smooth surface, by radius, load or approach",
+        pressed(
+            (0.0, profiles.Parabola(1.0), {"load": 2.0}),
+            (0.0, profiles.Sphere(1.5), {"contact_radius": 1.0}),
+            (0.0, profiles.Sphere(1.0), {"approach": 2.0}),
+            (0.0, profiles.Cone(1.2), {"load": 1.0}),
+            (0.0, profiles.PowerLaw(1.0, 1.1), {"contact_radius": 0.5}),
+            (0.0, profiles.PowerLaw(0.3, 4.0), {"approach": 0.5}),
+            (0.0, profiles.RoundedFlat(0.7, 1.0), {"load": 2.0}),
+            (0.0, profiles.TruncatedCone(0.7, 1.0), {"contact_radius": 1.0}),
+            (0.0, BOWL, {"load": 3.0}),
+        ),
+    ),
+    "profiles_layer": (
+        "normal contact under a profile on a layer, by radius, load or approach",
+        pressed(
+            (0.5, profiles.Parabola(1.0), {"contact_radius": 1.0}),
+            (1e-12, profiles.Parabola(1.0), {"contact_radius": 1.0}),
+            (1e-6, profiles.Parabola(2.0), {"load": 1.0}),
+            (0.01, profiles.Parabola(1.0), {"approach": 1e-3}),
+            (1e6, profiles.Parabola(1.0), {"load": 1e-3}),
+            (0.1, profiles.Sphere(1.0), {"load": 3.0}),
+            (1e-3, profiles.Sphere(1.5), {"approach": 0.8}),
+            (0.5, profiles.Cone(math.pi / 4), {"contact_radius": 1.0}),
+            (1e-4, profiles.Cone(1.2), {"load": 1.0}),
+            (10.0, profiles.Cone(1.4), {"approach": 0.2}),
+            (1e-3, profiles.PowerLaw(1.0, 1.5), {"contact_radius": 1.0}),
+            (0.2, profiles.PowerLaw(0.3, 4.0), {"contact_radius": 1.0}),
+            (0.01, BOWL, {"load": 3.0}),
+        ),
+    ),
+    "profiles_corner": (
+        "normal contact under a flat part with a corner or a rounded edge, on a layer",
+        pressed(
+            (0.1, profiles.RoundedFlat(0.9, 3.0), {"contact_radius": 1.0}),
+            (1e-4, profiles.RoundedFlat(0.5, 1.0), {"contact_radius": 1.0}),
+            (100.0, profiles.RoundedFlat(0.5, 1.0), {"contact_radius": 1.0}),
+            (0.1, profiles.TruncatedCone(0.5, 1.0), {"contact_radius": 1.0}),
+            (0.01, KINKED, {"contact_radius": 1.0}),
+        ),
+    ),
     "no_shear": (
         "friction 0, and an incompressible half-space: no traction",
         [Scene(0.3, 0.5, 0.5, 0.0), Scene(0.5, 1e-3, 0.5, 0.1)],
@@ -239,6 +293,10 @@ REGIMES: dict[str, tuple[str, list[Scene]]] = {
 def named(scene: Scene) -> str:
     """Return the parameters as a name."""
     text = f"nu={scene.poisson_ratio:g} alpha={scene.normal_compliance:g}"
+    if scene.profile is not None:
+        given = {name: getattr(scene, name) for name in CONTROLS}
+        told = " ".join(f"{name}={value:g}" for name, value in given.items() if value is not None)
+        return f"{text} {scene.profile.brief} {told}"
     if scene.friction is None:
         return text
     text += f" beta={scene.tangential_compliance:g} f={scene.friction:.9g}"
@@ -265,6 +323,9 @@ def inputs(scene: Scene) -> dict[str, Any]:
     """Return what a scene is made of; coupling only where it is."""
     names = "poisson_ratio", "normal_compliance", "tangential_compliance", "friction"
     values = {name: double(getattr(scene, name)) for name in names}
+    if scene.profile is not None:
+        given = {name: double(getattr(scene, name)) for name in CONTROLS}
+        return {**values, "profile": profile_tree(scene.profile), **given}
     return {**values, "coupling": True} if scene.coupling else values
 
 
@@ -289,6 +350,8 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
         name: getattr(error, name)
         for name in ("approach", "total_shear", "zones", "edge_ratio", "pressure", "traction")
     }
+    pressed = PROFILE_QUANTITIES if scene.profile is not None else ()
+    errors |= {name: getattr(error, name) for name in pressed}
     if scene.friction is None:  # zeros by definition, and no zones
         errors |= {"total_shear": 0.0, "zones": 0.0, "traction": 0.0}
     worst = max(e for e in errors.values() if e is not None)
@@ -309,6 +372,7 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
         ],
         "edge_ratio": text(solution.edge_ratio),
         **coupled,
+        **{name: text(getattr(solution, name)) for name in pressed},
         "points": [
             {"from_edge": double(e), "pressure": text(p), "traction": text(q)}
             for e, p, q in zip(at, pressure, traction, strict=True)
@@ -335,6 +399,7 @@ def numbers(entry: dict[str, Any]) -> list[tuple[float, Any]]:
     """Return the numbers of an entry with the relative error of their kind."""
     error, sides = entry["error"], ("inner", "outer", "inner_from_edge", "outer_from_edge")
     found = [(error[name], entry[name]) for name in ("approach", "total_shear", "edge_ratio")]
+    found += [(error[name], entry[name]) for name in PROFILE_QUANTITIES if name in entry]
     found += [(error["zones"], zone[side]) for zone in entry["zones"] for side in sides]
     for point in entry["points"]:
         found += [(error[name], point[name]) for name in ("pressure", "traction")]

@@ -1,0 +1,373 @@
+"""Modulus, layer and zero point from a force-indentation curve under any profile.
+
+With ``E' = E*/4`` a load is ``E' L(delta; alpha E')``, where L is the theory's in the units of the
+profile. All derivatives are exact: by the approach it is the flat punch's stiffness, and by the
+layer ``-int p p^ dA`` with ``p^ = dp/ddelta``, the flat punch's pressure: the work of an approach
+is an extremum, ``dW/dalpha = -1/2 int p^2 dA``, and the load is its derivative (docs/indentation).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.contact.contact_radius import find_radius
+from spectral_contact.contact.indented import Indentation
+from spectral_contact.contact.refine import Refinement
+from spectral_contact.equations.residuals import load as half_load
+from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.inputs.checks import finite, real, reals, whole
+from spectral_contact.inputs.choices import names
+from spectral_contact.profiles import Profile
+from spectral_contact.scene import Scene
+
+__all__ = [
+    "INDENTATION_PARAMETERS",
+    "IndentationData",
+    "IndentationFit",
+    "curve_load",
+    "fit_indentation",
+]
+
+Array = NDArray[np.float64]
+
+#: What can be fitted: E* [Pa], alpha [m/Pa], and the depth at which the punch touches [m].
+INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", "zero_point")
+_MOST_UNKNOWNS: Final = 20_000
+#: Singular values of the scaled derivatives below which data do not tell parameters apart.
+_APART: Final = 1e-7
+#: Standard deviations of a logarithm beyond which a parameter is not determined.
+_LARGEST_ERROR: Final = 10.0
+
+
+#: Loads of more standard deviations are no noise; the start is this share of all depths above.
+_NOISE: Final = 3.0
+_ABOVE: Final = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class IndentationData:
+    """A force-indentation curve of one punch under growing load.
+
+    Parameters
+    ----------
+    depth : array_like
+        As the instrument has them [m], from any zero; increasing is not needed.
+    load : array_like
+        P at each [N].
+    sigma : array_like
+        Standard deviations of the loads [N], > 0; one for all, or one each.
+
+    Raises
+    ------
+    SceneError
+        If they are not finite numbers, as many of each.
+    """
+
+    depth: tuple[float, ...]
+    load: tuple[float, ...]
+    sigma: tuple[float, ...]
+
+    def __init__(self, depth: ArrayLike, load: ArrayLike, sigma: ArrayLike) -> None:
+        depths, loads = finite("depth", depth), finite("load", load)
+        if not depths.size:
+            raise SceneError("depth", depth, "at least one number")
+        if len(loads) != len(depths):
+            raise SceneError("load", load, f"{len(depths)} numbers, one for each depth")
+        sizes = np.ravel(reals("sigma", sigma, "finite and > 0", low=0.0))
+        if len(sizes) not in (1, len(depths)) or not ((sizes > 0) & np.isfinite(sizes)).all():
+            raise SceneError("sigma", sigma, f"finite and > 0, one number or {len(depths)}")
+        for name, values in (
+            ("depth", depths),
+            ("load", loads),
+            ("sigma", np.broadcast_to(sizes, depths.shape)),
+        ):
+            object.__setattr__(self, name, tuple(values.tolist()))  # into a frozen dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class IndentationFit:
+    """The outcome of a fit of a force-indentation curve.
+
+    Attributes
+    ----------
+    scene : Scene
+        With the modulus and compliance that fit best.
+    names : tuple of str
+        The parameters, in the order in which they were asked for.
+    values : tuple of float
+        ``reduced_modulus`` is E* [Pa], ``normal_compliance`` alpha [m/Pa], ``zero_point`` the depth
+        of first touch [m].
+    errors : tuple of float
+        Their standard deviations, in the same units; to first order.
+    covariance : tuple of tuple of float
+        ``(J^T J)^-1`` of the logarithms of modulus and compliance, and of the zero point; it takes
+        the standard deviations of the data for known.
+    residuals : tuple of float
+        Theory minus measurement over standard deviation.
+    evaluations : int
+        How often the curve was predicted.
+    """
+
+    scene: Scene
+    names: tuple[str, ...]
+    values: tuple[float, ...]
+    errors: tuple[float, ...]
+    covariance: tuple[tuple[float, ...], ...]
+    residuals: tuple[float, ...]
+    evaluations: int
+
+    def __getitem__(self, name: str) -> float:
+        return self.values[self.names.index(name)] if name in self.names else self._missing(name)
+
+    def error(self, name: str) -> float:
+        """Return the standard deviation of a parameter."""
+        return self.errors[self.names.index(name)] if name in self.names else self._missing(name)
+
+    @staticmethod
+    def _missing(name: str) -> float:
+        raise KeyError(name)
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of the squares of the residuals."""
+        return math.fsum(one * one for one in self.residuals)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of loads less that of the parameters."""
+        return len(self.residuals) - len(self.names)
+
+    def __str__(self) -> str:
+        units = dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m"), strict=True))
+        lines = [f"{'parameter':<20} {'value':>12}  standard deviation"]
+        for name, value, error in zip(self.names, self.values, self.errors, strict=True):
+            lines.append(f"{name:<20} {value:12.5g}  {error:.2g} {units[name]}")
+        freedom = self.degrees_of_freedom
+        lines.append(f"chi square {self.chi_square:.4g} at {freedom} degrees of freedom")
+        return "\n".join(lines)
+
+
+class _CurveLoad(NamedTuple):
+    """``L = P/E'`` and its derivatives."""
+
+    value: float
+    by_approach: float
+    by_layer: float
+
+
+def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> _CurveLoad:
+    """Return the load of an approach, over E', with its derivatives.
+
+    Parameters
+    ----------
+    profile : Profile
+    approach : float
+        0 or less is no contact.
+    layer : float
+        ``alpha E'``, a length; if 0, the derivative by it is taken for 0.
+    rtol : float
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not met.
+    """
+    if approach <= 0.0:
+        return _CurveLoad(0.0, 0.0, 0.0)
+    solved, _ = find_radius(
+        profile, layer, rtol, _MOST_UNKNOWNS, load=None, approach=approach, pointwise=layer > 0.0
+    )
+    found: Indentation = solved.best.value if isinstance(solved, Refinement) else solved
+    if max(found.load_error, found.stiffness_error) > 10.0 * rtol:
+        told = f"the load of {profile.brief} at {approach:.6g} is known to {found.load_error:.1e}"
+        raise ConvergenceError(told, "loosen rtol.")
+    if layer == 0.0:
+        return _CurveLoad(found.load, found.stiffness, 0.0)
+    pressure, flat, a = found.pressure, found.flat, found.radius
+    assert pressure is not None
+    assert flat is not None
+
+    def product(d: Array) -> Array:
+        return np.asarray(pressure(1.0 - d, d) * flat(1.0 - d, d))
+
+    steps = 10.0 ** -np.arange(1.0, 15.0)
+    steps = np.append(steps[steps > layer / a / 30.0], 0.0)
+    breaks = [1.0 - b / a for b in profile.breaks if b < a]
+    corners = np.array([0.0, *([1.0] if profile.pointed else []), *breaks])
+    cuts = np.add.outer(corners, [-steps, steps]).ravel()
+    integral = half_load(product, breaks=[float(d) for d in cuts if 0.0 < d < 1.0])
+    return _CurveLoad(found.load, found.stiffness, -2.0 * math.pi * a * integral)
+
+
+def fit_indentation(
+    scene: Scene,
+    data: IndentationData,
+    free: str | Sequence[str] = INDENTATION_PARAMETERS,
+    *,
+    rtol: float = 1e-10,
+    max_evaluations: int = 100,
+) -> IndentationFit:
+    """Find modulus, compliance and zero point that fit a force-indentation curve best.
+
+    Minimises the sum of the squares of (theory - measurement)/sigma by
+    `scipy.optimize.least_squares`, with exact derivatives; `fit` calls it.
+
+    Parameters
+    ----------
+    scene : Scene
+        From `Scene.from_physical`, with a profile and without friction: what is known, and modulus
+        and compliance at which to start. Its load, radius or approach does not matter.
+    data : IndentationData
+    free : str or sequence of str
+        Out of ``"reduced_modulus"``, ``"normal_compliance"`` and ``"zero_point"``; the zero point
+        is 0 if it is not free.
+    rtol : float
+        Tolerance of the solves, in [1e-12, 1e-4].
+    max_evaluations : int
+        How often the curve may be predicted.
+
+    Returns
+    -------
+    IndentationFit
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range, and for parameters that the data do not determine.
+    ConvergenceError
+        If a solve does not meet `rtol`, or `max_evaluations` are not enough.
+    """
+    from scipy.optimize import least_squares  # takes long to import
+
+    rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
+    whole("max_evaluations", max_evaluations, 1)
+    free = names("free", [free] if isinstance(free, str) else free, INDENTATION_PARAMETERS)
+    problem = _CurveProblem(scene, data, tuple(free), rtol)
+    found = least_squares(
+        lambda x: problem.at(tuple(x.tolist()))[0],
+        problem.start,
+        jac=lambda x: problem.at(tuple(x.tolist()))[1],
+        x_scale=problem.scale,
+        ftol=1e-12,
+        xtol=1e-12,
+        gtol=1e-12,
+        max_nfev=max_evaluations,
+    )
+    if found.status == 0:
+        raise ConvergenceError(
+            f"the fit has not settled after {max_evaluations} evaluations",
+            "start nearer to the answer, free fewer parameters, or raise max_evaluations.",
+        )
+    return problem.outcome(found)
+
+
+class _CurveProblem:
+    """Residuals and derivatives by ln E*, ln alpha and the zero point."""
+
+    def __init__(
+        self, scene: Scene, data: IndentationData, free: tuple[str, ...], rtol: float
+    ) -> None:
+        physical, profile = scene.physical, scene.profile
+        if profile is None or physical is None or scene.friction:
+            told = "one of Scene.from_physical with a profile and without friction"
+            raise SceneError("scene", scene, told)
+        if not free or len(set(free)) < len(free):
+            told = f"one or more of {', '.join(INDENTATION_PARAMETERS)}, each once"
+            raise SceneError("free", free, told)
+        if len(data.load) < len(free):
+            told = f"at most {len(data.load)} parameters, the number of loads measured"
+            raise SceneError("free", free, told)
+        nu = scene.poisson_ratio
+        self.known = {
+            "reduced_modulus": physical.youngs_modulus / ((1.0 - nu) * (1.0 + nu)),
+            "normal_compliance": physical.normal_compliance,
+            "zero_point": 0.0,
+        }
+        if "normal_compliance" in free and not self.known["normal_compliance"] > 0.0:
+            told = "> 0 where it is free: the fit starts there"
+            raise SceneError("normal_compliance", physical.normal_compliance, told)
+        self.scene, self.profile, self.free, self.rtol = scene, profile, free, rtol
+        self.depth, self.load, self.sigma = map(np.array, (data.depth, data.load, data.sigma))
+        extent = float(np.ptp(self.depth)) or 1.0
+        # a little above the first load that is no noise, so that every load that is one counts
+        loaded = self.depth[self.load > _NOISE * self.sigma]
+        touch = float((loaded if len(loaded) else self.depth).min()) - _ABOVE * extent
+        self.start = [0.0 if self._log(name) else touch for name in free]
+        self.scale = [1.0 if self._log(name) else extent for name in free]
+        self.at = partial(self._at, {})
+        self.evaluations = 0
+
+    @staticmethod
+    def _log(name: str) -> bool:
+        return name != "zero_point"
+
+    def values(self, x: Sequence[float]) -> dict[str, float]:
+        """Return the parameters: logarithms are over their start."""
+        moved = {
+            name: self.known[name] * math.exp(one) if self._log(name) else one
+            for name, one in zip(self.free, x, strict=True)
+        }
+        return self.known | moved
+
+    def _at(self, kept: dict[Any, tuple[Array, Array]], x: tuple[float, ...]) -> Any:
+        """Return residuals and their derivatives; the last are kept."""
+        if x not in kept:
+            kept.clear()
+            self.evaluations += 1
+            values = self.values(x)
+            quarter = values["reduced_modulus"] / 4.0
+            layer = values["normal_compliance"] * quarter
+            depths = (self.depth - values["zero_point"]).tolist()
+            rows = [curve_load(self.profile, d, layer, self.rtol) for d in depths]
+            value, by_approach, by_layer = quarter * np.array(rows).T
+            columns = {
+                "reduced_modulus": value + layer * by_layer,
+                "normal_compliance": layer * by_layer,
+                "zero_point": -by_approach,
+            }
+            jacobian = np.stack([columns[name] for name in self.free], axis=1)
+            kept[x] = (value - self.load) / self.sigma, jacobian / self.sigma[:, None]
+        return kept[x]
+
+    def outcome(self, found: Any) -> IndentationFit:
+        """Return the record, if the data determine all parameters."""
+        x = tuple(found.x.tolist())
+        residuals, jacobian = self.at(x)
+        lengths = np.linalg.norm(jacobian, axis=0)
+        alike = SceneError(
+            "free", self.free, "determined by the data, which do not tell them apart"
+        )
+        if not (lengths > 0.0).all():
+            raise alike
+        _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
+        if singular[-1] < _APART:
+            raise alike
+        root = right.T / singular / lengths[:, None]
+        covariance = root @ root.T
+        values = self.values(x)
+        errors = []
+        for name, size in zip(self.free, np.sqrt(np.diag(covariance)), strict=True):
+            if self._log(name) and size > _LARGEST_ERROR:
+                raise SceneError("free", self.free, f"determined by the data, as {name} is not")
+            errors.append(float(size) * (values[name] if self._log(name) else 1.0))
+        nu = self.scene.poisson_ratio
+        scene = self.scene.replace(
+            youngs_modulus=values["reduced_modulus"] * (1.0 - nu) * (1.0 + nu),
+            normal_compliance=values["normal_compliance"],
+        )
+        return IndentationFit(
+            scene,
+            self.free,
+            tuple(values[name] for name in self.free),
+            tuple(errors),
+            tuple(tuple(row) for row in covariance.tolist()),
+            tuple(residuals.tolist()),
+            self.evaluations,
+        )

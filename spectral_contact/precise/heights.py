@@ -1,0 +1,316 @@
+"""Heights of profiles and what a smooth surface asks of them, as mpmath's numbers.
+
+Written anew from the definitions: no digit comes from `profiles`, which is in double precision.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect, bisect_left
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
+from math import ceil
+from typing import Any
+
+from spectral_contact import profiles
+from spectral_contact.profiles import Profile
+
+__all__ = ["Heights", "heights"]
+
+Function = Callable[[Any], Any]
+
+#: Digits for a node of a Chebyshev series of a function that is analytic a panel's length around.
+_PER_NODE = 0.62
+
+
+class Heights:
+    """A profile to many digits.
+
+    Parameters
+    ----------
+    mp : MPContext
+    profile : Profile
+
+    Attributes
+    ----------
+    reach : mpf
+        Radius at which the profile ends.
+    breaks : list of mpf
+        Radii at which a derivative jumps.
+    order : mpf
+        The height is a smooth function of ``r**2``, plus ``r**order`` at the centre; 0 if it is
+        smooth altogether.
+    """
+
+    def __init__(self, mp: Any, profile: Profile) -> None:
+        self._mp, self.reach = mp, mp.mpf(profile.reach)
+        self.breaks = [mp.mpf(b) for b in profile.breaks]
+        self.order = mp.mpf(getattr(profile, "exponent", 1.0)) if profile.pointed else mp.zero
+
+    def height(self, r: Any) -> Any:
+        """Return h."""
+        raise NotImplementedError
+
+    def transform(self, t: Any) -> Any:
+        """Return ``H = 2 t int_0^t h' dr / sqrt(t^2 - r^2)``."""
+        raise NotImplementedError
+
+    def rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`."""
+        raise NotImplementedError
+
+    def root(self, t: Any) -> Any:
+        """Return the root of ``t^2 - b^2``, b the last break up to t; t without a break."""
+        # a break itself counts as beyond it, as rounding may bring t there
+        below = max((b for b in self.breaks if b <= t), default=self._mp.zero)
+        return self._mp.sqrt((t - below) * (t + below))
+
+
+class _PowerHeights(Heights):
+    """``h = C r^n``."""
+
+    def __init__(self, mp: Any, profile: Profile, factor: Any, power: Any) -> None:
+        super().__init__(mp, profile)
+        self._factor, self._power = factor, mp.mpf(power)
+        half = self._power / 2
+        self._scaled = factor * power * mp.beta(half, mp.mpf(1) / 2)
+
+    def height(self, r: Any) -> Any:
+        """Return h."""
+        return self._factor * r**self._power
+
+    def transform(self, t: Any) -> Any:
+        """Return H."""
+        return self._scaled * t**self._power
+
+    def rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`."""
+        return self._power * self.transform(t)
+
+
+class _SphereHeights(Heights):
+    """``h = R - sqrt(R^2 - r^2)``."""
+
+    def __init__(self, mp: Any, profile: profiles.Sphere) -> None:
+        super().__init__(mp, profile)
+        self._radius = mp.mpf(profile.radius)
+
+    def height(self, r: Any) -> Any:
+        """Return h."""
+        whole = self._radius
+        return whole - self._mp.sqrt((whole - r) * (whole + r))
+
+    def transform(self, t: Any) -> Any:
+        """Return H."""
+        return 2 * t * self._mp.atanh(t / self._radius)
+
+    def rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`."""
+        whole = self._radius
+        return self.transform(t) + 2 * t * t * whole / ((whole - t) * (whole + t))
+
+
+class _TruncatedConeHeights(Heights):
+    """``h = (r - b) cot(theta)`` outside b."""
+
+    def __init__(self, mp: Any, profile: profiles.TruncatedCone) -> None:
+        super().__init__(mp, profile)
+        self._slope = mp.cot(mp.mpf(profile.half_angle))
+
+    def height(self, r: Any) -> Any:
+        """Return h."""
+        return max(r - self.breaks[0], 0) * self._slope
+
+    def transform(self, t: Any) -> Any:
+        """Return H."""
+        b = self.breaks[0]
+        return 2 * self._slope * t * self._mp.acos(b / t) if t >= b else self._mp.zero
+
+    def rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`."""
+        b = self.breaks[0]
+        if t < b:
+            return self._mp.zero
+        return 2 * self._slope * (self.root(t) * self._mp.acos(b / t) + b)
+
+
+class _RoundedFlatHeights(Heights):
+    """``h = (r - b)^2 / (2 R)`` outside b."""
+
+    def __init__(self, mp: Any, profile: profiles.RoundedFlat) -> None:
+        super().__init__(mp, profile)
+        self._radius = mp.mpf(profile.radius)
+
+    def height(self, r: Any) -> Any:
+        """Return h."""
+        return max(r - self.breaks[0], 0) ** 2 / (2 * self._radius)
+
+    def transform(self, t: Any) -> Any:
+        """Return H."""
+        b = self.breaks[0]
+        if t < b:
+            return self._mp.zero
+        return 2 * t / self._radius * (self.root(t) - b * self._mp.acos(b / t))
+
+    def rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`."""
+        b = self.breaks[0]
+        if t < b:
+            return self._mp.zero
+        root = self.root(t)
+        return 2 * root / self._radius * (2 * root - b * self._mp.acos(b / t))
+
+
+class _SampledHeights(Heights):
+    """Chebyshev series of the slope on every piece."""
+
+    def __init__(self, mp: Any, profile: profiles.Sampled) -> None:
+        super().__init__(mp, profile)
+        self._edges = [mp.mpf(edge) for edge in profile.edges]
+        self._rows = [[mp.mpf(c) for c in row] for row in profile.slopes]
+        self._rises = [_integrated(row) for row in self._rows]
+        self._bends = [
+            [2 * c / (high - low) for c in _derived(row)]
+            for (low, high), row in zip(pairwise(self._edges), self._rows, strict=True)
+        ]
+        self._tables = cache(self._panelled)
+        if self.order and _clenshaw(self._rows[0], -mp.one) == 0:
+            self.order = mp.mpf(2)
+
+    def height(self, r: Any) -> Any:
+        """Return h."""
+        total = self._mp.zero
+        for (low, high), row in zip(pairwise(self._edges), self._rises, strict=True):
+            if r > low:
+                at = _clenshaw(row, _local(min(r, high), low, high))
+                total += (high - low) / 2 * (at - _clenshaw(row, -self._mp.one))
+        return total
+
+    def _mean(self, t: Any, rows: list[list[Any]], power: int) -> Any:
+        """Return the integral of ``f(t sin phi) sin(phi)**power`` over a quarter of a turn."""
+        mp, total = self._mp, self._mp.zero
+        for (low, high), row in zip(pairwise(self._edges), rows, strict=True):
+            if t <= low:
+                break
+
+            def at(phi: Any, low: Any = low, high: Any = high, row: list[Any] = row) -> Any:
+                sine = mp.sin(phi)
+                return _clenshaw(row, _local(t * sine, low, high)) * sine**power
+
+            ends = [mp.asin(low / t), mp.asin(min(high / t, mp.one))]
+            total += mp.quad(at, ends, method="gauss-legendre")
+        return total
+
+    def transform(self, t: Any) -> Any:
+        """Return H."""
+        return self._tabulated(self._bare_transform, t) if t else self._mp.zero
+
+    def rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`."""
+        return self._tabulated(self._bare_rate, t)
+
+    def _bare_transform(self, t: Any) -> Any:
+        """Return H, by quadrature."""
+        return 2 * t * self._mean(t, self._rows, 0)
+
+    def _bare_rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`, by quadrature."""
+        mp = self._mp
+        total = 2 * (self._mean(t, self._rows, 0) + t * self._mean(t, self._bends, 1))
+        for k, b in enumerate(self._edges[1:-1]):
+            if b < t:
+                jump = _clenshaw(self._rows[k + 1], -mp.one) - _clenshaw(self._rows[k], mp.one)
+                total += 2 * jump * b / mp.sqrt((t - b) * (t + b))
+        return total * self.root(t)
+
+    def _tabulated(self, function: Function, t: Any) -> Any:
+        """Return a function of t from its series."""
+        piece = min(bisect(self._edges, t), len(self._rows)) - 1
+        root = self.root(t)
+        ends, table = self._tables(function, piece)
+        panel = min(max(bisect_left(ends, root) - 1, 0), len(table) - 1)
+        value = _clenshaw(table[panel], _local(root, ends[panel], ends[panel + 1]))
+        return value * self._falling(piece, t)
+
+    def _falling(self, piece: int, t: Any) -> Any:
+        """Return what H and its rate fall like towards the centre."""
+        if piece:
+            return self._mp.one
+        return t if self.order == 1 else t * t
+
+    def _panelled(self, function: Function, piece: int) -> tuple[list[Any], list[list[Any]]]:
+        """Return panels of `root` on a piece and series of a function that is analytic there.
+
+        Where it is not, at smaller breaks, is no nearer than a panel is long.
+        """
+        mp, edges = self._mp, self._edges
+        low, high = edges[piece], edges[piece + 1]
+        top = mp.sqrt((high - low) * (high + low))
+        inner = edges[piece - 1] if piece else mp.zero
+        ends, step = [mp.zero], mp.sqrt((low - inner) * (low + inner)) if piece else top
+        while ends[-1] < top:
+            ends.append(min(ends[-1] + max(step, ends[-1]), top))
+        count = max(ceil(mp.dps / _PER_NODE), len(self._rows[piece])) + 6
+        angles = [mp.pi * (2 * k + 1) / (2 * count) for k in range(count)]
+        table = []
+        for begin, end in pairwise(ends):
+            places = [begin + (end - begin) * (1 + mp.cos(x)) / 2 for x in angles]
+            radii = [mp.hypot(low, v) for v in places]
+            values = [function(t) / self._falling(piece, t) for t in radii]
+            series = [
+                2 * mp.fdot((mp.cos(k * x), v) for x, v in zip(angles, values, strict=True)) / count
+                for k in range(count)
+            ]
+            series[0] /= 2
+            table.append(series)
+        return ends, table
+
+
+def _local(r: Any, low: Any, high: Any) -> Any:
+    """Return where a radius is in a piece, from -1 to 1."""
+    return 2 * (r - low) / (high - low) - 1
+
+
+def _clenshaw(row: list[Any], x: Any) -> Any:
+    """Return the value of a Chebyshev series."""
+    ahead = beyond = 0 * x
+    for c in row[:0:-1]:
+        ahead, beyond = 2 * x * ahead - beyond + c, ahead
+    return x * ahead - beyond + row[0]
+
+
+def _integrated(row: list[Any]) -> list[Any]:
+    """Return the series of an integral of a Chebyshev series."""
+    more = [2 * row[0], *row[1:], 0 * row[0], 0 * row[0]]
+    return [0 * row[0], *((more[k - 1] - more[k + 1]) / (2 * k) for k in range(1, len(row) + 1))]
+
+
+def _derived(row: list[Any]) -> list[Any]:
+    """Return the series of the derivative of a Chebyshev series."""
+    slopes = [0 * row[0]] * (len(row) + 1)
+    for k in range(len(row) - 1, 0, -1):
+        slopes[k - 1] = slopes[k + 1] + 2 * k * row[k]
+    slopes[0] /= 2
+    return slopes[: max(len(row) - 1, 1)]
+
+
+def heights(mp: Any, profile: Profile) -> Heights:
+    """Return a profile to as many digits as the context has."""
+    if isinstance(profile, profiles.Parabola):
+        return _PowerHeights(mp, profile, 1 / (2 * mp.mpf(profile.radius)), 2)
+    if isinstance(profile, profiles.PowerLaw):
+        return _PowerHeights(mp, profile, mp.mpf(profile.coefficient), mp.mpf(profile.exponent))
+    if isinstance(profile, profiles.Cone):
+        return _PowerHeights(mp, profile, mp.cot(mp.mpf(profile.half_angle)), 1)
+    for kind, made in _KINDS.items():
+        if isinstance(profile, kind):
+            return made(mp, profile)
+    raise AssertionError(profile)
+
+
+_KINDS: dict[type[Profile], Callable[[Any, Any], Heights]] = {
+    profiles.Sphere: _SphereHeights,
+    profiles.TruncatedCone: _TruncatedConeHeights,
+    profiles.RoundedFlat: _RoundedFlatHeights,
+    profiles.Sampled: _SampledHeights,
+}

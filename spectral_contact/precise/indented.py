@@ -1,0 +1,387 @@
+r"""Normal contact under a profile in fixed point, collocated on parts between the profile's breaks.
+
+On the unit disk ``(alpha/a) p + N p = (delta - h(a s))/a``, with ``N p = (1/pi) int_0^s F(t) dt /
+sqrt(s^2 - t^2)`` of the half-integral F. It is solved for two right-hand sides, ``(D - h)/a`` and
+1: the second is the flat punch, and as much of it is added as makes the pressure zero at the edge.
+With ``D = H(a)/2``, the approach on a smooth surface, that is little, and no digit is lost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, log, log10
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from spectral_contact.errors import ConvergenceError, NotComputedError
+from spectral_contact.precise.annulus import AnnulusMesh, AnnulusSeries, Blocks
+from spectral_contact.precise.between import Between
+from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.precise.heights import Heights, heights
+from spectral_contact.precise.zone_trial import panel_points
+from spectral_contact.profiles import Profile
+from spectral_contact.threads import cached_property
+
+__all__ = ["OUTSIDE", "Contact", "RoughContact", "RoughIndented"]
+
+_LN10 = log(10.0)
+_MOST_SWEEPS = 20
+#: Nodes that a dense factorisation in double precision takes, in 2 GB.
+_MOST_NODES = 12000
+
+
+class Contact:
+    """What a contact under a profile has in many digits.
+
+    Attributes
+    ----------
+    radius, approach, load, stiffness, work : mpf
+    growth : mpf
+        ``ddelta/da``.
+    unknowns : int
+    """
+
+    radius: Any
+    approach: Any
+    load: Any
+    stiffness: Any
+    work: Any
+    growth: Any
+    unknowns: int
+
+    def pressures(self, s: Any, from_edge: Any) -> Any:
+        """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
+        raise NotImplementedError
+
+    def law(self) -> tuple[Any, Any]:
+        """Return the least pressure inside over its mean, and the least gap over the approach."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class RoughContact(Contact):
+    """A contact on a layer."""
+
+    fixed: Fixed
+    geometry: _DiskInParts
+    series: tuple[AnnulusSeries, ...]
+    values: tuple[Ints, ...]
+    half: tuple[Ints, ...]
+    heights: Heights
+    radius: Any
+    approach: Any
+    load: Any
+    stiffness: Any
+    work: Any
+    growth: Any
+    unknowns: int
+
+    def pressures(self, s: Any, from_edge: Any) -> Any:
+        """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
+        f, places = self.fixed, self.geometry
+        s, rest = f.of(s), f.of(from_edge)
+        y = f.times(rest, f.one + s)
+        z = np.where((s < rest).astype(bool), f.times(s, s), f.one - y)
+        inside = [z >= square for square in places.squares[1:-1]]
+        own = sum((v.astype(int) for v in inside), np.zeros(len(z), dtype=int))
+        values = np.empty(len(z), dtype=object)
+        for k in np.unique(own):
+            rows, width, series = own == k, places.widths[k], self.series[k]
+            above = np.maximum(f.over(z[rows] - places.squares[k], width), 0)
+            below = np.maximum(f.over(y[rows] - places.rests[k + 1], width), 0)
+            if k < len(self.series) - 1:
+                values[rows] = series.at(above, below)
+                continue
+            # in the tail next to the edge the pressure is proportional to the distance
+            least = series.mesh.outer_end
+            seen = np.maximum(below, least)
+            found = series.at(np.where(seen > below, f.one - least, above), seen)
+            values[rows] = f.over(f.times(found, below), seen)
+        return f.numbers(values)
+
+    def law(self) -> tuple[Any, Any]:
+        """Return the least pressure inside over its mean, and the least gap over the approach."""
+        f, mp, places = self.fixed, self.fixed.mp, self.geometry
+        mean = self.load / (mp.pi * self.radius**2)
+        least = min(v.min() for v in self.values)
+        gaps = []
+        weights = [
+            f.over(f.times(w, m.weights), 2 * f.sqrt(z))
+            for w, m, z in zip(places.widths, places.meshes, places.z, strict=True)
+        ]
+        for beyond in OUTSIDE:
+            square = (1 + mp.mpf(beyond)) ** 2
+            far = self.fixed.of(square - 1)
+            moved = sum(
+                f.over(f.times(w, half), f.sqrt(far + y)).sum()
+                for w, half, y in zip(weights, self.half, places.y, strict=True)
+            )
+            r = self.radius * mp.sqrt(square)
+            if r >= self.heights.reach:
+                break
+            lifted = f.numbers(moved) / mp.pi * self.radius
+            gaps.append((self.heights.height(r) - self.approach + lifted) / self.approach)
+        return f.numbers(least) / mean, min(gaps, default=mp.one)
+
+
+#: Distances from the edge over the radius where the gap is looked at.
+OUTSIDE = (1e-6, 1e-4, 0.01, 0.1, 0.5)
+
+
+class _DiskInParts:
+    """The parts of the disk in the unit of its radius, and the integrals over them."""
+
+    def __init__(self, f: Fixed, meshes: list[AnnulusMesh], radius: Any, breaks: list[Any]) -> None:
+        self._f, self.meshes = f, meshes
+        mp = f.mp
+        inner = [b / radius for b in breaks]
+        self.squares = np.array([0 * f.one, *(f.of(b * b) for b in inner), f.one])
+        rests = [(radius - b) * (radius + b) / radius**2 for b in breaks]
+        self.rests = np.array([f.one, *(f.of(v) for v in rests), 0 * f.one])
+        # of narrow parts the square of one radius less that of the other keeps few digits
+        ends = [mp.zero, *breaks, radius]
+        widths = [(b - a) * (b + a) / radius**2 for a, b in pairwise(ends)]
+        self.widths = [f.of(w) for w in widths]
+        own = list(zip(meshes, self.widths, strict=True))
+        self.z = [s + f.times(w, m.above) for (m, w), s in zip(own, self.squares[:-1], strict=True)]
+        self.y = [r + f.times(w, m.below) for (m, w), r in zip(own, self.rests[1:], strict=True)]
+        self.roots = [f.sqrt(z) for z in self.z]
+        sizes = np.cumsum([0, *(m.above.size for m in meshes)])
+        self.places = [slice(a, b) for a, b in pairwise(sizes)]
+        self.size = int(sizes[-1])
+        count = range(len(meshes))
+        self._between = {
+            (a, b): Between(
+                meshes[a],
+                meshes[b],
+                (self.widths[a], self.widths[b]),
+                self.rests[a + 1] - self.rests[b],
+            )
+            for a in count
+            for b in count
+            if b > a
+        }
+
+    def half(self, values: list[Ints]) -> list[Ints]:
+        """Return F at the nodes."""
+        f, found = self._f, []
+        for k, mesh in enumerate(self.meshes):
+            total = f.times(f.sqrt(self.widths[k]), mesh.half_integral(values[k]))
+            for b in range(k + 1, len(values)):
+                total = total + self._between[k, b].half_integral(values[b])
+            found.append(total)
+        return found
+
+    def normal(self, half: list[Ints]) -> list[Ints]:
+        """Return ``N p`` at the nodes from F there."""
+        f, found = self._f, []
+        sources = [f.over(v, t) for v, t in zip(half, self.roots, strict=True)]
+        for k, mesh in enumerate(self.meshes):
+            own = mesh.inner_integral(sources[k], pole=k == 0)
+            total = f.times(f.sqrt(self.widths[k]), own)
+            for a in range(k):
+                total = total + self._between[a, k].inner_integral(sources[a])
+            found.append(f.over(total, f.of(f.mp.pi)))
+        return found
+
+    def matrix(self) -> Any:
+        """Return the matrix of N in double precision."""
+        f, count = self._f, len(self.meshes)
+        matrix = np.zeros((self.size,) * 2)
+        for k, mesh in enumerate(self.meshes):
+            own = float(f.numbers(f.sqrt(self.widths[k])))
+            root = np.pi * f.floats(self.roots[k]).reshape(-1, 1)
+            half = {
+                c: (self._between[k, c].matrix() if c > k else own * mesh.matrix()) / root
+                for c in range(k, count)
+            }
+            for r in range(k, count):
+                inner = (
+                    self._between[k, r].inner_matrix()
+                    if r > k
+                    else own * mesh.inner_matrix(pole=k == 0)
+                )
+                for c in range(k, count):
+                    matrix[self.places[r], self.places[c]] += inner @ half[c]
+        return matrix
+
+    def integral(self, values: list[Ints]) -> Any:
+        """Return ``int . s ds`` over the disk of values at the nodes."""
+        f, total = self._f, 0
+        for w, mesh, own in zip(self.widths, self.meshes, values, strict=True):
+            total += f.times(w, f.times(mesh.weights, own).sum())
+        return f.numbers(total) / 2
+
+
+class RoughIndented:
+    """Contacts of a profile on a layer, of neighbouring radii.
+
+    Parameters
+    ----------
+    profile : Profile
+    compliance : float
+        ``alpha*``, positive.
+    radius : float
+        Roughly that of the contact; the meshes are made for it.
+    digits : int
+        Relative accuracy aimed at.
+    width : float
+        Panel width.
+
+    Raises
+    ------
+    NotComputedError
+        If the profile has too many breaks for the digits.
+    """
+
+    def __init__(
+        self, profile: Profile, compliance: float, radius: float, digits: int, width: float
+    ) -> None:
+        self._profile, self._compliance, self.digits = profile, compliance, digits
+        pairs = self._panels(radius, width)
+        points = panel_points(digits, width)
+        nodes = points * sum(a + b + 2 for a, b in pairs)
+        if nodes > _MOST_NODES:
+            raise NotComputedError(
+                "the reference", f"with {len(pairs) - 1} breaks it takes {nodes} unknowns"
+            )
+        deepest = width * max(map(max, pairs)) / _LN10
+        scales = digits + deepest + 8.0 + abs(log10(compliance / radius))
+        # numbers next to the centre are divided by s
+        scales += width * pairs[0][0] / (2.0 * _LN10)
+        f = self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
+        self.heights = heights(f.mp, profile)
+        blocks = Blocks(f, width, points, digits)
+        self._meshes = [AnnulusMesh(blocks, *pair) for pair in pairs]
+        self._factor: Any = None
+
+    def _panels(self, radius: float, width: float) -> list[tuple[int, int]]:
+        """Return the number of panels in the inner and the outer half of every part.
+
+        At the edge p over its slope is ``d + d**2 ln d``, at a break ``1 + d + d**2 ln d``, and
+        under a tip ``1 + r**n + r**(n+1) ln r``, in units of the layer.
+        """
+        breaks = [b for b in self._profile.breaks if b < radius]
+        inner = [0.0, *(b / radius for b in breaks), 1.0]
+        widths = [(b - a) * (b + a) for a, b in pairwise(inner)]
+        settle, layer = (self.digits + 2.0) * _LN10, min(self._compliance / radius, 1.0)
+        outer = [log(min(*pair, layer)) - settle / 2.0 for pair in pairwise(widths)]
+        outer.append(log(min(widths[-1], layer)) - settle)
+        centre = log(widths[0])
+        if self._profile.pointed:
+            power = getattr(self._profile, "exponent", 1.0)
+            wholly = 2.0 if float(power).is_integer() else min(power, 2.0)
+            centre = 2.0 * (log(min(inner[1], layer)) - settle / wholly)
+        ends = [(centre, outer[0]), *pairwise(outer)]
+        depths = [[log(w) - end for end in pair] for w, pair in zip(widths, ends, strict=True)]
+        return [(max(ceil(a / width), 1), max(ceil(b / width), 1)) for a, b in depths]
+
+    @cached_property
+    def _breaks(self) -> list[Any]:
+        return self.heights.breaks[: len(self._meshes) - 1]
+
+    def solve(self, radius: Any) -> RoughContact:
+        """Return the contact of a radius.
+
+        Raises
+        ------
+        ConvergenceError
+            If refinement stalls.
+        """
+        f, mp = self.fixed, self.fixed.mp
+        places = _DiskInParts(f, self._meshes, radius, self._breaks)
+        alpha = f.of(self._compliance / radius)
+        if self._factor is None:
+            matrix = places.matrix()
+            matrix[np.diag_indices(len(matrix))] += float(f.numbers(alpha))
+            scale = 1.0 / np.abs(matrix).max(axis=1)
+            matrix *= scale[:, None]
+            self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False), scale
+        smooth = self.heights.transform(+radius) / 2
+        of_z = np.frompyfunc(
+            lambda z: f.of(self.heights.height(radius * mp.sqrt(f.numbers(z)))), 1, 1
+        )
+        h = [of_z(z) for z in places.z]
+        ones = [0 * z + f.one for z in places.z]
+        flat, _ = self._refined(places, alpha, ones)
+        p, share = self._refined(
+            places, alpha, [f.over(f.of(smooth) - v, f.of(radius)) for v in h], flat
+        )
+        flat_edge = self._meshes[-1].limits(flat[-1])[1]
+        approach = smooth + f.numbers(share) * radius
+        flat_load = 2 * mp.pi * places.integral(flat)
+        load = 2 * mp.pi * radius**2 * places.integral(p)
+        lowered = [f.times(v, f.of(approach) - w) for v, w in zip(p, h, strict=True)]
+        work = mp.pi * radius**2 * places.integral(lowered)
+        edge = self._meshes[-1].outer_end
+        series = tuple(mesh.series(v) for mesh, v in zip(self._meshes, p, strict=True))
+        near = series[-1].at(*(np.array([v], dtype=object) for v in (f.one - edge, edge)))[0]
+        slope = f.over(near, f.times(places.widths[-1], edge))
+        growth = 2 * f.numbers(slope) / f.numbers(flat_edge)
+        return RoughContact(
+            f,
+            places,
+            series,
+            tuple(p),
+            tuple(places.half(p)),
+            self.heights,
+            radius,
+            approach,
+            load,
+            radius * flat_load,
+            work,
+            growth,
+            places.size,
+        )
+
+    def _refined(
+        self, places: _DiskInParts, alpha: Any, right: list[Ints], flat: list[Ints] | None = None
+    ) -> tuple[list[Ints], Any]:
+        """Return the pressure of a right-hand side.
+
+        If `flat` is given, that of 1, as much of it is added as makes the pressure zero at the
+        edge: how much is returned, too.
+        """
+        f, (factor, scale), edge = self.fixed, self._factor, self._meshes[-1]
+        wanted = np.concatenate([v.ravel() for v in right])
+        p, misfit, share, addend = 0 * wanted, wanted, 0 * f.one, 0 * wanted
+        if flat is not None:
+            addend, flat_edge = np.concatenate([v.ravel() for v in flat]), edge.limits(flat[-1])[1]
+        goal = 10.0 ** -(self.digits + 2)
+        for _ in range(_MOST_SWEEPS):
+            size = int(np.abs(misfit).max()) or 1
+            lift = max(f.bits - size.bit_length(), 0)  # what is below the range of doubles, too
+            step = lu_solve(
+                factor,
+                f.floats(np.asarray(misfit << lift, dtype=object)) * scale,
+                check_finite=False,
+            )
+            step = np.asarray(f.of(step)) >> lift
+            if flat is not None:
+                last = self._split(places, p + step)[-1]
+                more = -f.over(edge.limits(last)[1], flat_edge)
+                share, step = share + more, step + f.times(more, addend)
+            p = p + step
+            if self._share(places, step, p) <= goal:
+                return self._split(places, p), share
+            half = places.half(self._split(places, p))
+            image = np.concatenate([v.ravel() for v in places.normal(half)])
+            misfit = wanted + share - f.times(alpha, p) - image
+        raise ConvergenceError(
+            f"refinement stalls before {self.digits} digits", "ask for fewer digits"
+        )
+
+    def _split(self, places: _DiskInParts, flat: Ints) -> list[Ints]:
+        parts = zip(self._meshes, places.places, strict=True)
+        return [flat[own].reshape(mesh.above.shape) for mesh, own in parts]
+
+    def _share(self, places: _DiskInParts, step: Ints, p: Ints) -> float:
+        """Return the largest share of a step in any cell."""
+        f, worst = self.fixed, 0.0
+        for a, b in zip(self._split(places, step), self._split(places, p), strict=True):
+            pairs = zip(np.abs(a).max(axis=1), np.abs(b).max(axis=1) + 1, strict=True)
+            worst = max(worst, *(float(f.numbers(f.over(v, w))) for v, w in pairs))
+        return worst

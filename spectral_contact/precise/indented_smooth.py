@@ -1,0 +1,154 @@
+r"""Normal contact under a profile on a smooth surface: integrals of mpmath's, and no system.
+
+The half-integral is known, ``F = H(a) - H(t)``, and ``p(r) = (2/pi) int_r^a H'(t) dt /
+sqrt(t^2 - r^2)``. From each break on, and from r, the square of t grows by ``w0^2 sinh(x)^2``: over
+x the integrand is smooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.precise.heights import heights
+from spectral_contact.precise.indented import OUTSIDE, Contact
+from spectral_contact.profiles import Profile
+
+__all__ = ["SmoothIndented"]
+
+#: Longest interval of a rule, and radii inside where the pressure is looked at.
+_LONGEST = 3
+_INSIDE = 24
+
+
+class SmoothIndented(Contact):
+    """A contact of a radius on a smooth surface.
+
+    Parameters
+    ----------
+    mp : MPContext
+    profile : Profile
+    radius : mpf
+    """
+
+    unknowns = 0
+
+    def __init__(self, mp: Any, profile: Profile, radius: Any) -> None:
+        self._mp, self.radius = mp, mp.mpf(radius)
+        self.heights = heights(mp, profile)
+        self._top = self.heights.transform(self.radius)
+        self._breaks = [b for b in self.heights.breaks if b < self.radius]
+        self.approach, self.stiffness = self._top / 2, 8 * self.radius
+        self.load = 4 * self._integral(self.heights.rate)
+        self.growth = self.heights.rate(self.radius) / self.heights.root(self.radius) / 2
+
+    @property
+    def work(self) -> Any:
+        """The work ``int P ddelta``."""
+        return self._integral(lambda t: self._half(t) ** 2 * self.heights.root(t) / t)
+
+    def _half(self, t: Any) -> Any:
+        """Return F."""
+        return self._top - self.heights.transform(t)
+
+    def _integral(self, function: Callable[[Any], Any]) -> Any:
+        """Return the integral of a function of t over ``v``, with ``t^2 = b^2 + v^2``."""
+        mp, total = self._mp, self._mp.zero
+        for b, end in pairwise([mp.zero, *self._breaks, self.radius]):
+            top = mp.sqrt((end - b) * (end + b))
+            total += mp.quad(lambda v, b=b: function(mp.hypot(b, v)), [0, top])
+        return total
+
+    def pressures(self, s: Any, from_edge: Any) -> Any:
+        """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
+        found = np.empty(len(s), dtype=object)
+        found[:] = [self._pressure(v, y) for v, y in zip(s, from_edge, strict=True)]
+        return found
+
+    def _pressure(self, s: Any, from_edge: Any) -> Any:
+        mp, r = self._mp, self.radius * s
+        if r == 0:
+            return self._central()
+        if from_edge == 0:
+            return mp.zero
+        total = mp.zero
+        starts = [b for b in self._breaks if b > r]
+        for low, high in pairwise([r, *starts, self.radius]):
+            before = max((b for b in self._breaks if b <= low), default=mp.zero)
+            # of r itself the last break is seen from outside, of a break r from inside
+            inner, outer = (before, r) if low == r else (r, low)
+            start = mp.sqrt((outer - inner) * (outer + inner))
+            extent = mp.sqrt((high - low) * (high + low))
+            if high == self.radius and low == r:
+                extent = self.radius * mp.sqrt(from_edge * (1 + s))
+            if start == 0:
+                if self.heights.rate(low * (1 + mp.eps * 16)) > mp.sqrt(mp.eps) * self._top:
+                    return mp.inf
+                total += mp.quad(lambda v, b=low: self._over(mp.hypot(b, v), v), [0, extent])
+                continue
+            if inner == 0 and self.heights.order == 0:  # H'/t is smooth
+                total += self._smoothly(low, extent)
+                continue
+            top = mp.asinh(extent / start)
+            steps = mp.linspace(0, top, max(ceil(top / _LONGEST), 1) + 1)
+            total += mp.quad(
+                lambda x, low=low, start=start: self._over(mp.hypot(low, start * mp.sinh(x)), 1),
+                steps,
+                method="gauss-legendre",
+            )
+        return 2 / mp.pi * total
+
+    def _smoothly(self, low: Any, extent: Any) -> Any:
+        """Return the integral of ``H'/t`` over v, with ``t^2 = low^2 + v^2``."""
+        at = self._mp.hypot
+
+        def value(v: Any) -> Any:
+            t = at(low, v)
+            return self.heights.rate(t) / (t * t)
+
+        return self._mp.quad(value, [0, extent], method="gauss-legendre")
+
+    def _over(self, t: Any, v: Any) -> Any:
+        """Return ``H' sqrt(t^2 - b^2) / (t v)``."""
+        return self.heights.rate(t) / (t * v)
+
+    def _central(self) -> Any:
+        """Return the pressure at the centre."""
+        mp, order = self._mp, self.heights.order
+        if order == 1:
+            return mp.inf
+        first, *others = [*self._breaks, self.radius]
+        # H' / t over t; under a tip over u, with t = u^(1/(n - 1))
+        power = 1 / (order - 1) if order else mp.one
+        total = mp.quad(
+            lambda u: self.heights.rate(u**power) * power / u ** (power + 1),
+            [0, first ** (1 / power)],
+        )
+        for low, high in pairwise([first, *others]):
+            top = mp.sqrt((high - low) * (high + low))
+            total += mp.quad(lambda v, b=low: self._over(t := mp.hypot(b, v), t), [0, top])
+        return 2 / mp.pi * total
+
+    def law(self) -> tuple[Any, Any]:
+        """Return the least pressure inside over its mean, and the least gap over the approach."""
+        mp = self._mp
+        mean = self.load / (mp.pi * self.radius**2)
+        rests = [mp.mpf(k) / _INSIDE for k in range(1, _INSIDE)] + [mp.mpf(10) ** -8]
+        inside = min(self._pressure(1 - rest, rest) for rest in rests) / mean
+        gaps = []
+        for beyond in OUTSIDE:
+            r = self.radius * (1 + mp.mpf(beyond))
+            if r >= self.heights.reach:
+                break
+            lifted = self._integral(partial(self._lift, r))
+            gaps.append((self.heights.height(r) - self.approach + lifted / mp.pi) / self.approach)
+        return inside, min(gaps, default=mp.one)
+
+    def _lift(self, r: Any, t: Any) -> Any:
+        """Return what F at t lifts the surface at r by, over v."""
+        return self._half(t) * self.heights.root(t) / t / self._mp.sqrt((r - t) * (r + t))

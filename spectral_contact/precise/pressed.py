@@ -1,0 +1,160 @@
+"""A scene with a profile to many digits: its contact radius, and two solutions compared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+from mpmath.ctx_mp import MPContext
+
+from spectral_contact.errors import ConvergenceError
+from spectral_contact.precise.indented import Contact, RoughIndented
+from spectral_contact.precise.indented_smooth import SmoothIndented
+from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.records import ErrorEstimates
+from spectral_contact.scene import Scene
+
+__all__ = ["PRESSED", "PressedRun", "compared"]
+
+#: What a contact under a profile has; all but the radius are attributes of `Contact`, too.
+PRESSED = ("approach", "contact_radius", "load", "stiffness", "indentation_work")
+_MOST_STEPS = 8
+#: Digits of mpmath beyond those aimed at, on a smooth surface.
+_GUARD = 12
+#: Where the pressure of two solutions is compared: distances from the edge, and from breaks.
+_DEPTHS = np.concatenate([np.linspace(0.02, 0.98, 13), 10.0 ** -np.arange(2.0, 31.0, 2.0)])
+_ASIDE = (1e-12, 1e-6, 1e-3)
+
+
+class PressedRun:
+    """A scene with a profile solved with one mesh and precision.
+
+    Parameters
+    ----------
+    scene : Scene
+        Normal contact alone matters.
+    digits : int
+        Relative accuracy aimed at.
+    width : float
+        Panel width.
+    guess : mpf or float
+        Of the contact radius.
+    tell : callable
+        Is told every step.
+
+    Raises
+    ------
+    ConvergenceError
+        If the radius does not settle.
+    """
+
+    def __init__(
+        self, scene: Scene, digits: int, width: float, guess: Any, tell: Callable[[str], None]
+    ) -> None:
+        self.scene, self.digits, self._tell = scene, digits, tell
+        profile, alpha = scene.profile, scene.normal_compliance
+        assert profile is not None
+        if alpha == 0.0:
+            mp = self.mp = MPContext()
+            mp.dps = digits + _GUARD
+            self.bits = mp.prec
+            self._contact: Callable[[Any], Contact] = lambda a: SmoothIndented(mp, profile, a)
+        else:
+            tell("operators")
+            solver = RoughIndented(profile, alpha, float(guess), digits, width)
+            self.mp, self.bits = solver.fixed.mp, solver.fixed.bits
+            self._contact = solver.solve
+        self.contact = self._found(guess)
+
+    @property
+    def fixed(self) -> PressedRun:
+        """Itself: where `mp` and `bits` are."""
+        return self
+
+    def _found(self, guess: Any) -> Contact:
+        """Return the contact of the radius, or of the load or approach."""
+        scene, mp = self.scene, self.mp
+        if scene.contact_radius is not None:
+            self._tell("contact")
+            return self._contact(mp.mpf(scene.contact_radius))
+        a = mp.mpf(guess)
+        for step in range(_MOST_STEPS):
+            self._tell(f"contact radius, step {step + 1}")
+            contact = self._contact(a)
+            if scene.load is not None:
+                change = (scene.load - contact.load) / (contact.stiffness * contact.growth)
+            else:
+                change = (mp.mpf(scene.approach) - contact.approach) / contact.growth
+            if abs(change) <= a * mp.mpf(10) ** -self.digits:
+                return contact
+            a += change
+        raise ConvergenceError("the contact radius does not settle", "ask for fewer digits")
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Approach, radius, load, stiffness and work."""
+        found = self.contact
+        of = (found.approach, found.radius, found.load, found.stiffness, found.work)
+        given = {name: getattr(self.scene, name) for name in CONTROLS}
+        exact = {name: self.mp.mpf(one) for name, one in given.items() if one is not None}
+        return dict(zip(PRESSED, of, strict=True)) | exact
+
+    @property
+    def unknowns(self) -> int:
+        """Of the space; 0 on a smooth surface."""
+        return self.contact.unknowns
+
+    def pressures(self, s: Any, from_edge: Any) -> Any:
+        """Return p at mpmath's radii whose distances to the edge are given, too."""
+        return self.contact.pressures(s, from_edge)
+
+    def tractions(self, s: Any, from_edge: Any) -> Any:
+        """Return zeros: there is no friction."""
+        return np.full(len(s), self.mp.zero)
+
+
+def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]:
+    """Return twice the relative differences, no less than the check aims at, and the worst.
+
+    Raises
+    ------
+    ConvergenceError
+        If the pressure or the gap is not positive.
+    """
+    least, gap = run.contact.law()
+    if not (least > -(10.0**-run.digits) and gap > 0):
+        told = f"least pressure {float(least):.1e} of its mean, least gap {float(gap):.1e}"
+        raise ConvergenceError(f"the solution is no contact: {told}", "report the scene")
+    floor, mp = 10.0**-check.digits, run.mp
+
+    def error(pairs: Any) -> float:
+        shares = [abs((a - mp.mpf(b)) / mp.mpf(b)) for a, b in pairs if a != b]
+        return max(2.0 * float(max(shares, default=0.0)), floor)
+
+    own, other = run.values, check.values
+    errors = {name: error([(own[name], other[name])]) for name in PRESSED}
+    if run.scene.contact_radius is not None:
+        errors["contact_radius"] = 0.0
+    s, rest = _places(run)
+    pairs = zip(run.pressures(s, rest), check.pressures(s, rest), strict=True)
+    errors["pressure"] = error(pairs)
+    return replace(ErrorEstimates(), **errors), max(errors.values(), default=inf)
+
+
+def _places(run: PressedRun) -> tuple[Any, Any]:
+    """Return radii over a and distances from the edge."""
+    mp, a = run.mp, run.contact.radius
+    rests = [mp.mpf(v) for v in _DEPTHS]
+    places = [(1 - rest, rest) for rest in rests]
+    order = run.scene.profile.pointed if run.scene.profile else False
+    places += [(mp.mpf(v), 1 - mp.mpf(v)) for v in (*_ASIDE, *([] if order else [0.0]))]
+    assert run.scene.profile is not None
+    for b in run.scene.profile.breaks:
+        if b < a:
+            at = [mp.mpf(b) / a * (1 + sign * mp.mpf(v)) for v in _ASIDE for sign in (-1, 1)]
+            places += [(s, 1 - s) for s in at if s < 1]
+    s, rest = (np.array(one, dtype=object) for one in zip(*places, strict=True))
+    return s, rest

@@ -1,0 +1,117 @@
+"""Fits of force-indentation curves: exact data give their parameters back, errors are honest."""
+
+import math
+
+import numpy as np
+import pytest
+
+from spectral_contact import ConvergenceError, Scene, SceneError, profiles, solve
+from spectral_contact.calibration import IndentationData, fit
+from spectral_contact.calibration.indentation import curve_load
+
+FREE = ("reduced_modulus", "normal_compliance", "zero_point")
+BALL = {"poisson_ratio": 0.2, "profile": profiles.Parabola(1e-5), "load": 5e-3}
+TRUTH = {"youngs_modulus": 70e9, "normal_compliance": 2e-17}
+START = Scene.from_physical(**BALL, youngs_modulus=40e9, normal_compliance=1e-17)
+MODULUS = TRUTH["youngs_modulus"] / (1 - 0.2**2)
+ZERO = 30e-9
+DEPTHS = np.linspace(10e-9, 200e-9, 8)
+
+
+def loads():
+    """Of `Solution.physical`, which knows nothing of fits."""
+    known = {name: one for name, one in BALL.items() if name != "load"}
+    scenes = [Scene.from_physical(**known, **TRUTH, approach=float(d)) for d in DEPTHS]
+    return np.array([solve(one, 1e-11, ("load",)).physical.load for one in scenes])
+
+
+LOADS = loads()
+
+
+def test_exact_data_give_their_parameters_back():
+    data = IndentationData([0.0, *(DEPTHS + ZERO)], [0.0, *LOADS], 1e-6)
+    found = fit(START, data, FREE)
+    assert found["reduced_modulus"] == pytest.approx(MODULUS, rel=1e-7)
+    assert found["normal_compliance"] == pytest.approx(2e-17, rel=1e-7)
+    assert found["zero_point"] == pytest.approx(ZERO, rel=1e-7)
+    assert found.scene.physical.youngs_modulus == pytest.approx(70e9, rel=1e-7)
+    assert found.chi_square < 1e-6
+    assert "reduced_modulus" in str(found)
+
+
+@pytest.mark.parametrize("profile", [profiles.Parabola(1.0), profiles.TruncatedCone(0.3, 1.3)])
+def test_derivatives_are_exact(profile):
+    """Against differences of fourth order: 10 digits, as their rounding allows."""
+    at, layer = 0.2, 0.1
+    here = curve_load(profile, at, layer, 1e-12)
+
+    def difference(value, step):
+        near, far = ((value(1 + h) - value(1 - h)) / (2 * h) for h in (step, 2 * step))
+        return (4 * near - far) / 3
+
+    def load(approach, layer):
+        return curve_load(profile, approach, layer, 1e-12).value
+
+    assert here.by_layer * layer == pytest.approx(
+        difference(lambda x: load(at, layer * x), 1e-3), rel=1e-10
+    )
+    assert here.by_approach * at == pytest.approx(
+        difference(lambda x: load(at * x, layer), 1e-3), rel=1e-10
+    )
+
+
+def test_without_a_layer_and_without_contact():
+    flat = curve_load(profiles.Parabola(1.0), 0.25, 0.0, 1e-10)
+    assert flat.value == pytest.approx(16 / 3 * 0.125)
+    assert flat.by_approach == pytest.approx(4.0)
+    assert curve_load(profiles.Parabola(1.0), -0.1, 0.0, 1e-10) == (0.0, 0.0, 0.0)
+
+
+def test_the_error_bars_cover_what_they_say():
+    """Four fits to noisy curves, twelve parameters: as far off as the error bars say."""
+    sigma, random = 1e-5, np.random.default_rng(5)
+    data = IndentationData(DEPTHS + ZERO, LOADS, sigma)
+    exact = fit(START, data, FREE)
+    found = []
+    for _ in range(4):
+        noisy = LOADS + sigma * random.standard_normal(len(LOADS))
+        one = fit(exact.scene, IndentationData(DEPTHS + ZERO, noisy, sigma), FREE)
+        shifts = [(one[n] - exact[n]) / exact.error(n) for n in FREE]
+        found.append(shifts)
+        assert one.chi_square < 25.0
+    assert np.abs(found).max() < 4.0
+    assert np.std(found) == pytest.approx(1.0, abs=0.7)
+
+
+@pytest.mark.parametrize(
+    ("use", "message"),
+    [
+        (lambda: IndentationData([], [], 1.0), "depth"),
+        (lambda: IndentationData([1.0], [1.0, 2.0], 1.0), "load"),
+        (lambda: IndentationData([1.0], [1.0], 0.0), "sigma"),
+        (lambda: fit(Scene(0.3), IndentationData([1.0], [1.0], 1.0), "zero_point"), "profile"),
+        (lambda: fit(START, IndentationData([1.0], [1.0], 1.0), FREE), "at most 1 parameters"),
+        (lambda: fit(START, IndentationData([1.0], [1.0], 1.0), "modulus"), "free"),
+        (
+            lambda: fit(
+                START.replace(normal_compliance=0.0), IndentationData(DEPTHS, LOADS, 1.0), FREE
+            ),
+            "normal_compliance",
+        ),
+    ],
+)
+def test_bad_input_is_refused(use, message):
+    with pytest.raises(SceneError, match=message):
+        use()
+
+
+def test_too_few_evaluations_are_an_error():
+    with pytest.raises(ConvergenceError, match="not settled"):
+        fit(START, IndentationData(DEPTHS, LOADS, 1e-6), FREE, max_evaluations=1)
+
+
+def test_a_smooth_surface_has_its_modulus():
+    smooth = Scene.from_physical(**BALL, youngs_modulus=1e9)
+    hertz = 4 / 3 * MODULUS * math.sqrt(1e-5) * DEPTHS**1.5
+    found = fit(smooth, IndentationData(DEPTHS, hertz, 1e-6), "reduced_modulus")
+    assert found["reduced_modulus"] == pytest.approx(MODULUS, rel=1e-9)

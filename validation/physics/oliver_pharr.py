@@ -1,0 +1,49 @@
+"""The modulus that Oliver and Pharr read from an indentation curve, with and without a layer.
+
+Run as ``python validation/physics/oliver_pharr.py``; writes docs/oliver_pharr.png.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from pathlib import Path
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from spectral_contact import Scene, profiles, sweep
+
+PICTURE = Path(__file__).parents[2] / "docs" / "oliver_pharr.png"
+COMPLIANCES = (0.0, 1e-3, 1e-2, 1e-1)
+#: E* in units of E'.
+MODULUS = 4.0
+
+
+def main() -> None:
+    """Draw loads and moduli over the depth."""
+    ball = profiles.Parabola(radius=1.0)
+    depths = np.geomspace(1e-5, 0.3, 40)
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
+    for alpha in COMPLIANCES:
+        scene = Scene(0.3, alpha, profile=ball, approach=1e-3)
+        curve = sweep(scene, approach=depths.tolist(), progress=False)
+        named = "smooth" if alpha == 0.0 else rf"$\alpha^* = {alpha:g}\,R$"
+        stiffness, radius = curve["stiffness"].values, curve["contact_radius"].values
+        left.loglog(depths, curve["load"].values, label=named)
+        right.semilogx(depths, stiffness / (2.0 * radius) / MODULUS)
+    left.set(xlabel=r"depth $\delta/R$", ylabel=r"load $P/(E' R^2)$")
+    right.set(xlabel=r"depth $\delta/R$", ylabel="modulus by Oliver and Pharr / $E^*$")
+    right.set_ylim(0.0, 1.05)
+    left.legend(frameon=False)
+    figure.savefig(PICTURE, dpi=150)
+
+
+if __name__ == "__main__":
+    main()
