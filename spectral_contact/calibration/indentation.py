@@ -17,9 +17,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact.contact.contact_radius import find_radius
-from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs.checks import finite, real, reals, whole
@@ -181,10 +179,11 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     """
     if approach <= 0.0:
         return _CurveLoad(0.0, 0.0, 0.0)
+    solve = indenter(profile, layer, _MOST_UNKNOWNS)
     solved, _ = find_radius(
-        profile, layer, rtol, _MOST_UNKNOWNS, load=None, approach=approach, pointwise=layer > 0.0
+        profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
     )
-    found: Indentation = solved.best.value if isinstance(solved, Refinement) else solved
+    found = value_of(solved)
     if max(found.load_error, found.stiffness_error) > 10.0 * rtol:
         told = f"the load of {profile.brief} at {approach:.6g} is known to {found.load_error:.1e}"
         raise ConvergenceError(told, "loosen rtol.")

@@ -14,12 +14,12 @@ from math import exp, inf, isfinite, isinf, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.indented import Indentation
+from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import SceneError
 from spectral_contact.profiles import Profile
 
-__all__ = ["Contact", "Solver", "find_radius", "value_of"]
+__all__ = ["Contact", "Solver", "find_radius", "indenter", "value_of"]
 
 Contact = Indentation | Refinement[Indentation]
 #: The contact of a radius, to a tolerance, and whether the pressure is wanted.
@@ -64,6 +64,17 @@ class _RadiusScale:
         low, high = self.profile.flat_part, self.profile.reach
         room = 1.0 if isinf(high) else (high - radius) / (high - low)
         return (radius - low) * room
+
+
+def indenter(profile: Profile, compliance: float, max_unknowns: int) -> Solver:
+    """Return what solves normal contact with a linear layer at a radius, to a tolerance."""
+
+    def solve(radius: float, tolerance: float, pointwise: bool) -> Contact:
+        return solve_indentation(
+            profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
+        )
+
+    return solve
 
 
 def find_radius(

@@ -7,8 +7,8 @@ from time import perf_counter
 
 from scipy.interpolate import barycentric_interpolate
 
-from spectral_contact.contact.contact_radius import Contact, find_radius, value_of
-from spectral_contact.contact.indented import Indentation, solve_indentation
+from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
+from spectral_contact.contact.indented import Indentation
 from spectral_contact.contact.layered_contact import layered_contact, solve_layered
 from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
 from spectral_contact.errors import NotComputedError, SceneError
@@ -130,14 +130,8 @@ class ProfileRun(Run):
         if scene.layer is not None:
             setting = setting_at_radius(scene.profile, scene.layer, radius)
             return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
-        return solve_indentation(
-            scene.profile,
-            radius,
-            scene.normal_compliance,
-            tolerance,
-            self.max_unknowns,
-            pointwise=pointwise,
-        )
+        solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns)
+        return solve(radius, tolerance, pointwise)
 
     def _check(self, found: Indentation) -> None:
         """Refuse what a layer's law does not know."""

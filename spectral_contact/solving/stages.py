@@ -9,8 +9,7 @@ from typing import Any
 
 from scipy.optimize import brentq
 
-from spectral_contact.contact.indented import solve_indentation
-from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.contact_radius import indenter, value_of
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -68,15 +67,8 @@ class Stages:
 
     def contact(self, radius: float) -> tuple[float, float]:
         """Return load and approach of normal contact of a radius."""
-        found = solve_indentation(
-            self.profile,
-            radius,
-            self.scene.normal_compliance,
-            self._tight,
-            self.max_unknowns,
-            pointwise=False,
-        )
-        value = found.best.value if isinstance(found, Refinement) else found
+        solve = indenter(self.profile, self.scene.normal_compliance, self.max_unknowns)
+        value = value_of(solve(radius, self._tight, False))
         return value.load, value.approach
 
     def _scene(self, radius: float) -> Scene:
