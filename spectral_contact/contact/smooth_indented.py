@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.resolution import PANEL_WIDTH
+from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.annulus import Family, sampled_series
@@ -28,8 +28,9 @@ Array = NDArray[np.float64]
 
 #: Quadrature towards a break or tip, and where there is none: points, panels, and their ratio.
 _GRADED, _PLAIN = (20, 44, 0.3), (60, 1, 0.0)
-#: A pressure that grows by less over a panel in the logarithm of the distance has a limit.
-_LIMIT = 1e-7
+#: What a pressure grows over a panel in the logarithm of the distance is rounding if it is less;
+#: and a logarithm if it is no smaller a share of what it grew over the one before.
+_ROUNDED, _LOGARITHM = 1e-13, 1.0 - 1e-6
 #: Degree on a panel; panels to the edge, where what is over the weight is smooth, and to a break:
 #: there they end at 4e-18 of the square of the radius.
 _DEGREE, _TO_EDGE, _TO_BREAK = 24, 8, 40
@@ -37,7 +38,7 @@ _DEGREE, _TO_EDGE, _TO_BREAK = 24, 8, 40
 
 @dataclass(frozen=True, slots=True)
 class SmoothPressure:
-    """Series on every part, and an estimate of their relative error, break and tip left out."""
+    """Series on every part, and an estimate of their relative error."""
 
     series: list[LogSeries]
     error: float
@@ -63,17 +64,32 @@ def smooth_pressure(profile: Profile, radius: float, parts: Parts) -> SmoothPres
         size = np.abs(series.at_ends())
         last = np.abs(series.coefficients[:, -2:]).max(axis=1)
         worst = max(worst, float((last / np.maximum(size[:-1], size[1:])).max()))
-        found.append(replace(series, power=0.5) if at_edge else _to_the_break(series))
+        if at_edge:
+            found.append(replace(series, power=0.5))
+            continue
+        continued, lost = _to_the_break(series)
+        found.append(continued)
+        worst = max(worst, lost)
     return SmoothPressure(found, worst)
 
 
-def _to_the_break(series: LogSeries) -> LogSeries:
-    """Return a series whose tail goes on as a logarithm if the pressure has one."""
+def _to_the_break(series: LogSeries) -> tuple[LogSeries, float]:
+    """Return a series with the limit at a break or tip, or a tail that goes on as a logarithm.
+
+    Next to the tip of a power law the pressure settles like a power of the distance, which may be
+    a slow one: its limit follows from how it grows over the last two panels, and is the less
+    certain the slower it is. That is the other number, relative to the limit.
+    """
+    before, middle, end = series.at_ends()[-3:].tolist()
+    grown = end - middle
+    if abs(grown) <= _ROUNDED * abs(end):
+        return series, 0.0
+    ratio = grown / (middle - before) if middle != before else 1.0
+    if ratio < _LOGARITHM:
+        limit = end + grown * ratio / (1.0 - ratio)
+        return replace(series, tail=np.array([limit])), 2.0 * ROUNDING / (1.0 - ratio) ** 2
     slope = 2.0 / series.width * float(series.coefficients[-1, 1])
-    end = float(series.coefficients[-1].sum())
-    if abs(slope) * series.width <= _LIMIT * abs(end):
-        return series
-    return replace(series, tail=np.array([end]), logarithm=slope)
+    return replace(series, tail=np.array([end]), logarithm=slope), 0.0
 
 
 def _values(profile: Profile, radius: float, parts: Parts, family: Family) -> Array:

@@ -281,3 +281,14 @@ def test_the_pressure_next_to_a_corner_has_room_for_that_of_the_radius(known):
     off = np.abs(found.pressure(from_edge=from_edge) - exact) / np.maximum(exact, mean)
     assert found.converged
     assert off.max() <= found.error.pressure + truth.error.pressure
+
+
+@pytest.mark.parametrize("exponent", [1.01, 1.1, 1.5, 1.9])
+def test_the_pressure_at_the_tip_of_a_power_law_is_finite(exponent):
+    scene = Scene(0.3, 0.0, profile=profiles.PowerLaw(1.0, exponent), contact_radius=1.0)
+    found = solve(scene, 1e-10)
+    # (2/pi) int_0^1 H'(t)/t dt, with H = 2 t int_0^t h' ds/sqrt(t^2 - s^2)
+    beta = math.gamma(exponent / 2.0) / math.gamma((exponent + 1.0) / 2.0)
+    truth = 2.0 * exponent**2 * beta / (math.sqrt(math.pi) * (exponent - 1.0))
+    assert found.error.pressure <= 1e-10
+    assert abs(found.pressure(0.0) / truth - 1.0) <= found.error.pressure
