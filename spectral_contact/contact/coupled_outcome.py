@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from spectral_contact.contact.coupled_parts import LEADING, ended
 from spectral_contact.contact.friction_law import (
     known_share,
+    loose_slip,
     missing_stick,
     obeys,
-    unknown_slip,
 )
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING
@@ -240,7 +240,7 @@ def checked(
         pressure,
         traction,
         ZonalField(tuple(pieces)),
-        max(known_share(slip_error), unknown_slip(solved.zones_error)),
+        known_share(slip_error + loose_slip(solved.zones_error)),
         max(excess, wrong, 0.0),
         obeys(excess, solved.traction_error, wrong, slip_error),
     )

@@ -21,7 +21,6 @@ __all__ = [
     "missing_stick",
     "obeys",
     "stick_excess",
-    "unknown_slip",
 ]
 
 Array = NDArray[np.float64]
@@ -103,11 +102,6 @@ def loose_slip(share: float) -> float:
     Next to an end slip goes like the distance to the power 3/2.
     """
     return 10.0 * share * sqrt(share)
-
-
-def unknown_slip(boundary_error: float) -> float:
-    """Return infinity where no digit of a boundary is known: then none of the slip is, either."""
-    return inf if boundary_error == inf else 0.0
 
 
 def displacement_error(

@@ -18,7 +18,6 @@ from spectral_contact.contact.friction_law import (
     missing_stick,
     obeys,
     stick_excess,
-    unknown_slip,
 )
 from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout
@@ -232,7 +231,7 @@ def zones_outcome(drive: Drive, solved: CoupledZones, beta: float, friction: flo
     stray, loose = solved.stray + lost + unresolved, solved.loose_ends
     slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
     wrong, allowed = max(float(v.max()) for v in samples) / largest, slip_error + min(loose, 0.5)
-    slip_share = max(known_share(slip_error + loose), unknown_slip(solved.zones_error))
+    slip_share = known_share(slip_error + loose)
     return PartialSlip(
         tuple(zones),
         ZonalField(tuple(traction)),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -42,8 +42,7 @@ def _checked(name: str, values: Any) -> tuple[float, ...]:
     return tuple(found.tolist())
 
 
-@dataclass(frozen=True, slots=True)
-class _Series:
+class _Series(NamedTuple):
     """Chebyshev series on every piece: of the pressure, its derivative, and its integral."""
 
     pressure: Rows

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from scipy.interpolate import barycentric_interpolate
 
 from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
 from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.layered_contact import layered_contact, solve_layered
-from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import endless
@@ -24,11 +23,12 @@ from spectral_contact.solution import (
     Solution,
     StepState,
 )
-from spectral_contact.solving.grown_fields import GrownFields, opening
-from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.stages import Stages
 from spectral_contact.view.progress import ProgressLine
+
+if TYPE_CHECKING:
+    from spectral_contact.solving.growth import Growth
+    from spectral_contact.solving.stages import Stages
 
 __all__ = ["ProfileRun"]
 
@@ -54,6 +54,8 @@ class ProfileRun(Run):
             self._indent(pointwise=bool(fields))
         self.tangential(states, None)
         if self._grows(states):
+            from spectral_contact.solving.stages import Stages
+
             with ProgressLine(self.shared.progress) as tell:
                 history = Stages(self.scene, self.rtol, self.max_unknowns, tell)
                 if self.scene.couples:
@@ -68,15 +70,15 @@ class ProfileRun(Run):
         scene, begin = self.scene, perf_counter()
         profile = scene.profile
         assert profile is not None
-        edged = scene.layer is None or has_edge(profile, scene.layer)
         error = 0.0
         value = scene.approach if scene.load is None else scene.load
         solved: Contact
         if value is None:
             assert scene.contact_radius is not None
             solved = self._at(scene.contact_radius, self.rtol, pointwise)
-        elif not edged:
-            assert scene.layer is not None
+        elif scene.layer is not None and not self._edged:
+            from spectral_contact.contact.layered_contact import layered_contact
+
             solved = layered_contact(
                 profile,
                 scene.layer,
@@ -123,11 +125,23 @@ class ProfileRun(Run):
             pressure=found.pressure_error,
         )
 
+    @property
+    def _edged(self) -> bool:
+        """Whether a contact on a nonlinear layer has an edge that moves."""
+        from spectral_contact.contact.layered_setting import has_edge
+
+        assert self.scene.profile is not None
+        assert self.scene.layer is not None
+        return has_edge(self.scene.profile, self.scene.layer)
+
     def _at(self, radius: float, tolerance: float, pointwise: bool) -> Contact:
         """Return the contact of a radius."""
         scene = self.scene
         assert scene.profile is not None
         if scene.layer is not None:
+            from spectral_contact.contact.layered_contact import solve_layered
+            from spectral_contact.contact.layered_setting import setting_at_radius
+
             setting = setting_at_radius(scene.profile, scene.layer, radius)
             return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
         solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns)
@@ -155,6 +169,8 @@ class ProfileRun(Run):
         if "traction" in self.plan.quantities:
             assert scene.friction is not None
             assert self.pressure is not None
+            from spectral_contact.solving.grown_fields import GrownFields
+
             fields = GrownFields(growth, _stick_radius(today), smooth=self._smooth)
             found = fields.traction(scene.friction, self.pressure)
             self.traction = found.field
@@ -206,6 +222,8 @@ class ProfileRun(Run):
         """Add up pressure and traction."""
         friction = self.scene.friction
         assert friction is not None
+        from spectral_contact.solving.grown_fields import GrownFields, opening
+
         fields = GrownFields(growth, _stick_radius(today), smooth=self._smooth)
         pressed = fields.pressure()
         self.pressure = pressed.field

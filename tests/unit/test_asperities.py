@@ -46,9 +46,11 @@ def test_every_field_is_that_of_the_defining_integrals(deviations):
         touching = STEEL["density"] * heights(0, separation)
         assert layer.touching_density == pytest.approx(float(touching), rel=1e-12, abs=0)
         assert layer.asperity_pressure * layer.contact_fraction == pytest.approx(
-            layer.pressure, abs=0
+            layer.pressure, rel=1e-14, abs=0
         )
-        assert layer.asperity_force * layer.touching_density == pytest.approx(layer.pressure, abs=0)
+        assert layer.asperity_force * layer.touching_density == pytest.approx(
+            layer.pressure, rel=1e-14, abs=0
+        )
 
 
 @pytest.mark.parametrize(

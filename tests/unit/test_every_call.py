@@ -102,7 +102,7 @@ REFUSED = {
     "ball, sticking": {"energies"},
     "ball, coupled": {"energies", "sweep"},
     "power layer": NOT_UNDER_LAYERS,
-    "rough spheres": NOT_UNDER_LAYERS | {"indentation"},
+    "rough spheres": NOT_UNDER_LAYERS | {"indentation", "compare"},  # there is no edge
     "flat on a layer": NOT_UNDER_LAYERS | {"indentation"},
 }
 

@@ -30,10 +30,11 @@ from typing import Any
 from mpmath import mp
 
 from spectral_contact import ConvergenceError, Scene, __version__, profiles
+from spectral_contact.inputs.kinds import kind_tree
 from spectral_contact.io.documents import replace_file
 from spectral_contact.precise import reference
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS, profile_tree
+from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.view.progress import ProgressLine
 
@@ -325,7 +326,7 @@ def inputs(scene: Scene) -> dict[str, Any]:
     values = {name: double(getattr(scene, name)) for name in names}
     if scene.profile is not None:
         given = {name: double(getattr(scene, name)) for name in CONTROLS}
-        return {**values, "profile": profile_tree(scene.profile), **given}
+        return {**values, "profile": kind_tree(scene.profile), **given}
     return {**values, "coupling": True} if scene.coupling else values
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from bad_input_cases import Bench
 
-from spectral_contact import Scene, SpectralContactError, calibration, paper, profiles
+from spectral_contact import Scene, SpectralContactError, calibration, layers, paper, profiles
 from spectral_contact.asperities import greenwood_williamson
 from spectral_contact.calibration.setting import Setting
 from spectral_contact.fields.series import Radius
@@ -86,6 +86,8 @@ ARGUMENTS: dict[str, Any] = {
     **{"coefficient": 0.4, "edges": (0.0, 1.0), "slopes": ((0.5, 0.5),), "reach": 2.0},
     **{"height": lambda r: r**2, "radii": [0.0, 0.5, 1.0], "heights": [0.0, 0.125, 0.5]},
     **{"inner": Radius(0.5, 0.5), "outer": Radius(0.75, 0.25), "layer": {}},
+    **{"zero_pressure": 1.0, "clearance": 0.1, "overclosures": [0.0, 0.1, 0.2, 0.4]},
+    **{"pressures": [0.0, 0.1, 0.3, 0.9], "compliance": 0.5, "start": 0.0, "limit": 1.0},
 }
 #: By name of the callable's parameter, where the name alone does not say it.
 SPECIAL: dict[str, Any] = {
@@ -156,6 +158,7 @@ class Examples:
             *bench.solutions,
             *(one.physical for one in bench.solutions if one.scene.physical is not None),
             *(profiles.Parabola(1.0), profiles.Sampled((0.0, 1.0), ((0.5, 0.5),))),
+            layers.PowerLaw(1.0, 1.5),
             *(SCENE, si, own, own.points[0], own.points, rate),
             *(compared, QUICK, OwnSolver(), truth_of(NORMAL), figure),
             paper.FigureData(figure, 1e-3, table[:, : len(figure.columns)].copy()),

@@ -175,9 +175,16 @@ MUTANTS = (
     Mutant(
         "slip is known where its zone is not",
         f"{_CONTACT}/friction_law.py",
-        "return inf if boundary_error == inf else 0.0",
+        "return 10.0 * share * sqrt(share)",
         "return 0.0",
-        f"{_SOLVER} -k slip_is_unknown",
+        f"{_UNIT}/contact/test_friction_law.py",
+    ),
+    Mutant(
+        "secants that crawl are given up next to an onset",
+        f"{_CONTACT}/stick_radius.py",
+        "return _enclosed_root(function, x, value)",
+        "return x, slope",
+        f"{_UNIT}/contact/test_stick_radius.py -k enclosed",
     ),
     Mutant(
         "slip with the traction is consistent",

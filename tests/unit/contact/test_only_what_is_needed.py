@@ -30,6 +30,7 @@ ONE_DISK = FULL_STICK | {
 }
 PROFILE = NORMAL | {"contact_radius", "coupled_parts", "indented", "smooth_indented"}
 ONSET = FULL_STICK | {"onset"}
+LAYERED = PROFILE | {"layered", "layered_contact", "layered_newton", "layered_setting"}
 RINGS = {"active_set", "ring_law", "zone_search"}
 ZONES = {
     "boundaries",
@@ -66,6 +67,7 @@ def imported_by(scene, rtol=1e-6, quantities=None):
     code = (
         "import sys\n"
         "from math import inf\n"
+        "import spectral_contact as sc\n"
         "from spectral_contact import Scene, profiles, solve\n"
         f"solve({scene}, {rtol}, {quantities})\n"
         "prefix = 'spectral_contact.contact.'\n"
@@ -153,11 +155,16 @@ def test_a_profile_imports_nothing_tangential():
     assert imported_by(f"Scene(0.3, 0.0, {given})") == PROFILE
 
 
+def test_a_nonlinear_layer_imports_what_solves_it():
+    layer = "layer=sc.layers.PowerLaw(1.0, 1.5)"
+    assert imported_by(f"Scene(0.3, {layer}, profile=profiles.Parabola(1.0), load=1.0)") == LAYERED
+
+
 def test_every_module_is_loaded_by_something():
     """Else what is not loaded proves nothing."""
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
     # the friction that a radius has is for lines of sweeps
-    assert coupled | ANY_ZONES | PROFILE | {"given_radius"} == CONTACT
+    assert coupled | ANY_ZONES | LAYERED | {"given_radius"} == CONTACT
 
 
 @pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])

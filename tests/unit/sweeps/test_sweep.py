@@ -277,7 +277,12 @@ GOLD_NAMES = {"approach": 1e-14, "total_shear": 1e-13, "edge_ratio": 1e-12}
 
 def test_the_spectra_agree_with_the_gold_tables():
     served = dict.fromkeys(GOLD_NAMES, 0)
-    solutions = [s for table in tables() for s in table.solutions if not s.scene.coupling]
+    solutions = [
+        one
+        for table in tables()
+        for one in table.solutions
+        if not one.scene.coupling and one.scene.profile is None
+    ]
     for solution in solutions:
         sticks = [zone.kind for zone in solution.zones] == ["stick"]
         columns = run.listed([solution.scene]).columns(np.arange(1))

@@ -218,7 +218,8 @@ def test_blas_with_one_thread_is_faster_and_costs_little():
     assert {(row["case"], row["busy"]) for row in found["rows"]} >= {
         (case, busy) for case in ("default scene", "slip inside") for busy in (0, 2)
     }
-    assert all(row["ratio"] > 1.0 for row in found["rows"])
+    # on a quiet machine one disk takes as long either way
+    assert all(row["ratio"] > 0.95 + 0.05 * row["busy"] for row in found["rows"])
     assert found["price"]["first_us"] <= 15.0
 
 
