@@ -10,7 +10,6 @@ from spectral_contact.calibration.indentation import (
     INDENTATION_PARAMETERS,
     IndentationData,
     IndentationFit,
-    fit_indentation,
 )
 from spectral_contact.calibration.measurements import ApproachData, PressureData, StickRadiusData
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
@@ -27,5 +26,4 @@ __all__ = [
     "RoughnessFit",
     "StickRadiusData",
     "fit",
-    "fit_indentation",
 ]

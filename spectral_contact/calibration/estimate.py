@@ -87,7 +87,7 @@ def fit(
         units if it was made by `Scene.from_physical`, which takes the data for SI, too.
     data : ApproachData, PressureData, StickRadiusData, or a sequence of them
         All are of the same material, layer and friction, where they do not say otherwise. With
-        `IndentationData`, of a scene with a profile, see `fit_indentation`.
+        `IndentationData`, of a scene with a profile.
     free : str or sequence of str
         The parameters to find, out of ``"normal_compliance"``, ``"tangential_compliance"`` and
         ``"friction"``. The others keep the values of the scene.

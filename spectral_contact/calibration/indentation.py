@@ -21,7 +21,7 @@ from spectral_contact.contact.contact_radius import find_radius, indenter, value
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs.checks import finite, real, reals, whole
-from spectral_contact.inputs.choices import names
+from spectral_contact.inputs.choices import names, one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 
@@ -122,15 +122,13 @@ class IndentationFit:
     evaluations: int
 
     def __getitem__(self, name: str) -> float:
-        return self.values[self.names.index(name)] if name in self.names else self._missing(name)
+        if name not in self.names:
+            raise KeyError(name)
+        return self.values[self.names.index(name)]
 
     def error(self, name: str) -> float:
-        """Return the standard deviation of a parameter."""
-        return self.errors[self.names.index(name)] if name in self.names else self._missing(name)
-
-    @staticmethod
-    def _missing(name: str) -> float:
-        raise KeyError(name)
+        """Return the standard deviation of a parameter; `SceneError` if it was not fitted."""
+        return self.errors[self.names.index(one_of("name", name, self.names))]
 
     @property
     def chi_square(self) -> float:

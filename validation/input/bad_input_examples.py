@@ -88,10 +88,16 @@ ARGUMENTS: dict[str, Any] = {
     **{"inner": Radius(0.5, 0.5), "outer": Radius(0.75, 0.25), "layer": {}},
     **{"zero_pressure": 1.0, "clearance": 0.1, "overclosures": [0.0, 0.1, 0.2, 0.4]},
     **{"pressures": [0.0, 0.1, 0.3, 0.9], "compliance": 0.5, "start": 0.0, "limit": 1.0},
+    "depth": [0.3],
+    **{"series": ((0.5, 0.5),), "derivative": one, "knots": ()},
 }
 #: By name of the callable's parameter, where the name alone does not say it.
 SPECIAL: dict[str, Any] = {
     "asperities.greenwood_williamson.pressure": 1e7,
+    "calibration.IndentationData.load": [1.0],
+    "calibration.IndentationFit.error.name": "zero_point",
+    "layers.Sampled.from_functions.pressure": lambda w: w,
+    "layers.Sampled.from_functions.derivative": np.ones_like,
     "asperities.AsperityLayer.at.pressure": 1e7,
     "calibration.PressureData.pressure": [0.3],
     "calibration.fit.data": calibration.ApproachData([0.3], sigma=0.1),
@@ -158,13 +164,16 @@ class Examples:
             *bench.solutions,
             *(one.physical for one in bench.solutions if one.scene.physical is not None),
             *(profiles.Parabola(1.0), profiles.Sampled((0.0, 1.0), ((0.5, 0.5),))),
-            layers.PowerLaw(1.0, 1.5),
+            *(layers.PowerLaw(1.0, 1.5), layers.Sampled((0.0, 1.0), ((0.5, 0.5),))),
             *(SCENE, si, own, own.points[0], own.points, rate),
             *(compared, QUICK, OwnSolver(), truth_of(NORMAL), figure),
             paper.FigureData(figure, 1e-3, table[:, : len(figure.columns)].copy()),
             *(graded_radii(bench.solutions[0], 20), reference(Scene(0.1), 15)),
             *(data, calibration.PressureData([0.5], [0.3], sigma=0.1)),
             calibration.StickRadiusData([0.5], sigma=0.1),
+            calibration.IndentationFit(
+                SCENE, ("zero_point",), (0.0,), (0.1,), ((0.01,),), (0.0,), 1
+            ),
             greenwood_williamson(**LAYER),
             calibration.fit(NORMAL, data, "normal_compliance", rtol=1e-4),
         ]
