@@ -77,7 +77,7 @@ class GreenwoodWilliamson(Layer):
 
     @property
     def knots(self) -> tuple[float, ...]:
-        """Zero for exponential heights: all asperities touch beyond."""
+        """Zero for exponential heights, beyond which all asperities touch."""
         return () if self.heights == "gaussian" else (0.0,)
 
     @property
