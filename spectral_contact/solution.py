@@ -135,7 +135,7 @@ class Solution(Output):
 
     @property
     def domain_radius(self) -> float:
-        """Radius at s = 1 in L: of the contact under a profile, or where there is no edge.
+        """Radius at s = 1 in L, of the contact under a profile, or where there is no edge.
 
         Under a layer with pressure at every gap it is one beyond which the pressure is less than
         1e-17 of its largest value.

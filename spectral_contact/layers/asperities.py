@@ -51,8 +51,8 @@ class GreenwoodWilliamson(Layer):
         Radius of the tips, in L.
     height_deviation : float
         Standard deviation of the heights, in L.
-    heights : {"gaussian", "exponential"}
-        Their distribution.
+    heights : str
+        Their distribution: ``"gaussian"`` or ``"exponential"``.
 
     Raises
     ------
@@ -72,7 +72,7 @@ class GreenwoodWilliamson(Layer):
 
     @property
     def start(self) -> float:
-        """Minus infinity: there is pressure at every gap."""
+        """Minus infinity, as there is pressure at every gap."""
         return -inf
 
     @property

@@ -188,7 +188,7 @@ class CalculixExponential(Layer):
 
     @property
     def start(self) -> float:
-        """Minus infinity: there is pressure at every gap."""
+        """Minus infinity, as there is pressure at every gap."""
         return -inf
 
     @property
