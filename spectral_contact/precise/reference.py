@@ -115,7 +115,7 @@ def _reference(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSoluti
         run.edge_ratio(),
         run.opening,
         error,
-        worst <= 10.0**-digits,
+        _met(worst, digits),
         run.unknowns,
         run.fixed.bits,
         perf_counter() - begin,
@@ -124,6 +124,11 @@ def _reference(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSoluti
     run.release()
     tell("", 1.0)
     return _certified(solution, worst)
+
+
+def _met(worst: float, digits: int) -> bool:
+    """Return whether the largest error leaves so many digits."""
+    return worst <= 10.0**-digits
 
 
 def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
@@ -161,7 +166,7 @@ def _pressed(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSolution
         edge_ratio=None,
         opening=None,
         error=error,
-        converged=worst <= 10.0**-digits,
+        converged=_met(worst, digits),
         unknowns=run.unknowns,
         bits=run.bits,
         seconds=perf_counter() - begin,
