@@ -189,7 +189,7 @@ def threshold_scenes(kept: list[dict[str, Any]], every: int) -> Iterator[Finding
     """Solve scenes where a zone appears, joins or vanishes, and say what became of each.
 
     Wrong is what converged and misses the law by its own fields, or the zones as far as these are
-    known, beyond the estimates. Nothing is a violation yet.
+    known, beyond the estimates.
     """
     for row in kept[::every]:
         if row["slow"] and every > 1:
