@@ -22,9 +22,9 @@ from spectral_contact.calibration.measurements import (
     PressureData,
     StickRadiusData,
 )
-from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
+from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, check_settled
 from spectral_contact.calibration.setting import PARAMETERS, Setting
-from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real, whole
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
@@ -123,15 +123,11 @@ def fit(
     chi square 0.2539 at 1 degrees of freedom, p = 0.61
     """
     instance("scene", scene, Scene)
-    if isinstance(data, IndentationData):
-        return fit_indentation(scene, data, free, rtol=rtol, max_evaluations=max_evaluations)
-    problem = _Problem(
-        scene,
-        _measurements(data),
-        _names(free),
-        real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4),
-    )
+    rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
     most = whole("max_evaluations", max_evaluations, 1)
+    if isinstance(data, IndentationData):
+        return fit_indentation(scene, data, free, rtol=rtol, max_evaluations=most)
+    problem = _Problem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
 
@@ -191,11 +187,7 @@ class _Problem:
             gtol=1e-10,
             max_nfev=max_evaluations,
         )
-        if found.status == 0:
-            raise ConvergenceError(
-                f"the fit has not settled after {max_evaluations} evaluations",
-                "start nearer to the answer, free fewer parameters, or raise max_evaluations.",
-            )
+        check_settled(found, max_evaluations)
         covariance = self._covariance(self.jacobian(found.x), found.x, found.active_mask)
         layer = self.layer(found.x)
         errors = np.sqrt(np.diag(covariance))

@@ -17,10 +17,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spectral_contact.calibration.outcome import check_settled
 from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
-from spectral_contact.inputs.checks import finite, real, reals, whole
+from spectral_contact.inputs.checks import finite, reals
 from spectral_contact.inputs.choices import names, one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
@@ -243,8 +244,6 @@ def fit_indentation(
     """
     from scipy.optimize import least_squares  # takes long to import
 
-    rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
-    whole("max_evaluations", max_evaluations, 1)
     free = names("free", [free] if isinstance(free, str) else free, INDENTATION_PARAMETERS)
     problem = _CurveProblem(scene, data, tuple(free), rtol)
     found = least_squares(
@@ -257,11 +256,7 @@ def fit_indentation(
         gtol=1e-12,
         max_nfev=max_evaluations,
     )
-    if found.status == 0:
-        raise ConvergenceError(
-            f"the fit has not settled after {max_evaluations} evaluations",
-            "start nearer to the answer, free fewer parameters, or raise max_evaluations.",
-        )
+    check_settled(found, max_evaluations)
     return problem.outcome(found)
 
 

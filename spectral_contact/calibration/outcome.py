@@ -10,11 +10,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.errors import ConvergenceError
 from spectral_contact.inputs.checks import real, whole
 from spectral_contact.io.documents import Refused, check_schema, key_complaint, reported
 from spectral_contact.scene import Scene
 
-__all__ = ["FittedParameter", "RoughnessFit"]
+__all__ = ["FittedParameter", "RoughnessFit", "check_settled"]
 
 _SCHEMA: Final = "spectral_contact.fit"
 _VERSION: Final = 1
@@ -173,3 +174,12 @@ class RoughnessFit:
 
 def _numbers(values: list[object]) -> tuple[float, ...]:
     return tuple(real("number", value, allowed="finite") for value in values)
+
+
+def check_settled(found: Any, max_evaluations: int) -> None:
+    """Raise `ConvergenceError` if SciPy's least squares ended for lack of evaluations."""
+    if found.status == 0:
+        raise ConvergenceError(
+            f"the fit has not settled after {max_evaluations} evaluations",
+            "start nearer to the answer, free fewer parameters, or raise max_evaluations.",
+        )
