@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from math import exp
+from math import exp, inf
 from time import perf_counter
 from typing import Any
 
@@ -28,6 +28,7 @@ from spectral_contact.contact.coupled_problem import (
 from spectral_contact.contact.coupled_radii import scanned, stick_radii
 from spectral_contact.contact.coupled_stick import CoupledStick
 from spectral_contact.contact.layout import Layout, logit_at
+from spectral_contact.contact.onset import full_stick_violations
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
 from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD
@@ -50,8 +51,10 @@ _CLEAR, _APART = 1.0, 3.0
 _RESOLVED = 1e-29
 #: Friction may lack four times what the onset of slip is away, and what a grid of places can miss.
 _WIDENED, _MISSED = 4.0, 1e-3
-#: Places in ``-ln y`` at which full stick is compared with friction.
-_PLACES, _DEPTH = 2000, 40.0
+#: Down to this ``-ln y`` full stick is compared with friction.
+_DEPTH = 40.0
+#: Slip narrower than this, as a logit, may fall between rings.
+_NARROW = 0.25
 #: Friction that lacks as little as this lets no more slip than where full stick exceeds it: to 0.01
 #: in the logit, measured; as much is seen of the difference to where rough spaces have slip.
 _ABOUT, _SEEN = 1e-2, 0.02
@@ -152,9 +155,15 @@ class CoupledSearch:
             yield layout, True
 
     def _guesses(self) -> Iterator[Layout]:
-        """Yield what rings, one disk, full stick and the contact without coupling tell."""
-        yield self._on_rings()
+        """Yield what rings, one disk, full stick and the contact without coupling tell.
+
+        Full stick comes first where it is narrow slip: rings miss it, or its place.
+        """
         violated = self._violated()
+        widths = np.diff(violated.logits)[::2]
+        if len(violated.logits) == 2 * len(widths) and max(widths, default=inf) < _NARROW:
+            yield violated
+        yield self._on_rings()
         yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
         yield violated
         yield self.plain()
@@ -245,14 +254,10 @@ class CoupledSearch:
         pressure, traction = self.stick.pressure, self.stick.traction
         if pressure is None or traction is None:
             return _NOWHERE
-        x = np.linspace(1e-3, _DEPTH, _PLACES)
-        y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
-        p, q = pressure.at(y), traction(s, y / (1.0 + s))
-        beyond = (np.abs(q) > friction * p) | (p <= 0.0)
-        edges = np.flatnonzero(beyond[1:] != beyond[:-1])
-        middles = (x[edges] + x[edges + 1]) / 2.0
-        logits = tuple(logit_at(one) for one in middles.tolist())
-        signs = (
-            np.sign(q[np.concatenate([[0], edges + 1])]) * beyond[np.concatenate([[0], edges + 1])]
-        )
-        return Layout(logits, tuple(int(one) for one in signs))
+        found = full_stick_violations(pressure, self.stick, friction, _DEPTH)
+        ends = [x for interval in found for x in interval if x < inf]
+        middles = np.array([(low + min(high, _DEPTH)) / 2.0 for low, high in found])
+        s = np.sqrt(-np.expm1(-middles))
+        signs = np.sign(traction(s, np.exp(-middles) / (1.0 + s))).astype(int).tolist()
+        states = [one for sign in signs for one in (0, sign)] + [0] * (len(ends) == 2 * len(found))
+        return Layout(tuple(logit_at(one) for one in ends), tuple(states))

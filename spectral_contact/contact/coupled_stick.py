@@ -54,6 +54,8 @@ class CoupledStick:
         ``q/p`` at the edge; None where it has no limit or no meaning.
     critical : float
         The largest ``|q|/p``; infinite where the pressure changes sign.
+    critical_at : float
+        ``y`` where that is.
     approach_error, shear_error, pressure_error, traction_error : float
         Estimates of relative errors. Those of the fields are pointwise, of p and of q/s; where
         one of the two changes sign they are relative to the root of the sum of both squares, in
@@ -71,6 +73,7 @@ class CoupledStick:
     opening: float | None = None
     edge_ratio: float | None = None
     critical: float = inf
+    critical_at: float = 0.0
     pressure_error: float = inf
     traction_error: float = inf
     edge_error: float = 4.0 * ROUNDING
@@ -160,6 +163,7 @@ def _with_ratios(stick: CoupledStick, system: Tangential, solution: Array) -> Co
         stick,
         edge_ratio=edge,
         critical=critical,
+        critical_at=where,
         edge_error=error(0.0) if 0.0 < edge < inf else _ROUNDING,
         critical_error=error(where) if critical < inf else _ROUNDING,
     )

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import exp, inf, log, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import FullStick
+from spectral_contact.fields.series import PressureField
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_stick import CoupledStick
 
 __all__ = ["UNRESOLVED_SLIP", "depth_of", "full_stick_violations", "unresolved_slip"]
 
@@ -34,7 +39,7 @@ def unresolved_slip(drive: Drive, stick: FullStick, beta: float, friction: float
     lack = max(1.0 - friction / stick.critical, 0.0) + 2.0 * stick.critical_error
     depth = depth_of(drive.contact.compliance, beta, friction)
     least = stick.critical * (1.0 - min(_WIDENED * lack, 1.0))
-    intervals = full_stick_violations(drive, stick, least, depth)
+    intervals = full_stick_violations(drive.pressure, stick, least, depth)
     if not intervals:
         return UNRESOLVED_SLIP
     y = exp(-intervals[0][0])
@@ -51,14 +56,16 @@ def depth_of(alpha: float, beta: float, friction: float) -> float:
 
 
 def full_stick_violations(
-    drive: Drive, stick: FullStick, friction: float, depth: float
+    pressure: PressureField, stick: FullStick | CoupledStick, friction: float, depth: float
 ) -> list[tuple[float, float]]:
-    """Return the intervals of ``x`` where full stick breaks |q| <= f p, as (low, high)."""
+    """Return the intervals of ``x = -ln y`` where full stick breaks |q| <= f p, as (low, high)."""
+    traction = stick.traction
+    assert traction is not None
 
     def excess(x: Array) -> Array:
         y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
-        q = stick.traction(s, y / (1.0 + s))
-        return np.asarray(np.abs(q) / drive.pressure.at(y) - friction)
+        q = traction(s, y / (1.0 + s))
+        return np.asarray(np.abs(q) - friction * pressure.at(y))
 
     x = np.linspace(1e-3, depth, 4001)
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth

@@ -41,7 +41,9 @@ def search_zones(
         The stick radius under the assumption of one disk, for disks smaller than a ring.
     """
     alpha = drive.contact.compliance
-    violated = full_stick_violations(drive, stick, friction, depth_of(alpha, beta, friction))
+    violated = full_stick_violations(
+        drive.pressure, stick, friction, depth_of(alpha, beta, friction)
+    )
     narrow = bool(violated) and all(high - low < _NARROW for low, high in violated)
     if narrow:
         yield _layout(violated)
