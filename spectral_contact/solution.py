@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,9 +34,6 @@ from spectral_contact.records import (
 )
 from spectral_contact.scene import Scene
 from spectral_contact.view.output import Output
-
-if TYPE_CHECKING:
-    from spectral_contact.interior import Inside
 
 __all__ = [
     "COUPLING",
@@ -320,19 +317,10 @@ class Solution(Output):
         """
         return self._field(self.slip_field, "slip", s, from_edge)
 
-    @property
-    def inside(self) -> Inside:
-        """Stress and displacement anywhere in the half-space; needs pressure and traction."""
-        from spectral_contact.interior import Inside
-
-        return Inside(self)
-
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):
             return NotImplemented
-        from spectral_contact.io import storage
-
-        return storage.comparable(self) == storage.comparable(other)
+        return bool(self._comparable == other._comparable)
 
     def __hash__(self) -> int:
         return hash((self.scene, self.rtol, self.plan.quantities))

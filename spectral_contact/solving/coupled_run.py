@@ -26,6 +26,8 @@ from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_outcome import CoupledSlip
+    from spectral_contact.contact.coupled_search import CoupledSearch
     from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.layout import Layout
 
@@ -133,7 +135,6 @@ class CoupledRun(Run):
 
     def _slipping(self, friction: float, stick: CoupledStick) -> None:
         """Take over partial slip."""
-        from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
         from spectral_contact.contact.coupled_search import CoupledSearch
         from spectral_contact.spectral.parameters import Parameters
 
@@ -150,25 +151,10 @@ class CoupledRun(Run):
             self.record,
         )
         lack = 1.0 - friction / stick.critical
-        if lack <= _ROUNDED or (lack <= _HIDDEN and _ROOM * lack < 0.5 * self.rtol):
-            self._about_to_slip(stick, lack, search.about_to_slip(lack))
-            return
         unsure = lack + stick.critical_error
-        try:
-            found = search.outcome()
-        except NoCoupledSlipError as missing:
-            if unsure > _ONSET:
-                raise NotComputedError(
-                    "coupled partial slip",
-                    f"no zones were found that obey the friction law ({missing}); "
-                    "pass friction=math.inf, or coupling=False",
-                ) from missing
-            self._about_to_slip(stick, unsure, search.about_to_slip(unsure))
-            return
-        own = found.solved
-        worst = max(own.pressure_error, own.traction_error, own.shear_error, own.approach_error)
-        bettered = not found.consistent or worst > max(self.rtol, _ROOM * unsure)
-        if unsure <= _ONSET and bettered:
+        hidden = lack <= _ROUNDED or (lack <= _HIDDEN and _ROOM * unsure < 0.5 * self.rtol)
+        found = None if hidden else self._found(search, unsure)
+        if found is None:
             self._about_to_slip(stick, unsure, search.about_to_slip(unsure))
             return
         solved = found.solved
@@ -208,6 +194,25 @@ class CoupledRun(Run):
         self.outcome[SLIP_FIELD] = checked
         if not found.consistent:
             self.endings.append(Ending.ZONES)
+
+    def _found(self, search: CoupledSearch, unsure: float) -> CoupledSlip | None:
+        """Return the zones, or None next to the onset where full stick is as good."""
+        from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
+
+        try:
+            found = search.outcome()
+        except NoCoupledSlipError as missing:
+            if unsure <= _ONSET:
+                return None
+            raise NotComputedError(
+                "coupled partial slip",
+                f"no zones were found that obey the friction law ({missing}); "
+                "pass friction=math.inf, or coupling=False",
+            ) from missing
+        own = found.solved
+        worst = max(own.pressure_error, own.traction_error, own.shear_error, own.approach_error)
+        good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
+        return found if good or unsure > _ONSET else None
 
     def _about_to_slip(self, stick: CoupledStick, lack: float, radius_error: float) -> None:
         """Take full stick, with room for the slip that was not found.

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any, cast
+from importlib import import_module
+from typing import Any
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import flag, real
@@ -73,6 +74,11 @@ class Point:
         return self.times.warm.median / -math.log10(max(error, 2.0**-53))
 
 
+def _above(module: str) -> Any:
+    """Return a module that knows results, by name: an import would go round."""
+    return import_module(f"spectral_contact.studies.{module}")
+
+
 class _Result:
     """What every study can do."""
 
@@ -86,9 +92,7 @@ class _Result:
         SolutionFileError
             For another suffix, or a path that cannot be written.
         """
-        from spectral_contact.studies import files
-
-        files.save(cast("Study", self), path)
+        _above("files").save(self, path)
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, cold: bool = True) -> Any:
         """Draw the errors over times, and over unknowns with their rates; write the figure.
@@ -114,15 +118,10 @@ class _Result:
         SolutionFileError
             For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
         """
-        from spectral_contact.studies import pictures
-
-        flag("cold", cold)
-        return pictures.drawn(cast("Study", self), path, cold)
+        return _above("pictures").drawn(self, path, flag("cold", cold))
 
     def __str__(self) -> str:
-        from spectral_contact.studies import tables
-
-        return tables.text_of(cast("Study", self))
+        return str(_above("tables").text_of(self))
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+    from spectral_contact.interior import Inside
     from spectral_contact.solution import Solution
     from spectral_contact.studies.derivatives import Sensitivity
     from spectral_contact.view.physical import PhysicalSolution
@@ -56,6 +57,16 @@ class Output:
     """Base of `Solution`: every method hands the solution to the module that does it."""
 
     __slots__ = ()
+
+    @property
+    def inside(self) -> Inside:
+        """Stress and displacement anywhere in the half-space; needs pressure and traction."""
+        return _above("interior").Inside(self)  # type: ignore[no-any-return]
+
+    @property
+    def _comparable(self) -> object:
+        """What is the same of equal solutions."""
+        return _above("io.storage").comparable(self)
 
     @property
     def physical(self) -> PhysicalSolution:
