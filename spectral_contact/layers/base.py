@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import inf
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -125,6 +125,22 @@ class Layer(ABC):
                 break
             low, high = (middle, high) if less(middle) else (low, middle)
         return high
+
+    @abstractmethod
+    def over(self, unit: float) -> Self:
+        """Return the law with its pressures in another unit.
+
+        Parameters
+        ----------
+        unit : float
+            Positive, the unit in that of the law's pressures. `GreenwoodWilliamson` has no
+            pressure of its own, but that of its half-space, and stays what it is.
+
+        Raises
+        ------
+        SceneError
+            If a parameter leaves its range.
+        """
 
     # the members below are the solver's: arrays of doubles as they are
 

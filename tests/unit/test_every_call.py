@@ -47,6 +47,12 @@ SCENES = {
     "flat on a layer": Scene(
         0.3, layer=layers.CalculixExponential(0.1, 0.2), profile=profiles.Flat(2.0), load=1.0
     ),
+    "layer in SI": Scene.from_physical(
+        **STEEL,
+        layer=layers.Exponential(1e8, 1e-7),
+        profile=profiles.Parabola(1e-5),
+        approach=-1e-8,
+    ),
 }
 
 
@@ -104,6 +110,7 @@ REFUSED = {
     "power layer": NOT_UNDER_LAYERS,
     "rough spheres": NOT_UNDER_LAYERS | {"indentation", "compare"},  # there is no edge
     "flat on a layer": NOT_UNDER_LAYERS | {"indentation"},
+    "layer in SI": NOT_UNDER_LAYERS,
 }
 
 
