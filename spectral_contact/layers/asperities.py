@@ -71,7 +71,7 @@ class GreenwoodWilliamson(Layer):
             positive(self, name)
         one_of("heights", self.heights, _HEIGHTS)
 
-    def over(self, unit: float) -> Self:
+    def _over(self, unit: float) -> Self:
         """Return the law itself: its pressure is in E' of the half-space."""
         return self
 

@@ -126,23 +126,14 @@ class Layer(ABC):
             low, high = (middle, high) if less(middle) else (low, middle)
         return high
 
-    @abstractmethod
-    def over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit.
-
-        Parameters
-        ----------
-        unit : float
-            Positive, the unit in that of the law's pressures. `GreenwoodWilliamson` has no
-            pressure of its own, but that of its half-space, and stays what it is.
-
-        Raises
-        ------
-        SceneError
-            If a parameter leaves its range.
-        """
-
     # the members below are the solver's: arrays of doubles as they are
+
+    @abstractmethod
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in a unit; `SceneError` if a parameter is too large.
+
+        `GreenwoodWilliamson` has its pressure in E' of the half-space, and stays what it is.
+        """
 
     @property
     @abstractmethod

@@ -85,7 +85,7 @@ def in_own_units(law: Any, modulus: float) -> Layer:
     if type(law) not in KINDS.values():
         raise SceneError("layer", law, f"None or one of layers: {', '.join(KINDS)}")
     try:
-        scaled: Layer = law.over(modulus)
+        scaled: Layer = law._over(modulus)
     except SceneError as error:
         told = f"such that its {error.parameter} over E' = {modulus:.6g} Pa is {error.allowed}"
         raise SceneError("layer", law, told) from error

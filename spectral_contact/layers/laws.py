@@ -45,7 +45,7 @@ class Linear(Layer):
     def __post_init__(self) -> None:
         positive(self, "compliance")
 
-    def over(self, unit: float) -> Self:
+    def _over(self, unit: float) -> Self:
         """Return the law with its pressures in another unit."""
         return replace(self, compliance=self.compliance * unit)
 
@@ -87,7 +87,7 @@ class PowerLaw(Layer):
         positive(self, "coefficient")
         positive(self, "exponent", *_EXPONENTS)
 
-    def over(self, unit: float) -> Self:
+    def _over(self, unit: float) -> Self:
         """Return the law with its pressures in another unit."""
         return replace(self, coefficient=self.coefficient / unit)
 
@@ -133,7 +133,7 @@ class Exponential(Layer):
         positive(self, "zero_pressure")
         positive(self, "clearance")
 
-    def over(self, unit: float) -> Self:
+    def _over(self, unit: float) -> Self:
         """Return the law with its pressures in another unit."""
         return replace(self, zero_pressure=self.zero_pressure / unit)
 
@@ -198,7 +198,7 @@ class CalculixExponential(Layer):
         positive(self, "zero_pressure")
         positive(self, "clearance")
 
-    def over(self, unit: float) -> Self:
+    def _over(self, unit: float) -> Self:
         """Return the law with its pressures in another unit."""
         return replace(self, zero_pressure=self.zero_pressure / unit)
 

@@ -154,7 +154,7 @@ class Table(_Pieces):
         object.__setattr__(self, "overclosures", w)
         object.__setattr__(self, "pressures", p)
 
-    def over(self, unit: float) -> Self:
+    def _over(self, unit: float) -> Self:
         """Return the law with its pressures in another unit."""
         return replace(self, pressures=tuple(p / unit for p in self.pressures))
 
@@ -252,7 +252,7 @@ class Sampled(_Pieces):
             raise SceneError("derivative", float(given[off][0]), told)
         return law
 
-    def over(self, unit: float) -> Self:
+    def _over(self, unit: float) -> Self:
         """Return the law with its pressures in another unit."""
         return replace(self, series=tuple(tuple(c / unit for c in row) for row in self.series))
 
