@@ -1,4 +1,4 @@
-"""Compliance of a rough layer from its asperities: Greenwood and Williamson, linearised.
+"""A rough layer from its asperities, after Greenwood and Williamson: compliance and law.
 
 Spherical asperities of one tip radius R and Gaussian heights of standard deviation σ, independent
 of each other, carry at the separation d from the mean of their heights the pressure
@@ -22,9 +22,13 @@ import numpy as np
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.choices import one_of
+from spectral_contact.layers import CalculixExponential, GreenwoodWilliamson, Layer, PowerLaw
 
 __all__ = ["AsperityLayer", "greenwood_williamson"]
 
+#: Laws that `AsperityLayer.law` makes.
+_LAWS = "gaussian", "exponential heights", "uniform heights", "tangent exponential"
 #: Separations d/σ that are solved for, far beyond those at which the model means anything.
 _NEAREST, _FARTHEST = -10.0, 20.0
 #: Range of the products of the inputs, so that nothing overflows.
@@ -129,6 +133,44 @@ class AsperityLayer:
             pressure=pressure,
             hardness=self.hardness,
         )
+
+    def law(self, kind: str = "gaussian") -> Layer:
+        """Return the law of the layer as it is, for ``Scene.from_physical(layer=…)``.
+
+        Parameters
+        ----------
+        kind : str
+            ``"gaussian"``: the same asperities with Gaussian heights, Greenwood and Williamson's.
+            ``"exponential heights"``: heights of the same deviation that are distributed
+            exponentially. ``"uniform heights"``: evenly over an interval, which is a power law of
+            exponent 5/2 from the highest on, until the lowest touches. ``"tangent exponential"``:
+            the exponential law with pressure and compliance of the Gaussian one at the nominal
+            pressure.
+
+        Returns
+        -------
+        Layer
+            Pressures in Pa, lengths in m. The overclosure is counted from the mean of the heights;
+            for exponential heights from the lowest asperity, for uniform ones from the highest.
+
+        Raises
+        ------
+        SceneError
+            For another kind, or if a parameter of the law leaves its range.
+        """
+        one_of("kind", kind, _LAWS)
+        eta, tip, sigma = self.density, self.tip_radius, self.height_deviation
+        if kind == "uniform heights":
+            span = 2.0 * math.sqrt(3.0) * sigma
+            modulus = _plane_modulus(self.youngs_modulus, self.poisson_ratio)
+            # (4/3) eta E' sqrt(R) times the integral of z^(3/2) from 0 to w, over the span
+            return PowerLaw(8.0 / 15.0 * eta * modulus * math.sqrt(tip) / span, 2.5)
+        if kind == "tangent exponential":
+            decay = self.normal_compliance * self.pressure
+            at_zero = self.pressure * math.exp(self.separation / decay)
+            return CalculixExponential(at_zero, math.log(100.0) * decay)
+        heights = "gaussian" if kind == "gaussian" else "exponential"
+        return GreenwoodWilliamson(eta, tip, sigma, heights)
 
     def compliance_change(self, share: float) -> tuple[float, float]:
         """Return how far linearisation holds: α at lower and at higher pressure, over α, minus 1.

@@ -25,7 +25,7 @@ from spectral_contact.inputs.physical import (
 from spectral_contact.inputs.units import Measured, in_si
 from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
 from spectral_contact.layers import Layer
-from spectral_contact.layers.control import check_layer, layer_from
+from spectral_contact.layers.control import check_layer, in_own_units, layer_from
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, checked_controls, profile_from
 
@@ -134,6 +134,7 @@ class Scene:
         tangential_compliance: Measured = 0.0,
         friction: float | None = None,
         coupling: bool = False,
+        layer: Layer | None = None,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
 
@@ -167,6 +168,8 @@ class Scene:
             Coulomb coefficient f >= 0; ``math.inf`` is full stick, None (default) no friction.
         coupling : bool
             Whether the traction acts back on the pressure.
+        layer : Layer, optional
+            The law of a nonlinear layer, its pressures in Pa and its lengths in m, with a profile.
 
         Raises
         ------
@@ -195,11 +198,14 @@ class Scene:
             contact_radius=in_si("contact_radius", contact_radius, "m"),
             normal_compliance=in_si("normal_compliance", normal_compliance, "m/Pa"),
             tangential_compliance=in_si("tangential_compliance", tangential_compliance, "m/Pa"),
+            layer=layer,
         )
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
         shape: Any = (
             {} if profile is None else {"profile": profile, **physical.drive(poisson_ratio)}
         )
+        if layer is not None:
+            shape["layer"] = in_own_units(layer, physical.reduced_modulus(poisson_ratio))
         return cls(
             poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling, **shape
         )
@@ -241,7 +247,7 @@ class Scene:
         if self.physical is None:
             return own
         rest = {name: value for name, value in own.items() if name not in (*CONTROLS, "layer")}
-        return {**rest, **asdict(self.physical)}
+        return {**rest, **{name: getattr(self.physical, name) for name in _names(PhysicalData)}}
 
     def __repr__(self) -> str:
         made_by = type(self).__name__ + ".from_physical" * (self.physical is not None)
@@ -279,6 +285,8 @@ class Scene:
         kinds = {"profile": self.profile, "layer": self.layer}
         trees = {name: None if one is None else kind_tree(one) for name, one in kinds.items()}
         values = {**asdict(self), "friction": friction, **trees}
+        if self.physical is not None and self.physical.layer is not None:
+            values["physical"]["layer"] = kind_tree(self.physical.layer)
         for whole, part in ((self, values), (self.physical, values["physical"])):
             for one in fields(whole) if whole is not None else ():
                 if left_out(one, part[one.name]):
@@ -305,7 +313,10 @@ class Scene:
             raise SceneError("friction", friction, 'finite, or the string "inf"')
         if values["physical"] is not None:
             _check_keys(values["physical"], PhysicalData, 'in "physical", ')
-            values["physical"] = PhysicalData(**values["physical"])
+            physical = dict(values["physical"])
+            if physical.get("layer") is not None:
+                physical["layer"] = layer_from(physical["layer"])
+            values["physical"] = PhysicalData(**physical)
         if values.get("profile") is not None:
             values["profile"] = profile_from(values["profile"])
         if values.get("layer") is not None:
@@ -343,9 +354,13 @@ class Scene:
             raise SceneError("radius", self.physical.radius, told)
         compliances = self.physical.dimensionless_compliances(self.poisson_ratio)
         names = ("normal_compliance", "tangential_compliance")
-        implied = dict(zip(names, compliances, strict=True))
+        implied: dict[str, Any] = dict(zip(names, compliances, strict=True))
         if self.profile is not None:
             implied |= self.physical.drive(self.poisson_ratio)
+        law = self.physical.layer
+        if law is not None or self.layer is not None:
+            modulus = self.physical.reduced_modulus(self.poisson_ratio)
+            implied["layer"] = None if law is None else in_own_units(law, modulus)
         for name, number in implied.items():
             if getattr(self, name) != number:
                 remedy = "change it by Scene.from_physical, or pass physical=None as well"

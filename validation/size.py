@@ -36,8 +36,8 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 12_567, 6_500),
-    Gate("lines in all", 45_250, 23_000),
+    Gate("lines of the core", 12_553, 6_500),
+    Gate("lines in all", 45_748, 23_000),
     Gate("float literals of the core", 300, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 24, 0),

@@ -24,7 +24,7 @@ from spectral_contact.cli import scene as cli_scene
 from spectral_contact.cli import study as cli_study
 from spectral_contact.cli import sweep as cli_sweep
 from spectral_contact.cli.options import UsageError, joined, number, whole
-from spectral_contact.cli.profile import add_any_scene, any_scene, profile_given
+from spectral_contact.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
 from spectral_contact.errors import (
     ConvergenceError,
     SceneError,
@@ -74,7 +74,7 @@ def _run(argv: Sequence[str]) -> int:
         hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
         return failed(f"{error}{hint}", 1)
     except SceneError as error:
-        return failed(cli_scene.in_options(error, cli_scene.si_given(arguments)), 2)
+        return failed(cli_scene.in_options(error, in_si_units(arguments)), 2)
     except SpectralContactError as error:
         return failed(str(error), 2)
     return 0

@@ -6,13 +6,21 @@ import argparse
 from collections.abc import Callable
 from typing import Any, Final
 
+from spectral_contact.cli.layer import add_layer, law, layer_given
 from spectral_contact.cli.options import UsageError, number
-from spectral_contact.cli.scene import add_physical, add_scene, scene
+from spectral_contact.cli.scene import add_physical, add_scene, scene, si_given
 from spectral_contact.inputs.units import in_si
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 
-__all__ = ["add_any_scene", "add_profile", "any_scene", "profile_given", "profile_scene"]
+__all__ = [
+    "add_any_scene",
+    "add_profile",
+    "any_scene",
+    "in_si_units",
+    "profile_given",
+    "profile_scene",
+]
 
 #: Profiles that numbers describe, by the name on the command line.
 _NAMED: Final = {
@@ -22,6 +30,7 @@ _NAMED: Final = {
     "power-law": "PowerLaw",
     "rounded-flat": "RoundedFlat",
     "truncated-cone": "TruncatedCone",
+    "flat": "Flat",
 }
 #: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
 _OWN: Final = {
@@ -67,8 +76,9 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
         "--profile",
         choices=_NAMED,
         default=argparse.SUPPRESS,
-        help="what the punch looks like (default: flat)",
+        help="what the punch looks like (default: flat; flat itself is for a nonlinear layer)",
     )
+    add_layer(command, None if control is number else control)
     for name, meaning in _OWN.items():
         kind = control if name == "contact-radius" else number
         group.add_argument(
@@ -77,9 +87,16 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
 
 
 def profile_given(arguments: argparse.Namespace) -> bool:
-    """Return whether the scene has a profile, or at least an option of one."""
-    own = {name.replace("-", "_") for name in _OWN}
-    return not {"profile", *own}.isdisjoint(vars(arguments))
+    """Return whether the scene has a profile, or at least an option of one or of a layer."""
+    own, given = {name.replace("-", "_") for name in _OWN}, vars(arguments)
+    return layer_given(given) or not {"profile", *own}.isdisjoint(given)
+
+
+def in_si_units(arguments: argparse.Namespace) -> bool:
+    """Return whether the scene is in SI units: with a profile lengths and loads may be any."""
+    if profile_given(arguments):
+        return not set(_SI_ONLY).isdisjoint(vars(arguments))
+    return si_given(arguments)
 
 
 def profile_scene(arguments: argparse.Namespace) -> Scene:
@@ -94,13 +111,14 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
     """
     given = vars(arguments)
     if "profile" not in given:
-        raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of a profile")
-    si = not set(_SI_ONLY).isdisjoint(given)
+        told = "a layer" if layer_given(given) else "a profile"
+        raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of {told}")
+    si = in_si_units(arguments)
     if si:
         _check_si(given)
     values = _numbers(given, si)
     kind = _NAMED[given["profile"]]
-    needed = SHAPES[kind]
+    needed = SHAPES.get(kind, ("radius",))
     _check_complete(given["profile"], needed, values)
     rest: dict[str, Any] = {
         name: given[name] for name in ("youngs_modulus", "friction") if name in given
@@ -111,6 +129,7 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
         **{name: values[name] for name in CONTROLS if name in values},
         "profile": KINDS[kind](**{name: values[name] for name in needed}),
         "coupling": arguments.coupling,
+        "layer": law(given, si),
         **rest,
     }
     return Scene.from_physical(**known) if si else Scene(**known)

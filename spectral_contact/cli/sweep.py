@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from spectral_contact.cli.layer import LAW_NUMBERS
 from spectral_contact.cli.options import UsageError, friction, number, values, whole
 from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
 from spectral_contact.inputs.checks import whole as checked_whole
@@ -105,12 +106,17 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
     if arguments.plot is not None:
         plotting.require()
     lists = {name: vars(arguments)[name] for name in (*_PARAMETERS, *CONTROLS) if name in arguments}
+    of_law = {name: vars(arguments)[name] for name in LAW_NUMBERS if name in arguments}
     axes = {name: several for name, several in lists.items() if len(several) > 1}
-    base = _base(arguments, {name: several[0] for name, several in lists.items()})
+    law = {
+        name.removeprefix("layer_"): several for name, several in of_law.items() if len(several) > 1
+    }
+    base = _base(arguments, {name: several[0] for name, several in (lists | of_law).items()})
     with workers(checked_whole("workers", arguments.workers, 1)) as executor:
         return sweep(
             base,
             **axes,
+            layer=law or None,
             quantities=arguments.quantities,
             rtol=arguments.rtol,
             s=arguments.s,

@@ -355,14 +355,18 @@ class LayeredNewton:
 def balanced(setting: LayeredSetting, room: Array, start: Array, spring: float = _OWN) -> Array:
     """Return w with ``w + spring F(w) = room`` at every point by itself."""
     w = start.copy()
-    low, high = np.full(w.shape, -inf), np.full(w.shape, inf)
+    begun = setting.layer.start > -inf
+    low = np.minimum(room, 0.0) if begun else np.full(w.shape, -inf)
+    high = np.full(w.shape, inf)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_POINTWISE_STEPS):
             off = w + spring * setting.pressure(w) - room
             low, high = np.where(off < 0.0, w, low), np.where(off < 0.0, high, w)
             step = w - off / (1.0 + spring * setting.slope(w))
             middle = np.where(np.isfinite(low + high), 0.5 * (low + high), np.minimum(w, room))
-            new = np.where((step > low) & (step < high), step, middle)
+            # under an exponential law Newton's steps are of one length, however far it is
+            far = (off > np.abs(room)) & np.isfinite(low)
+            new = np.where((step > low) & (step < high) & ~far, step, middle)
             done = np.abs(new - w) <= _POINTWISE * (np.abs(new) + np.abs(room))
             w = new
             if done.all():

@@ -8,7 +8,7 @@ import decimal
 import sys
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Final
+from typing import Any, Final
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import exactly_one, real
@@ -42,6 +42,9 @@ class PhysicalData:
         β, radial displacement of the roughness per traction [m/Pa], finite and >= 0.
     contact_radius : float or None
         a under a profile [m], finite and > 0.
+    layer : Layer or None
+        The law of a nonlinear layer under a profile, pressures in Pa and lengths in m. Under it
+        the approach may be any finite number here.
 
     Raises
     ------
@@ -57,6 +60,7 @@ class PhysicalData:
     normal_compliance: float = 0.0
     tangential_compliance: float = 0.0
     contact_radius: float | None = field(default=None, metadata={"younger": True})
+    layer: Any = field(default=None, metadata={"younger": True})
 
     def __post_init__(self) -> None:
         drives = ("contact_radius", "load", "approach")
@@ -70,7 +74,10 @@ class PhysicalData:
             values = tuple(getattr(self, name) for name in drives)
             raise SceneError(", ".join(drives), values, "one value and two None: give one of them")
         for name in ("youngs_modulus", *given, *(() if self.radius is None else ("radius",))):
-            object.__setattr__(self, name, _positive(name, getattr(self, name)))
+            signed = name == "approach" and self.layer is not None
+            value = getattr(self, name)
+            value = real(name, value, allowed="finite") if signed else _positive(name, value)
+            object.__setattr__(self, name, value)
         for name in ("normal_compliance", "tangential_compliance"):
             value = getattr(self, name)
             number = real(name, value, allowed="finite and >= 0 [m/Pa]", low=0.0)

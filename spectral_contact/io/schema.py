@@ -61,18 +61,6 @@ _FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(s
 _FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
 _MAYBE_FLOAT = Maybe(_FLOAT)
 
-_PHYSICAL = Record(
-    "PhysicalData",
-    PhysicalData,
-    {"contact_radius": None},
-    youngs_modulus=_FLOAT,
-    radius=_MAYBE_FLOAT,
-    load=_MAYBE_FLOAT,
-    approach=_MAYBE_FLOAT,
-    normal_compliance=_FLOAT,
-    tangential_compliance=_FLOAT,
-    contact_radius=_MAYBE_FLOAT,
-)
 #: Profiles of punches.
 PROFILES: Final = (
     Record("Parabola", Parabola, radius=_FLOAT),
@@ -104,6 +92,19 @@ LAYERS: Final = (
     ),
     Record("Table", layers.Table, overclosures=Several(_FLOAT), pressures=Several(_FLOAT)),
     Record("Sampled", layers.Sampled, edges=Several(_FLOAT), series=Several(Several(_FLOAT))),
+)
+_PHYSICAL = Record(
+    "PhysicalData",
+    PhysicalData,
+    dict.fromkeys(("contact_radius", "layer")),
+    youngs_modulus=_FLOAT,
+    radius=_MAYBE_FLOAT,
+    load=_MAYBE_FLOAT,
+    approach=_MAYBE_FLOAT,
+    normal_compliance=_FLOAT,
+    tangential_compliance=_FLOAT,
+    contact_radius=_MAYBE_FLOAT,
+    layer=Maybe(Either(*LAYERS)),
 )
 _SCENE = Record(
     "Scene",

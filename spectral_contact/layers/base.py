@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import inf
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -127,6 +127,13 @@ class Layer(ABC):
         return high
 
     # the members below are the solver's: arrays of doubles as they are
+
+    @abstractmethod
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in a unit; `SceneError` if a parameter is too large.
+
+        `GreenwoodWilliamson` has its pressure in E' of the half-space, and stays what it is.
+        """
 
     @property
     @abstractmethod

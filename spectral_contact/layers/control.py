@@ -8,13 +8,14 @@ from typing import Any, Final
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.kinds import kind_from
+from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
 from spectral_contact.layers.asperities import GreenwoodWilliamson
 from spectral_contact.layers.base import Layer
 from spectral_contact.layers.laws import CalculixExponential, Exponential, Linear, PowerLaw
 from spectral_contact.layers.sampled import Sampled, Table
 from spectral_contact.profiles import Flat
 
-__all__ = ["KINDS", "check_layer", "endless", "layer_from", "refuse_layer"]
+__all__ = ["KINDS", "check_layer", "endless", "in_own_units", "layer_from", "refuse_layer"]
 
 #: Layers by the name that they have in files.
 KINDS: Final[dict[str, type[Layer]]] = {
@@ -49,6 +50,10 @@ def check_layer(scene: Mapping[str, Any]) -> None:
         return
     if type(layer) not in KINDS.values():
         raise SceneError("layer", layer, f"None or one of layers: {', '.join(KINDS)}")
+    if isinstance(layer, Linear):
+        low, high = SMALLEST_COMPLIANCE, LARGEST_COMPLIANCE
+        if not low <= layer.compliance <= high:
+            raise SceneError("layer", layer, f"of a compliance α E'/L in [{low:g}, {high:g}]")
     if scene["normal_compliance"]:
         told = "0 with a layer, which has a law of its own; one of the two"
         raise SceneError("normal_compliance", scene["normal_compliance"], told)
@@ -59,11 +64,32 @@ def check_layer(scene: Mapping[str, Any]) -> None:
     if scene["tangential_compliance"]:
         told = "0 with a layer, under which there is no friction"
         raise SceneError("tangential_compliance", scene["tangential_compliance"], told)
-    if scene["physical"] is not None:
-        told = "None with a layer, whose law is in E' and in the profile's unit of length"
-        raise SceneError("physical", scene["physical"], told)
     if scene["profile"] is None:
         raise SceneError("profile", None, "given with a layer: profiles.Flat is a flat punch")
+
+
+def in_own_units(law: Any, modulus: float) -> Layer:
+    """Return a law in Pa and m as one in E' and m.
+
+    Parameters
+    ----------
+    law : Layer
+    modulus : float
+        E' [Pa].
+
+    Raises
+    ------
+    SceneError
+        If it is no law, or a parameter leaves its range.
+    """
+    if type(law) not in KINDS.values():
+        raise SceneError("layer", law, f"None or one of layers: {', '.join(KINDS)}")
+    try:
+        scaled: Layer = law._over(modulus)
+    except SceneError as error:
+        told = f"such that its {error.parameter} over E' = {modulus:.6g} Pa is {error.allowed}"
+        raise SceneError("layer", law, told) from error
+    return scaled
 
 
 def endless(scene: Any) -> bool:

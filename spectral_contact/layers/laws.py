@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import e, inf, log
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
 from spectral_contact.layers.base import Layer, positive
 
 __all__ = ["CalculixExponential", "Exponential", "Linear", "PowerLaw"]
@@ -32,7 +32,7 @@ class Linear(Layer):
     Parameters
     ----------
     compliance : float
-        ``α* = αE'/L``, in [1e-14, 1e14].
+        ``α* = αE'/L``, in [1e-100, 1e100].
 
     Raises
     ------
@@ -43,7 +43,11 @@ class Linear(Layer):
     compliance: float
 
     def __post_init__(self) -> None:
-        positive(self, "compliance", SMALLEST_COMPLIANCE, LARGEST_COMPLIANCE)
+        positive(self, "compliance")
+
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in another unit."""
+        return replace(self, compliance=self.compliance * unit)
 
     @property
     def _size(self) -> float:
@@ -82,6 +86,10 @@ class PowerLaw(Layer):
     def __post_init__(self) -> None:
         positive(self, "coefficient")
         positive(self, "exponent", *_EXPONENTS)
+
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in another unit."""
+        return replace(self, coefficient=self.coefficient / unit)
 
     @property
     def _size(self) -> float:
@@ -124,6 +132,10 @@ class Exponential(Layer):
     def __post_init__(self) -> None:
         positive(self, "zero_pressure")
         positive(self, "clearance")
+
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in another unit."""
+        return replace(self, zero_pressure=self.zero_pressure / unit)
 
     @property
     def start(self) -> float:
@@ -185,6 +197,10 @@ class CalculixExponential(Layer):
     def __post_init__(self) -> None:
         positive(self, "zero_pressure")
         positive(self, "clearance")
+
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in another unit."""
+        return replace(self, zero_pressure=self.zero_pressure / unit)
 
     @property
     def start(self) -> float:

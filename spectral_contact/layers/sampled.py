@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple, Self
@@ -154,6 +154,10 @@ class Table(_Pieces):
         object.__setattr__(self, "overclosures", w)
         object.__setattr__(self, "pressures", p)
 
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in another unit."""
+        return replace(self, pressures=tuple(p / unit for p in self.pressures))
+
     @property
     def _edges(self) -> tuple[float, ...]:
         return self.overclosures
@@ -247,6 +251,10 @@ class Sampled(_Pieces):
             told = f"{own[off][0]:.10g} at {w[off][0]:.6g}, the derivative of the pressure"
             raise SceneError("derivative", float(given[off][0]), told)
         return law
+
+    def _over(self, unit: float) -> Self:
+        """Return the law with its pressures in another unit."""
+        return replace(self, series=tuple(tuple(c / unit for c in row) for row in self.series))
 
     @property
     def _edges(self) -> tuple[float, ...]:

@@ -100,7 +100,7 @@ class ProfileRun(Run):
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
-                near=path.near(at),
+                near=path.near(at) or self._nearby(at),
                 origin=origin,
             )
             path.add(at, value_of(solved).radius)
@@ -124,6 +124,22 @@ class ProfileRun(Run):
             indentation_work=found.work_error,
             pressure=found.pressure_error,
         )
+
+    def _nearby(self, at: float) -> float | None:
+        """Return the radius of a smooth contact; far beyond it an exponential law overflows."""
+        scene = self.scene
+        if scene.layer is None:
+            return None
+        assert scene.profile is not None
+        smooth = indenter(scene.profile, 0.0, self.max_unknowns)
+        load, approach = (at, None) if scene.approach is None else (None, at)
+        try:
+            found, _ = find_radius(
+                scene.profile, smooth, _ROUGH, load=load, approach=approach, pointwise=False
+            )
+        except SceneError:  # the profile ends before
+            return None
+        return value_of(found).radius
 
     @property
     def _edged(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -34,6 +35,7 @@ _MEANINGS: Final = {
     "stiffness": ("stiffness dP/dδ", "E'L"),
     "indentation_work": ("work of the load", "E'L³"),
     "profile": ("shape of the punch", ""),
+    "layer": ("law of the layer", ""),
     "approach": ("approach δ*", "4(1−ν²)P/(aE)"),
     "pressure": ("pressure p*", "P/a²"),
     "traction": ("traction q*", "P/a²"),
@@ -171,13 +173,24 @@ def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
             dims = parameters.dims if parameters.table is not None else (name,) * np.ndim(values)
             found[name] = dims, values, _about(name, parameters.shaped)
     if parameters.shaped:
-        briefs = [one.brief for one in parameters.profiles if one is not None]
-        profile = briefs[0] if parameters.table is None else np.array(briefs, dtype=object)
-        found["profile"] = parameters.dims * np.ndim(profile), profile, _about("profile")
+        for part in ("profile", "layer"):
+            briefs = _briefs(parameters, part)
+            if any(briefs):
+                brief = briefs[0] if parameters.table is None else np.array(briefs, dtype=object)
+                found[part] = parameters.dims * np.ndim(brief), brief, _about(part)
     if request.places:
         for name in ("s", "from_edge"):
             found[name] = (request.places, getattr(request, name), _about(name))
     return found
+
+
+def _briefs(parameters: Parameters, part: str) -> list[str]:
+    """Return profiles or layers in a line each, without what varies; empty where there is none."""
+    forms = [getattr(one, part) for one in parameters.forms]
+    briefs = ["" if one is None else one.brief for one in forms]
+    for name in parameters.law if part == "layer" else ():
+        briefs = [re.sub(rf"\b{name}=[^,)]+", f"{name}=…", one) for one in briefs]
+    return briefs
 
 
 def _about(name: str, shaped: bool = False) -> dict[str, str]:
@@ -187,5 +200,8 @@ def _about(name: str, shaped: bool = False) -> dict[str, str]:
     if quantity != name:
         known = meanings.get(quantity, ("boundaries of the zones", ""))[0]
         return {"long_name": f"estimate of the relative error: {known}", "units": "1"}
+    if name.startswith("layer_"):
+        words = name.removeprefix("layer_").replace("_", " ")
+        return {"long_name": f"{words} of the layer's law"}
     meaning, unit = meanings[name]
     return {"long_name": meaning, **({"units": unit} if unit else {})}

@@ -5,21 +5,32 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import reals
+from spectral_contact.inputs.choices import one_of
 from spectral_contact.inputs.kinds import kind_tree
-from spectral_contact.layers.control import refuse_layer
+from spectral_contact.layers import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 
-__all__ = ["PARAMETERS", "Columns", "Indices", "Parameters", "alone", "changed", "grid", "listed"]
+__all__ = [
+    "PARAMETERS",
+    "Columns",
+    "Form",
+    "Indices",
+    "Parameters",
+    "alone",
+    "changed",
+    "grid",
+    "listed",
+]
 
 Array = NDArray[np.float64]
 #: Numbers of scenes.
@@ -34,10 +45,19 @@ PARAMETERS: Final = (
     "friction",
     *CONTROLS,
 )
+#: What parameters of a layer's law begin with; they follow those.
+_LAW: Final = "layer_"
 #: How many of them a flat punch has.
 _FLAT: Final = 4
 #: What varies slowest when scenes are solved: alpha, beta, nu, friction.
 _SLOWEST: Final = (1, 2, 0, 3, 4, 5, 6)
+
+
+class Form(NamedTuple):
+    """What of a scene is no number."""
+
+    profile: Profile | None = None
+    layer: Layer | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,14 +66,18 @@ class Columns:
 
     Attributes
     ----------
-    values : ndarray, shape (4, scenes) or (7, scenes)
-        In the order of `PARAMETERS`. NaN stands for None: no friction at all, not given.
-    profiles : tuple of Profile or None
+    values : ndarray, shape (4, scenes) or (7 and more, scenes)
+        In the order of `PARAMETERS`, then those of `law`. NaN stands for None: no friction at all,
+        not given.
+    forms : tuple of Form
         Of each, or one that is that of all.
+    law : tuple of str
+        Parameters of the layer's law that vary.
     """
 
     values: Array
-    profiles: tuple[Profile | None, ...] = (None,)
+    forms: tuple[Form, ...] = (Form(),)
+    law: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return int(self.values.shape[1])
@@ -68,10 +92,14 @@ class Columns:
         """Return one of the scenes."""
         numbers = zip(PARAMETERS, self.values[:, index].tolist(), strict=False)
         given: dict[str, Any] = {name: one for name, one in numbers if not math.isnan(one)}
-        return Scene(**given, profile=self.profiles[index if len(self.profiles) > 1 else 0])
+        profile, layer = self.forms[index if len(self.forms) > 1 else 0]
+        if self.law:
+            own = self.values[len(PARAMETERS) :, index].tolist()
+            layer = replace(layer, **dict(zip(self.law, own, strict=True)))  # type: ignore[type-var]
+        return Scene(**given, profile=profile, layer=layer)
 
     def __getitem__(self, chosen: slice | Indices | NDArray[np.bool_]) -> Columns:
-        return Columns(self.values[:, chosen], _chosen(self.profiles, chosen))
+        return Columns(self.values[:, chosen], _chosen(self.forms, chosen), self.law)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,24 +114,27 @@ class Parameters:
         What varies, in the order of the dimensions; empty for a list.
     table : ndarray or None, shape (4, scenes) or (7, scenes)
         The scenes of a list.
-    profiles : tuple of Profile or None
+    forms : tuple of Form
         Of each, or one that is that of all.
+    law : tuple of str
+        Parameters of the layer's law that vary; their axes are called ``layer_<name>``.
     """
 
     fixed: tuple[float, ...]
     axes: dict[str, Array]
     table: Array | None = None
-    profiles: tuple[Profile | None, ...] = (None,)
+    forms: tuple[Form, ...] = (Form(),)
+    law: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters."""
-        return PARAMETERS[: len(self.fixed)]
+        return (*PARAMETERS[: len(self.fixed)], *(_LAW + name for name in self.law))
 
     @property
     def shaped(self) -> bool:
         """Whether there are profiles."""
-        return self.profiles != (None,)
+        return self.forms[0].profile is not None
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -134,31 +165,32 @@ class Parameters:
         if self.table is not None:
             return np.lexsort(self.table[[k for k in _SLOWEST if k < len(self.table)][::-1]])
         places = {name: i for i, name in enumerate(self.axes)}
-        turned = [places[PARAMETERS[k]] for k in _SLOWEST if PARAMETERS[k] in places]
+        slowest = [*(_LAW + name for name in self.law), *(PARAMETERS[k] for k in _SLOWEST)]
+        turned = [places[name] for name in slowest if name in places]
         return np.arange(self.size).reshape(self.shape).transpose(turned).ravel()
 
     def columns(self, indices: Indices) -> Columns:
         """Return some of the scenes; the last dimension varies fastest in their numbers."""
         if self.table is not None:
-            return Columns(self.table[:, indices], _chosen(self.profiles, indices))
+            return Columns(self.table[:, indices], _chosen(self.forms, indices))
         values = np.empty((len(self.fixed), len(indices)))
         values.T[:] = self.fixed
         where = np.unravel_index(indices, self.shape) if self.shape else ()
         for (name, axis), place in zip(self.axes.items(), where, strict=True):
-            values[PARAMETERS.index(name)] = axis[place]
-        return Columns(values, self.profiles)
+            values[self.names.index(name)] = axis[place]
+        return Columns(values, self.forms, self.law)
 
     def fingerprint(self) -> str:
         """Return a digest that differs for other scenes, or the same ones in another order."""
         digest = hashlib.sha256(repr((self.fixed, list(self.axes))).encode())
         for values in self.axes.values() if self.table is None else [self.table]:
             digest.update(repr(values.shape).encode() + values.astype("<f8").tobytes())
-        for profile in self.profiles:
-            digest.update(b"" if profile is None else repr(kind_tree(profile)).encode())
+        for one in (part for form in self.forms for part in form if part is not None):
+            digest.update(repr(kind_tree(one)).encode())
         return digest.hexdigest()
 
 
-def grid(base: Scene, axes: Mapping[str, Any]) -> Parameters:
+def grid(base: Scene, axes: Mapping[str, Any], law: Mapping[str, Any] | None = None) -> Parameters:
     """Return the scenes in which every given parameter takes every one of its values.
 
     Parameters
@@ -167,6 +199,8 @@ def grid(base: Scene, axes: Mapping[str, Any]) -> Parameters:
         Has the parameters that are not given.
     axes : mapping of str to array_like
         Values of parameters, out of `PARAMETERS`; None for one that does not vary.
+    law : mapping of str to array_like, optional
+        The same of parameters of the layer's law.
 
     Raises
     ------
@@ -183,7 +217,11 @@ def grid(base: Scene, axes: Mapping[str, Any]) -> Parameters:
         raise SceneError(pressed[0], axes[pressed[0]], told)
     if pressed:
         base = changed(base, {pressed[0]: float(given[pressed[0]][0])})
-    return replace(alone(base), axes=given)
+    axes_of_law = _axes_of_law(base, {} if law is None else law)
+    whole = alone(base)
+    fixed = whole.fixed + tuple(float(axis[0]) for axis in axes_of_law.values())
+    given |= {_LAW + name: axis for name, axis in axes_of_law.items()}
+    return replace(whole, fixed=fixed, axes=given, law=tuple(axes_of_law))
 
 
 def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> Parameters:
@@ -195,23 +233,24 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
         If it is empty, or something in it is no scene or has elastic coupling.
     """
     rows: list[tuple[float, ...]] = []
-    profiles: list[Profile | None] = []
+    forms: list[Form] = []
     for number, scene in enumerate(scenes):
         if not isinstance(scene, Scene):
             raise SceneError(f"scenes[{number}]", scene, "a Scene")
         one = changed(scene, changes or {})
         _check_uncoupled(one)
-        if rows and (one.profile is None) != (profiles[0] is None):
-            told = "with a profile, as the first" if profiles[0] else "without one, as the first"
+        if rows and (one.profile is None) != (forms[0].profile is None):
+            first = forms[0].profile
+            told = "with a profile, as the first" if first else "without one, as the first"
             raise SceneError(f"scenes[{number}]", scene, told)
         rows.append(_row(one))
-        profiles.append(one.profile)
+        forms.append(Form(one.profile, one.layer))
     if not rows:
         raise SceneError("scenes", [], "at least one Scene")
-    shaped = profiles[0] is not None
+    shaped = forms[0].profile is not None
     count = len(PARAMETERS) if shaped else _FLAT
     table = np.array(rows).T[:count].copy()
-    return Parameters((math.nan,) * count, {}, table, tuple(profiles) if shaped else (None,))
+    return Parameters((math.nan,) * count, {}, table, tuple(forms) if shaped else (Form(),))
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -229,13 +268,12 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 def alone(scene: Scene) -> Parameters:
     """Return one scene as a grid without dimensions."""
     count = _FLAT if scene.profile is None else len(PARAMETERS)
-    return Parameters(_row(scene)[:count], {}, profiles=(scene.profile,))
+    return Parameters(_row(scene)[:count], {}, forms=(Form(scene.profile, scene.layer),))
 
 
 def _check_uncoupled(scene: Scene) -> None:
     if scene.coupling:
         raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
-    refuse_layer(scene, "sweep")
 
 
 def _row(scene: Scene) -> tuple[float, ...]:
@@ -245,21 +283,47 @@ def _row(scene: Scene) -> tuple[float, ...]:
 
 
 def _chosen(
-    profiles: tuple[Profile | None, ...], chosen: slice | Indices | NDArray[np.bool_]
-) -> tuple[Profile | None, ...]:
-    if len(profiles) == 1:
-        return profiles
-    return tuple(profiles[k] for k in np.arange(len(profiles))[chosen].tolist())
+    forms: tuple[Form, ...], chosen: slice | Indices | NDArray[np.bool_]
+) -> tuple[Form, ...]:
+    if len(forms) == 1:
+        return forms
+    return tuple(forms[k] for k in np.arange(len(forms))[chosen].tolist())
+
+
+def _axes_of_law(base: Scene, law: Any) -> dict[str, Array]:
+    """Return the values of every parameter of the layer's law that varies, in the law's order."""
+    if not isinstance(law, Mapping):
+        raise SceneError("layer", law, "a mapping of parameters of the law to their values")
+    if not law:
+        return {}
+    if base.layer is None:
+        raise SceneError("layer", law, "None for a scene without a layer")
+    kind: Any = base.layer
+    numbers = [one.name for one in fields(kind) if isinstance(getattr(kind, one.name), float)]
+    for name in law:
+        one_of("layer", name, numbers, f"a number of the law: {', '.join(numbers) or 'none'}")
+    found = {}
+    for name in (one for one in numbers if one in law):
+        found[name] = _numbers(_LAW + name, law[name])
+        for value in {found[name].min(), found[name].max()}:  # its range is an interval
+            changed(base, {"layer": replace(kind, **{name: float(value)})})
+    return found
 
 
 def _axis(base: Scene, name: str, values: Any) -> Array:
     """Return the values of one parameter; `Scene` says what is wrong with them."""
-    array = np.asarray(reals(name, values, "a list of real numbers") + 0.0, dtype=np.float64)
-    if array.ndim != 1 or array.size == 0:
-        raise SceneError(name, values, "a list of at least one number")
+    array = _numbers(name, values)
     # what a scene takes is 0 and an interval: the ends of what is given decide
     size = np.abs(array)
     suspects = [array.min(), array.max(), array[np.argmin(np.where(size > 0.0, size, np.inf))]]
     for suspect in suspects:  # NaN is all of them
         changed(base, {name: float(suspect)})
+    return array
+
+
+def _numbers(name: str, values: Any) -> Array:
+    """Return a list of numbers."""
+    array = np.asarray(reals(name, values, "a list of real numbers") + 0.0, dtype=np.float64)
+    if array.ndim != 1 or array.size == 0:
+        raise SceneError(name, values, "a list of at least one number")
     return array

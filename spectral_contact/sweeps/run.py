@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numbers
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import replace
@@ -62,6 +62,7 @@ def sweep(
     contact_radius: ArrayLike | None = None,
     load: ArrayLike | None = None,
     approach: ArrayLike | None = None,
+    layer: Mapping[str, ArrayLike] | None = None,
     quantities: Iterable[str] | None = None,
     rtol: float = 1e-8,
     s: ArrayLike | None = None,
@@ -84,6 +85,9 @@ def sweep(
         the place of their own, and no dimension. With SI data friction alone can be given.
     contact_radius, load, approach : array_like, optional
         The same of scenes with a profile, one of them; it takes the place of what the scene has.
+    layer : mapping of str to array_like, optional
+        The values that parameters of the layer's law take, by name, as in ``{"exponent": [2, 3]}``,
+        in E' and L. Their dimensions are the last, ``layer_exponent`` and so on.
     quantities : iterable of str, optional
         What to compute, out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, too; all
         that is a number is the default. What is not asked for is not computed.
@@ -148,7 +152,7 @@ def sweep(
             strict=True,
         )
     )
-    parameters = _parameters(scenes, axes)
+    parameters = _parameters(scenes, axes, layer)
     request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
@@ -184,17 +188,17 @@ def _whole_lines(parameters: Parameters) -> int:
     return frictions * -(-_CHUNK // frictions)
 
 
-def _parameters(scenes: Any, axes: dict[str, Any]) -> Parameters:
+def _parameters(scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None) -> Parameters:
     """Return the scenes that are meant."""
     alone: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
     }
     axes = {name: one for name, one in axes.items() if name not in alone}
     if isinstance(scenes, Scene):
-        return grid(changed(scenes, alone), axes)
-    given = [name for name, values in axes.items() if values is not None]
-    if given:
-        raise SceneError(given[0], axes[given[0]], "None with a list of scenes")
+        return grid(changed(scenes, alone), axes, law)
+    for name, values in [*axes.items(), ("layer", law)]:
+        if values is not None:
+            raise SceneError(name, values, "None with a list of scenes")
     try:
         several = iter(scenes)
     except Exception:  # not a list, or a broken one

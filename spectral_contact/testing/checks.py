@@ -21,9 +21,9 @@ from spectral_contact.equations.residuals import (
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
-from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
+from spectral_contact.testing.layered import Layered
 
 __all__ = ["Check", "CheckReport", "by_distance", "check_solution", "field_of"]
 
@@ -106,8 +106,9 @@ def check_solution(
     everywhere passes.
 
     With a profile the pressure has to bear the load, press the surface to the punch, and leave it
-    below the punch outside; what is given of the contact has to be met. Of friction, which
-    depends on how the load grew, only the bound ``f p`` and the total shear are checked.
+    below the punch outside, or out of the layer's reach; what is given of the contact has to be
+    met. Of friction, which depends on how the load grew, only the bound ``f p`` and the total shear
+    are checked.
 
     Parameters
     ----------
@@ -117,8 +118,8 @@ def check_solution(
         used; without it layers thinner than 1e-8 cannot be seen. ``approach`` and
         ``total_shear`` are checked where they exist; ``zones`` give their boundaries to `breaks`.
         Closer to the edge than its ``opening``, if it has one, the pressure may be negative.
-        With a profile ``contact_radius`` is needed if the scene does not give it; ``load`` is
-        checked where it exists.
+        With a profile ``contact_radius`` is needed if the scene does not give it, under a layer
+        with pressure at every gap ``domain_radius``; ``load`` is checked where it exists.
     scene : Scene
         What the solution claims to solve.
     rtol : float
@@ -148,7 +149,7 @@ def check_solution(
     >>> check_solution(solve(scene), scene, 1e-10).passed
     True
     """
-    refuse_layer(instance("scene", scene, Scene), "check_solution")
+    instance("scene", scene, Scene)
     flag("strict", strict)
     rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
     cuts = [
@@ -282,9 +283,15 @@ class _Indented:
         profile = scene.profile
         assert profile is not None
         self.solution, self.scene, self.rtol, self.profile = solution, scene, rtol, profile
-        radius = getattr(solution, "contact_radius", None) or scene.contact_radius
+        self.layered = Layered(scene) if scene.layer is not None else None
+        if self.layered is None:
+            radius = getattr(solution, "contact_radius", None) or scene.contact_radius
+        else:
+            radius = self.layered.radius(solution)
         low, high = profile.flat_part, profile.reach
-        limits: dict[str, Any] = {"low": low, "high": high, "low_open": True, "high_open": True}
+        pinned = self.layered is not None and self.layered.flat
+        limits: dict[str, Any] = {"low": low, "high": high}
+        limits |= {"low_open": not pinned, "high_open": not pinned}
         told = f"a number in ({low:.6g}, {high:.6g}), where the profile is"
         self.radius = real("solution.contact_radius", radius, allowed=told, **limits)
         self.cuts = [*cuts, *self._around_breaks()]
@@ -303,7 +310,7 @@ class _Indented:
 
     def _integrable(self, pressure: Field) -> Field:
         """Return the pressure with 0 where a smooth surface has it infinite, like a logarithm."""
-        if self.scene.normal_compliance or not len(self.corners):
+        if self.scene.normal_compliance or self.layered or not len(self.corners):
             return pressure
 
         def finite(d: Array) -> Array:
@@ -316,39 +323,59 @@ class _Indented:
     def checks(self, pressure: Field, traction: Field | None) -> list[Check]:
         """Return all checks."""
         pressure = self._integrable(pressure)
-        scene, a, rtol, cuts = self.scene, self.radius, self.rtol, self.cuts
+        scene, a, rtol = self.scene, self.radius, self.rtol
         p = pressure(_PLACES)
+        if self.layered is not None:
+            self.cuts += self.layered.cuts(float(p.max()), a)
+        cuts = self.cuts
         moved = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
         heights = self.profile.height(a * (1.0 - _PLACES))
-        under = scene.normal_compliance * p + a * moved + heights
-        approach = _number(self.solution, "approach", float(np.mean(under)))
+        w = scene.normal_compliance * p
+        if self.layered is not None:
+            w = self.layered.overclosures(p)
+        under = w + a * moved + heights
+        mean = float(np.mean(under)) if self.layered is None else float(under[np.argmax(p)])
+        approach = _number(self.solution, "approach", mean)
+        size = abs(approach) if self.layered is None else max(abs(approach), a * moved.max())
+        off = np.abs(under - approach) / size
+        if self.layered is not None:
+            off = self.layered.misfits(p, w, under - approach, size)
         borne = 2.0 * pi * a**2 * load(pressure, breaks=cuts)
         checks = [
             _worst(
-                "pressure is not negative", np.maximum(-p, 0.0) / np.mean(np.abs(p)), 0.0, _PLACES
+                "pressure is not negative",
+                np.maximum(-p, 0.0) / np.mean(np.abs(p)),
+                0.0 if self.layered is None else _FLOOR,  # a law has it as small as it likes
+                _PLACES,
             ),
             Check(
                 "pressure bears the load",
                 abs(borne / _number(self.solution, "load", borne) - 1.0),
                 rtol,
             ),
-            _worst("surface follows the punch", np.abs(under / approach - 1.0), rtol, _PLACES),
-            self._outside(pressure, approach),
+            _worst("surface follows the punch", off, rtol, _PLACES),
         ]
+        if not (self.layered is not None and self.layered.flat):
+            checks.append(self._outside(pressure, approach, size, borne / (pi * a**2)))
         found = {"load": borne, "approach": approach, "contact_radius": a}
         for name in CONTROLS:
             given = getattr(scene, name)
             if given is not None:
-                checks.append(Check(f"{name} is the one given", abs(found[name] / given - 1), rtol))
+                of = size if name == "approach" else given
+                missed = abs(found[name] - given) / of
+                checks.append(Check(f"{name} is the one given", missed, rtol))
         return checks if traction is None else checks + self._friction(pressure, traction)
 
-    def _outside(self, pressure: Field, approach: float) -> Check:
+    def _outside(self, pressure: Field, approach: float, size: float, mean: float) -> Check:
         """Return the check of the gap."""
         room = min(self.profile.reach / self.radius - 1.0, 1.0)
         beyond = np.array([d * room for d in _PLACES])
         moved = np.array([outer_displacement(pressure, float(d), self.cuts) for d in beyond])
         gap = self.profile.height(self.radius * (1.0 + beyond)) - approach + self.radius * moved
-        overlap = np.maximum(-gap, 0.0) / approach
+        if self.layered is None:
+            overlap = np.maximum(-gap, 0.0) / size
+        else:
+            overlap = self.layered.beyond(-gap, size, mean)
         return _worst("surface is below the punch outside", overlap, self.rtol, -beyond)
 
     def _friction(self, pressure: Field, traction: Field) -> list[Check]:

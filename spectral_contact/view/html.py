@@ -57,7 +57,8 @@ def of_scene(scene: Scene) -> str:
     if scene.profile is not None:
         rows.append(("profile", "", scene.profile.brief))
     if scene.layer is not None:
-        rows.append(("layer", "", scene.layer.brief))
+        law = scene.layer if physical is None else physical.layer
+        rows.append(("layer", "", law.brief))
     if scene.coupling:
         rows.append(("elastic coupling", "", "yes"))
     return table_html(rows)

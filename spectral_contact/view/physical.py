@@ -70,14 +70,18 @@ class PhysicalSolution:
 
     @property
     def radius(self) -> float:
-        """Radius of the contact a [m]; that of a flat punch is the punch's."""
+        """Radius at s = 1 [m]: of the contact, that of a flat punch is the punch's.
+
+        Under a layer with pressure at every gap it is `Solution.domain_radius`.
+        """
         given = self._data.radius or self._data.contact_radius
-        return float(self.solution.contact_radius if given is None else given)
+        return float(self.solution.domain_radius if given is None else given)
 
     @property
     def contact_radius(self) -> float:
         """Radius of the contact a [m]."""
-        return self.radius
+        given = self._data.radius or self._data.contact_radius
+        return float(self.solution.contact_radius if given is None else given)
 
     @property
     def stiffness(self) -> float:

@@ -174,7 +174,9 @@ class _Units:
         sizes = scales.length, scales.stress, scales.displacement
         length_power, stress_power, slip_power = map(_prefix_power, sizes)
         modulus = rf"$E = {math_number(data.youngs_modulus)}$ Pa"
-        radius = rf"$a = {math_number(physical.radius)}$ m"
+        edged = profile is None or "contact_radius" in solution.values
+        radius = rf"${'a' if edged else 'R'} = {math_number(physical.radius)}$ m"
+        shown = [one.brief for one in (profile, data.layer) if one is not None]
         load = rf"$P = {math_number(physical.load)}$ N"
         return cls(
             scales.length / 10.0**length_power,
@@ -183,7 +185,7 @@ class _Units:
             f"{_PREFIXES[length_power]}m",
             f"{_PREFIXES[stress_power]}Pa",
             f"{_PREFIXES[slip_power]}m",
-            (",   ".join([*([profile.brief] if profile else []), modulus, radius, load]),),
+            (",   ".join([*shown, modulus, radius, load]),),
         )
 
     @property
