@@ -53,6 +53,11 @@ def add_scene(command: argparse.ArgumentParser) -> None:
         help="Coulomb coefficient >= 0; inf is full stick, none the frictionless problem "
         f"(default: {_DEFAULTS['friction']})",
     )
+    add_coupling(group)
+
+
+def add_coupling(group: argparse._ArgumentGroup) -> None:
+    """Add the switch of elastic coupling."""
     group.add_argument(
         "--coupling",
         action="store_true",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from spectral_contact.cli.layer import LAW_NUMBERS
 from spectral_contact.cli.options import UsageError, friction, number, values, whole
 from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
+from spectral_contact.cli.scene import add_coupling
 from spectral_contact.inputs.checks import whole as checked_whole
 from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.processes import workers
@@ -47,6 +48,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
             metavar="VALUES",
             help=f"{meaning} (default: {default})",
         )
+    add_coupling(group)
     add_profile(command, values)
     group = command.add_argument_group("how far it is pressed in, and its size")
     about = {"load": "instead of --contact-radius", "approach": "the same", "radius": "of the tip"}
@@ -129,11 +131,12 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
 def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
     """Return the scene of the first values."""
     if profile_given(arguments):
-        return profile_scene(argparse.Namespace(**vars(arguments) | first, coupling=False))
+        return profile_scene(argparse.Namespace(**vars(arguments) | first))
     alien = [name for name in ("radius", *CONTROLS) if name in arguments]
     if alien:
         raise UsageError(f"--{alien[0]} needs --profile")
-    return Scene(**{name: default for name, (default, _) in _PARAMETERS.items()} | first)
+    values = {name: default for name, (default, _) in _PARAMETERS.items()} | first
+    return Scene(**values, coupling=arguments.coupling)
 
 
 def write(dataset: xarray.Dataset, arguments: argparse.Namespace) -> None:

@@ -36,6 +36,7 @@ _MEANINGS: Final = {
     "indentation_work": ("work of the load", "E'L³"),
     "profile": ("shape of the punch", ""),
     "layer": ("law of the layer", ""),
+    "coupling": ("whether the traction acts back on the pressure", ""),
     "approach": ("approach δ*", "4(1−ν²)P/(aE)"),
     "pressure": ("pressure p*", "P/a²"),
     "traction": ("traction q*", "P/a²"),
@@ -134,6 +135,8 @@ def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.
         "rtol": request.rtol,
         "convention": f"dimensionless as in {units}; friction NaN: no friction at all",
     }
+    if all(one.coupling for one in parameters.forms):
+        attributes["coupling"] = "elastic"
     dataset: xarray.Dataset = needed().Dataset(variables, coordinates, attributes)
     return dataset
 
@@ -156,10 +159,7 @@ def of_solution(
             outcome.values[name][0] = radii.evaluate(getattr(solution, name))
     table = Table(1)
     table.put(np.arange(1), outcome)
-    dataset = assembled(alone(scene), request, table)
-    if scene.coupling:
-        dataset.attrs["coupling"] = "elastic"
-    return dataset
+    return assembled(alone(scene), request, table)
 
 
 def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
@@ -178,6 +178,9 @@ def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
             if any(briefs):
                 brief = briefs[0] if parameters.table is None else np.array(briefs, dtype=object)
                 found[part] = parameters.dims * np.ndim(brief), brief, _about(part)
+    if len({one.coupling for one in parameters.forms}) == 2:
+        coupling = np.array([one.coupling for one in parameters.forms])
+        found["coupling"] = parameters.dims, coupling, _about("coupling")
     if request.places:
         for name in ("s", "from_edge"):
             found[name] = (request.places, getattr(request, name), _about(name))

@@ -46,11 +46,12 @@ _STEPS, _STILL = 12, 1e-13
 
 
 def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
-    """Yield scenes, out of those to do, that differ in friction alone, by rising friction."""
+    """Yield scenes, of those to do, that differ in friction alone, as it rises; no coupled ones."""
     if not frozenset(request.quantities) <= frozenset(SCALARS):
         return
     nu, _, _, friction = columns.values[:4, todo]
-    own = todo[(friction > 0.0) & (friction < np.inf) & (nu < 0.5)]
+    slips = (friction > 0.0) & (friction < np.inf) & (nu < 0.5)
+    own = todo[slips & ~columns.coupled[todo]]
     own = own[np.lexsort(columns.values[[3, 0, 2, 1]][:, own])]
     turns = np.diff(columns.values[:3, own], axis=1) != 0.0
     for line in np.split(own, np.flatnonzero(turns.any(axis=0)) + 1):

@@ -58,6 +58,12 @@ class Form(NamedTuple):
 
     profile: Profile | None = None
     layer: Layer | None = None
+    coupling: bool = False
+
+    @classmethod
+    def of(cls, scene: Scene) -> Form:
+        """Return that of a scene."""
+        return cls(scene.profile, scene.layer, scene.coupling)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,11 +98,16 @@ class Columns:
         """Return one of the scenes."""
         numbers = zip(PARAMETERS, self.values[:, index].tolist(), strict=False)
         given: dict[str, Any] = {name: one for name, one in numbers if not math.isnan(one)}
-        profile, layer = self.forms[index if len(self.forms) > 1 else 0]
+        form = self.forms[index if len(self.forms) > 1 else 0]
         if self.law:
-            own = self.values[len(PARAMETERS) :, index].tolist()
-            layer = replace(layer, **dict(zip(self.law, own, strict=True)))  # type: ignore[type-var]
-        return Scene(**given, profile=profile, layer=layer)
+            own = dict(zip(self.law, self.values[len(PARAMETERS) :, index].tolist(), strict=True))
+            form = form._replace(layer=replace(form.layer, **own))  # type: ignore[type-var]
+        return Scene(**given, **form._asdict())
+
+    @property
+    def coupled(self) -> NDArray[np.bool_]:
+        """Which scenes have elastic coupling, (scenes,)."""
+        return np.broadcast_to([one.coupling for one in self.forms], len(self))
 
     def __getitem__(self, chosen: slice | Indices | NDArray[np.bool_]) -> Columns:
         return Columns(self.values[:, chosen], _chosen(self.forms, chosen), self.law)
@@ -135,6 +146,11 @@ class Parameters:
     def shaped(self) -> bool:
         """Whether there are profiles."""
         return self.forms[0].profile is not None
+
+    @property
+    def coupled(self) -> bool:
+        """Whether some scenes have elastic coupling."""
+        return any(one.coupling for one in self.forms)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -185,8 +201,9 @@ class Parameters:
         digest = hashlib.sha256(repr((self.fixed, list(self.axes))).encode())
         for values in self.axes.values() if self.table is None else [self.table]:
             digest.update(repr(values.shape).encode() + values.astype("<f8").tobytes())
-        for one in (part for form in self.forms for part in form if part is not None):
-            digest.update(repr(kind_tree(one)).encode())
+        for one in self.forms:
+            kinds = [kind_tree(part) for part in one[:2] if part is not None]
+            digest.update("".join(map(repr, [*kinds, *[True] * one.coupling])).encode())
         return digest.hexdigest()
 
 
@@ -205,9 +222,8 @@ def grid(base: Scene, axes: Mapping[str, Any], law: Mapping[str, Any] | None = N
     Raises
     ------
     SceneError
-        For values that are no list of numbers in the range of the parameter, or elastic coupling.
+        For values that are no list of numbers in the range of the parameter.
     """
-    _check_uncoupled(base)
     given = {
         name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None
     }
@@ -230,7 +246,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
     Raises
     ------
     SceneError
-        If it is empty, or something in it is no scene or has elastic coupling.
+        If it is empty, or something in it is no scene.
     """
     rows: list[tuple[float, ...]] = []
     forms: list[Form] = []
@@ -238,19 +254,19 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
         if not isinstance(scene, Scene):
             raise SceneError(f"scenes[{number}]", scene, "a Scene")
         one = changed(scene, changes or {})
-        _check_uncoupled(one)
         if rows and (one.profile is None) != (forms[0].profile is None):
             first = forms[0].profile
             told = "with a profile, as the first" if first else "without one, as the first"
             raise SceneError(f"scenes[{number}]", scene, told)
         rows.append(_row(one))
-        forms.append(Form(one.profile, one.layer))
+        forms.append(Form.of(one))
     if not rows:
         raise SceneError("scenes", [], "at least one Scene")
     shaped = forms[0].profile is not None
     count = len(PARAMETERS) if shaped else _FLAT
     table = np.array(rows).T[:count].copy()
-    return Parameters((math.nan,) * count, {}, table, tuple(forms) if shaped else (Form(),))
+    alike = not shaped and len(set(forms)) == 1
+    return Parameters((math.nan,) * count, {}, table, tuple(forms[:1] if alike else forms))
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -268,12 +284,7 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 def alone(scene: Scene) -> Parameters:
     """Return one scene as a grid without dimensions."""
     count = _FLAT if scene.profile is None else len(PARAMETERS)
-    return Parameters(_row(scene)[:count], {}, forms=(Form(scene.profile, scene.layer),))
-
-
-def _check_uncoupled(scene: Scene) -> None:
-    if scene.coupling:
-        raise SceneError("scenes", scene, "without elastic coupling, which sweeps do not solve")
+    return Parameters(_row(scene)[:count], {}, forms=(Form.of(scene),))
 
 
 def _row(scene: Scene) -> tuple[float, ...]:

@@ -44,7 +44,7 @@ __all__ = ["sweep"]
 _CHUNK: Final = 64
 #: Frictions that make no chunk of their own any more.
 _LONGEST: Final = 1024
-#: The same with profiles, some of which take a hundred times as long.
+#: The same with profiles or coupling: some of these take a hundred times as long.
 _SLOW_CHUNK: Final = 8
 #: The same where the spectra serve nearly all of them.
 _QUICK_CHUNK: Final = 16384
@@ -63,6 +63,7 @@ def sweep(
     load: ArrayLike | None = None,
     approach: ArrayLike | None = None,
     layer: Mapping[str, ArrayLike] | None = None,
+    coupling: bool | None = None,
     quantities: Iterable[str] | None = None,
     rtol: float = 1e-8,
     s: ArrayLike | None = None,
@@ -88,6 +89,8 @@ def sweep(
     layer : mapping of str to array_like, optional
         The values that parameters of the layer's law take, by name, as in ``{"exponent": [2, 3]}``,
         in E' and L. Their dimensions are the last, ``layer_exponent`` and so on.
+    coupling : bool, optional
+        Whether scenes have elastic coupling, in the place of what they say themselves.
     quantities : iterable of str, optional
         What to compute, out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, too; all
         that is a number is the default. What is not asked for is not computed.
@@ -137,27 +140,15 @@ def sweep(
     ['0.49141798', '0.99195671']
     """
     needed()
-    axes = dict(
-        zip(
-            PARAMETERS,
-            (
-                poisson_ratio,
-                normal_compliance,
-                tangential_compliance,
-                friction,
-                contact_radius,
-                load,
-                approach,
-            ),
-            strict=True,
-        )
-    )
-    parameters = _parameters(scenes, axes, layer)
+    given = poisson_ratio, normal_compliance, tangential_compliance, friction
+    axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach), strict=True))
+    parameters = _parameters(scenes, axes, layer, coupling)
     request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
-    request = replace(request, shared=parameters.pairs >= _MANY and not parameters.shaped)
+    slow = parameters.shaped or parameters.coupled
+    request = replace(request, shared=parameters.pairs >= _MANY and not slow)
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     run = _Run(parameters, request, size, store)
     with one_thread(), tell:
@@ -167,7 +158,7 @@ def sweep(
 
 def _chunk(parameters: Parameters, request: Request) -> int:
     """Return how many scenes make some tenths of a second of work."""
-    if parameters.shaped:
+    if parameters.shaped or parameters.coupled:
         return _SLOW_CHUNK
     whole = _whole_lines(parameters)
     if not request.shared:
@@ -188,12 +179,16 @@ def _whole_lines(parameters: Parameters) -> int:
     return frictions * -(-_CHUNK // frictions)
 
 
-def _parameters(scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None) -> Parameters:
+def _parameters(
+    scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
+) -> Parameters:
     """Return the scenes that are meant."""
     alone: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
     }
     axes = {name: one for name, one in axes.items() if name not in alone}
+    if coupling is not None:
+        alone["coupling"] = coupling
     if isinstance(scenes, Scene):
         return grid(changed(scenes, alone), axes, law)
     for name, values in [*axes.items(), ("layer", law)]:

@@ -47,7 +47,7 @@ def eligible(columns: Columns, request: Request) -> Mask:
     """Return which scenes the spectra may serve, as far as that is known before any work."""
     asked = frozenset(request.quantities)
     nu, alpha, beta, friction = columns.values
-    mask: Mask = alpha > 0.0
+    mask: Mask = (alpha > 0.0) & ~columns.coupled
     thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
     if asked & _RATIOS:
         mask &= ~thin

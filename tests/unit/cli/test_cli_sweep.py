@@ -55,6 +55,15 @@ def test_a_table_has_a_row_for_each_scene(capsys, tmp_path):
         assert float(row["approach"]) == expected
 
 
+def test_scenes_may_have_elastic_coupling(capsys, tmp_path):
+    path = tmp_path / "map.csv"
+    options = ("--friction", "inf", "--coupling", "--output", str(path))
+    assert run(capsys, *options, *APPROACH)[0] == 0
+    [row] = csv.DictReader(path.read_text().splitlines())
+    scene = Scene(0.1, 0.5, 0.5, math.inf, coupling=True)
+    assert float(row["approach"]) == solve(scene, 1e-8, ["approach"]).approach
+
+
 def test_a_curve_over_the_load_has_a_profile(capsys, tmp_path):
     path = tmp_path / "curve.csv"
     tip = ("--profile", "parabola", "--radius", "2", "--load", "0.1:10:3:log")

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact import QUANTITIES, Scene, SceneError, solve
+from spectral_contact import QUANTITIES, Scene, SceneError, SolutionFileError, solve
 from spectral_contact.gold import tables
-from spectral_contact.sweeps import chunk, error_maps, run, shortcuts, sweep
+from spectral_contact.sweeps import chunk, error_maps, lines, run, shortcuts, sweep
 from spectral_contact.sweeps.request import SCALARS
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -196,11 +196,45 @@ def test_a_single_number_is_that_of_all_scenes():
     assert several.identical(sweep([Scene(0.3, 0.5, 0.5, 0.05)] * 2, **asked))
 
 
-@pytest.mark.parametrize("as_list", [True, False])
-def test_elastic_coupling_is_refused_not_dropped(as_list):
-    scene = Scene(0.3, 0.5, 0.5, math.inf, coupling=True)
-    with pytest.raises(SceneError, match="without elastic coupling"):
-        sweep([scene]) if as_list else sweep(scene, friction=[0.1, 0.2])
+def test_scenes_with_elastic_coupling_are_those_of_solve():
+    base, friction = Scene(0.3, 0.5, 0.5, coupling=True), [0.05, math.inf]
+    names = ["approach", "total_shear", "stick_radius"]
+    found = sweep(base, friction=friction, quantities=names, rtol=1e-4)
+    assert found.attrs["coupling"] == "elastic"
+    for i, one in enumerate(friction):
+        solution = solve(base.replace(friction=one), 1e-4, names)
+        for name in names:
+            assert float(found[name][i]) == getattr(solution, name)
+            assert float(found[f"{name}_error"][i]) == getattr(solution.error, name)
+    plain = sweep(base, friction=friction, quantities=names, rtol=1e-4, coupling=False)
+    assert (plain.approach > found.approach).all()
+    scenes = [base.replace(friction=one, coupling=on) for on in (False, True) for one in friction]
+    mixed = sweep(scenes, quantities=names, rtol=1e-4)
+    assert mixed.coupling.values.tolist() == [False, False, True, True]
+    np.testing.assert_array_equal(mixed.approach[2:], found.approach)
+    np.testing.assert_array_equal(mixed.approach[:2], plain.approach)
+    with pytest.raises(SceneError, match="coupling"):
+        sweep(base, friction=friction, coupling=[True])
+
+
+@pytest.mark.parametrize("coupling", [False, True])
+def test_stores_know_coupling(coupling, tmp_path):
+    asked = {"friction": [0.1], "quantities": ["approach"], "rtol": 1e-3, "store": tmp_path / "a"}
+    sweep(Scene(0.3, 0.5, 0.5, coupling=coupling), **asked)
+    with pytest.raises(SolutionFileError, match="another sweep"):
+        sweep(Scene(0.3, 0.5, 0.5, coupling=not coupling), **asked)
+
+
+def test_neither_spectra_nor_lines_take_coupled_scenes_for_others():
+    friction = np.geomspace(0.02, 0.2, 30)
+    scenes = [Scene(0.3, 0.5, 0.5, f, coupling=True) for f in friction]
+    columns = run.listed(scenes).columns(np.arange(len(scenes)))
+    request = run.requested(["stick_radius"], 1e-4, 1000, None, None)
+    assert not shortcuts.served(columns, request).mask.any()
+    assert not list(lines.lines(columns, np.arange(len(scenes)), request))
+    plain = [one.replace(coupling=False) for one in scenes]
+    columns = run.listed(plain).columns(np.arange(len(scenes)))
+    assert list(lines.lines(columns, np.arange(len(scenes)), request))
 
 
 def test_a_scene_in_si_units_lets_its_friction_vary_alone():
