@@ -135,8 +135,6 @@ def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.
         "rtol": request.rtol,
         "convention": f"dimensionless as in {units}; friction NaN: no friction at all",
     }
-    if all(one.coupling for one in parameters.forms):
-        attributes["coupling"] = "elastic"
     dataset: xarray.Dataset = needed().Dataset(variables, coordinates, attributes)
     return dataset
 
@@ -178,9 +176,10 @@ def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
             if any(briefs):
                 brief = briefs[0] if parameters.table is None else np.array(briefs, dtype=object)
                 found[part] = parameters.dims * np.ndim(brief), brief, _about(part)
-    if len({one.coupling for one in parameters.forms}) == 2:
-        coupling = np.array([one.coupling for one in parameters.forms])
-        found["coupling"] = parameters.dims, coupling, _about("coupling")
+    if parameters.coupled:
+        each = np.array([one.coupling for one in parameters.forms])
+        own = (parameters.dims, each) if len(each) > 1 else ((), True)
+        found["coupling"] = *own, _about("coupling")
     if request.places:
         for name in ("s", "from_edge"):
             found[name] = (request.places, getattr(request, name), _about(name))

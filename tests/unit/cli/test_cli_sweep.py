@@ -57,9 +57,10 @@ def test_a_table_has_a_row_for_each_scene(capsys, tmp_path):
 
 def test_scenes_may_have_elastic_coupling(capsys, tmp_path):
     path = tmp_path / "map.csv"
-    options = ("--friction", "inf", "--coupling", "--output", str(path))
-    assert run(capsys, *options, *APPROACH)[0] == 0
+    options = ("--friction", "inf", "--coupling", "--quantities", "approach")
+    assert run(capsys, *options, "--output", str(path))[0] == 0
     [row] = csv.DictReader(path.read_text().splitlines())
+    assert row["coupling"] == "True"
     scene = Scene(0.1, 0.5, 0.5, math.inf, coupling=True)
     assert float(row["approach"]) == solve(scene, 1e-8, ["approach"]).approach
 

@@ -200,7 +200,7 @@ def test_scenes_with_elastic_coupling_are_those_of_solve():
     base, friction = Scene(0.3, 0.5, 0.5, coupling=True), [0.05, math.inf]
     names = ["approach", "total_shear", "stick_radius"]
     found = sweep(base, friction=friction, quantities=names, rtol=1e-4)
-    assert found.attrs["coupling"] == "elastic"
+    assert bool(found.coupling)
     for i, one in enumerate(friction):
         solution = solve(base.replace(friction=one), 1e-4, names)
         for name in names:
