@@ -36,12 +36,12 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 12_553, 6_500),
-    Gate("lines in all", 45_748, 23_000),
+    Gate("lines of the core", 12_706, 6_500),
+    Gate("lines in all", 45_983, 23_000),
     Gate("float literals of the core", 300, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 24, 0),
-    Gate("results of anonymous tuples of more than two", 30, 0),
+    Gate("results of anonymous tuples of more than two", 0, 0),
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),

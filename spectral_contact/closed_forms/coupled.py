@@ -11,6 +11,7 @@ oscillate, infinitely often and without a limit.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -204,8 +205,16 @@ def _sum(weights: Array, integrand: Array) -> Array:
     return np.asarray(np.sum(weights * integrand, axis=-1))
 
 
-def _inverse_transform(at: Position) -> tuple[Array, Array, Array]:
-    """Return weights, t and artanh t at the nodes (last axis) of the integral over v."""
+class _Transform(NamedTuple):
+    """Weights, t and artanh t at the nodes (last axis) of an integral over v."""
+
+    weights: Array
+    t: Array
+    artanh: Array
+
+
+def _inverse_transform(at: Position) -> _Transform:
+    """Return the nodes of the integral over v."""
     # v = tanh x spreads the logarithmic oscillation at v = 1; sech² x is below rounding at x = 20.
     x, weights = panel_rule(0.0, 20.0)
     inside = at.y > 0.0  # what the edge itself gets is thrown away
@@ -214,7 +223,7 @@ def _inverse_transform(at: Position) -> tuple[Array, Array, Array]:
     # 1 − t² = y sech² x, of which the logarithm is known where t is near 1
     far = np.log1p(t) - 0.5 * log_y + np.log(np.cosh(x))
     artanh = np.where(t < 0.5, np.arctanh(np.minimum(t, 0.5)), far)
-    return weights * np.cosh(x) ** -2.0, t, artanh
+    return _Transform(weights * np.cosh(x) ** -2.0, t, artanh)
 
 
 def _bessel_ratio(angle: Array) -> Array:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,24 @@ def _quotient(terms: int) -> Array:
     j, k = np.ogrid[: terms - 1, :terms]
     sign, double = 1.0 - 2.0 * ((k - j - 1) % 2), 2.0 - (j == 0)
     return np.asarray(sign * double * np.maximum(k - j, 0))
+
+
+class Targets(NamedTuple):
+    """R at a boundary, and next to it.
+
+    Attributes
+    ----------
+    at : ndarray, shape (k,)
+    far : ndarray, shape (k, m)
+        Values at the first of some distances.
+    near : ndarray, shape (k, n - m)
+        Values at the others less those at the boundary, without the subtraction: the Chebyshev
+        interpolant of R, from which the factor ``d`` is split off.
+    """
+
+    at: Array
+    far: Array
+    near: Array
 
 
 _QUOTIENT = _quotient(14)
@@ -121,9 +140,7 @@ class Drive:
         return values
 
     @staticmethod
-    def targets_from(
-        drives: Sequence[Drive], boundary: Radius, reach: float, d: Array
-    ) -> tuple[Array, Array, Array]:
+    def targets_from(drives: Sequence[Drive], boundary: Radius, reach: float, d: Array) -> Targets:
         """Return R at a boundary, and next to it.
 
         Parameters
@@ -139,12 +156,7 @@ class Drive:
 
         Returns
         -------
-        at : ndarray, shape (k,)
-        far : ndarray, shape (k, m)
-            Values at the first of the distances.
-        near : ndarray, shape (k, n - m)
-            Values at the others less those at the boundary, without the subtraction: the Chebyshev
-            interpolant of R, from which the factor ``d`` is split off.
+        Targets
         """
         # R is singular at the edge, however weakly
         analytic = min(0.2 * boundary.rest / abs(reach), 1.0)
@@ -157,7 +169,7 @@ class Drive:
         fit[np.abs(fit) < 4e-16 * np.abs(at)] = 0.0
         x = 2.0 * d[split:] / analytic - 1.0
         near = chebyshev_sums(np.tile(x, (len(drives), 1)), (_QUOTIENT @ fit)[:, :, None])
-        return at, values[:, 1 + len(_NODES) :], (x + 1.0) * near
+        return Targets(at, values[:, 1 + len(_NODES) :], (x + 1.0) * near)
 
     def mean_inside(self, y: Array) -> Array:
         """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""

@@ -7,6 +7,7 @@ the traction of every slip zone, which is expanded on the panels of that zone.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,11 +84,8 @@ class Driven(Tangential):
         return found
 
     @cached_property
-    def _known(self) -> list[tuple[Array, Array, Array]]:
-        """R at the boundaries of the parts with nodes, E there and by how much it is more at these.
-
-        Of the pressure and its changes, without what sticks.
-        """
+    def _known(self) -> list[_Known]:
+        """What is known of every part with nodes, without what sticks."""
         known = []
         for i, nodes in enumerate(self.nodes):
             family, d = self.parts[i].family, nodes.samples
@@ -106,7 +104,7 @@ class Driven(Tangential):
                     own = one.onto(values)
                     at -= one.scale * (one.at @ values)
                     (sampled if one.sampled else direct)[:] -= one.more @ own
-            known.append((drive, at, nodes.spread(sampled) + direct))
+            known.append(_Known(drive, at, nodes.spread(sampled) + direct))
         return known
 
     def _demanded(self, family: Family, d: Array) -> tuple[Array, Array]:
@@ -165,3 +163,14 @@ class Driven(Tangential):
             if seen is not None:
                 total -= seen.whole @ seen.onto(own)
         return np.asarray(total)
+
+
+class _Known(NamedTuple):
+    """R at the boundary of a part, E there and by how much it is more at the nodes.
+
+    Of the pressure and its changes, as columns.
+    """
+
+    drive: Array
+    at: Array
+    more: Array

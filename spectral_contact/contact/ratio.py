@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legder
@@ -28,10 +29,16 @@ _NODES, _ = gauss_rule(_POINTS)
 _SLOPE = legder(legendre_expansion_matrix(_POINTS, _POINTS - 1))
 
 
-def largest_ratio(
-    pressure: PressureField, traction: DiskSeries, depth: float
-) -> tuple[float, float, float]:
-    """Return q/p at the edge, its largest modulus, and ``y`` where that is reached.
+class LargestRatio(NamedTuple):
+    """q/p at the edge, its largest modulus, and ``y = 1 - s**2`` where that is reached."""
+
+    edge: float
+    largest: float
+    y: float
+
+
+def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
+    """Return q/p at the edge and at its largest.
 
     Parameters
     ----------
@@ -60,12 +67,12 @@ def largest_ratio(
         assert traction.series is not None
         edge = traction.series.limit / at_edge
         if edge == inf:
-            return inf, inf, 0.0
+            return LargestRatio(inf, inf, 0.0)
     x = np.linspace(1e-3, depth, _GRID)
     values = ratio(x)
     i = int(np.argmax(values))
     if values[i] <= abs(edge) * (1.0 + 4e-16):
-        return edge, abs(edge), 0.0
+        return LargestRatio(edge, abs(edge), 0.0)
     low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, _GRID - 1)])
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     near = middle + half * _NODES
@@ -75,7 +82,7 @@ def largest_ratio(
     seen = np.concatenate([values, around, ratio(np.array([top]))])
     i = int(np.argmax(seen))
     where = [*x, *near, top][i]
-    return edge, float(seen[i]), float(np.exp(-where))
+    return LargestRatio(edge, float(seen[i]), float(np.exp(-where)))
 
 
 def _stationary(slope: list[float], nearest: int) -> float:

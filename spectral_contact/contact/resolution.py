@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, log
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -299,9 +300,17 @@ def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     return np.concatenate([own.ravel(), tail])
 
 
-def _load_nodes(panels: LogPanels) -> tuple[Array, Array, int]:
-    """Return nodes of `load_vector`, their weights but for Gauss's, and how many a panel has."""
+class _LoadNodes(NamedTuple):
+    """Nodes of `load_vector`, their weights but for Gauss's, and how many a panel has."""
+
+    d: Array
+    weights: Array
+    points: int
+
+
+def _load_nodes(panels: LogPanels) -> _LoadNodes:
     x, _ = panels.half_line_nodes()
     near, tail = np.exp(-x), panels.tail_sampling()
     weights = [panels.width / 2.0 * near.ravel(), np.full(len(tail), panels.end / 2.0)]
-    return np.concatenate([near.ravel(), tail]), np.concatenate(weights), x.shape[1]
+    d = np.concatenate([near.ravel(), tail])
+    return _LoadNodes(d, np.concatenate(weights), x.shape[1])

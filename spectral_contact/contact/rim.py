@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, exp, log
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -27,7 +28,7 @@ __all__ = ["SlipSource", "disk_resolution", "rim_target"]
 
 Array = NDArray[np.float64]
 
-_RULES: BoundedCache[tuple[int, int], tuple[Array, Array, Array]] = BoundedCache("slip rules", 64)
+_RULES: BoundedCache[tuple[int, int], RimRule] = BoundedCache("slip rules", 64)
 _GRIDS: BoundedCache[tuple[LogPanels, int], _Grid] = BoundedCache("slip at a rim", 24)
 #: Width in ``-ln`` of the panels that are graded to an end.
 _WIDTH = 3.0
@@ -154,7 +155,7 @@ class _Grid:
         self._kernel *= root
         np.divide(d[:, None], self._kernel, out=self._kernel)
 
-    def from_rim(self, reach: float) -> tuple[Array, Array, Array]:
+    def from_rim(self, reach: float) -> RimRule:
         """Return nodes and weights on ``0 < e <= reach``, and the kernel of the last of them."""
         # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
         start = 1.0 - log(reach)
@@ -165,21 +166,21 @@ class _Grid:
         widths = np.concatenate([[1.0], np.full(count, width)])
         nodes, weights = _on_panels(starts, widths, self._points)
         own = slice(first * self._points, None)
-        return (
+        return RimRule(
             np.concatenate([nodes, self._nodes[own]]),
             np.concatenate([weights, self._weights[own]]),
             self._kernel[:, own],
         )
 
 
-def _graded(finest: float, points: int) -> tuple[Array, Array, Array]:
+def _graded(finest: float, points: int) -> RimRule:
     """Return `_rule` graded to `finest`."""
     # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
     panels = max(ceil((-log(finest) - 1.0) / _WIDTH), 0)
     return _RULES.get((panels, points), lambda: _rule(panels, points))
 
 
-def _rule(panels: int, points: int) -> tuple[Array, Array, Array]:
+def _rule(panels: int, points: int) -> RimRule:
     """Return nodes and weights on (0, 1), graded to 0, and what gathers the weights.
 
     Panels are equal in ``-ln``, and the last one is for functions of the square root. A polynomial
@@ -188,7 +189,7 @@ def _rule(panels: int, points: int) -> tuple[Array, Array, Array]:
     starts = np.concatenate([[0.0], 1.0 + _WIDTH * np.arange(panels)])
     nodes, weights = _to_an_end(starts, np.concatenate([[1.0], np.full(panels, _WIDTH)]), points)
     vander = chebyshev.chebvander(2.0 * nodes - 1.0, len(FAR_NODES) - 1)
-    return nodes, weights, FAR_FIT.T @ vander.T
+    return RimRule(nodes, weights, FAR_FIT.T @ vander.T)
 
 
 def _to_an_end(starts: Array, widths: Array, points: int) -> tuple[Array, Array]:
@@ -266,3 +267,11 @@ def rim_target(
         values[:split] -= factor * source.half_integral(below[:split])
         values[split:] += factor * source.fall(below[split:])
     return balance, values
+
+
+class RimRule(NamedTuple):
+    """Nodes, weights, and a matrix of these: a kernel, or what gathers them at far nodes."""
+
+    nodes: Array
+    weights: Array
+    matrix: Array

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,9 +114,30 @@ def annulus_between(
     return Annulus(inner, outer, first, second)
 
 
+class SlipFields(NamedTuple):
+    """The displacement on every slip zone.
+
+    Attributes
+    ----------
+    fields : list of AnnulusSeries
+        ``u / kappa``, a field for every slip zone.
+    samples : list of ndarray
+        Its values times the sign of the traction: negative where slip opposes traction.
+    largest : float
+        Largest modulus.
+    unresolved : float
+        What the last coefficients of the sampled series leave out, eight times it to be safe.
+    """
+
+    fields: list[AnnulusSeries]
+    samples: list[Array]
+    largest: float
+    unresolved: float
+
+
 def slip_displacement(
     stuck: list[Stuck], zones: list[Slipping], pressure: InY, beta: float, friction: float
-) -> tuple[list[AnnulusSeries], list[Array], float, float]:
+) -> SlipFields:
     """Return the displacement on every slip zone.
 
     Parameters
@@ -129,14 +150,7 @@ def slip_displacement(
 
     Returns
     -------
-    fields : list of AnnulusSeries
-        ``u / kappa``, a field for every slip zone.
-    samples : list of ndarray
-        Its values times the sign of the traction: negative where slip opposes traction.
-    largest : float
-        Largest modulus.
-    unresolved : float
-        What the last coefficients of the sampled series leave out, eight times it to be safe.
+    SlipFields
     """
     fields, samples, unresolved = [], [], 0.0
     for zone in zones:
@@ -163,7 +177,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * values)
     largest = max(float(np.abs(v).max()) for v in samples)
-    return fields, samples, largest, 8.0 * unresolved
+    return SlipFields(fields, samples, largest, 8.0 * unresolved)
 
 
 def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:

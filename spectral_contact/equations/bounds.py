@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import roots_legendre
@@ -109,8 +110,15 @@ def approach_bounds(
     return lower * (1.0 - _ROUNDING), upper * (1.0 + _ROUNDING)
 
 
-def _points(series: LogSeries) -> tuple[np.ndarray, np.ndarray, list[float]]:
-    """Return points ``y`` on every panel, weights of ``s ds``, and the panel ends ``1 - s``."""
+class _PanelPoints(NamedTuple):
+    """Points ``y`` on every panel, weights of ``s ds``, and the panel ends ``1 - s``."""
+
+    y: np.ndarray
+    weights: np.ndarray
+    ends: list[float]
+
+
+def _points(series: LogSeries) -> _PanelPoints:
     panels = len(series.coefficients)
     # a coarse pressure jumps between panels, and the residual has logarithms there: blunt them
     g, w = roots_legendre(_POINTS)
@@ -121,4 +129,5 @@ def _points(series: LogSeries) -> tuple[np.ndarray, np.ndarray, list[float]]:
     tail = end * (1.0 + g) / 2.0
     weights = np.concatenate([(y * w * series.width / 4.0).ravel(), w * end / 4.0])
     ends = [exp(-k * series.width) for k in range(1, panels + 1)]
-    return np.concatenate([y.ravel(), tail]), weights, [e / (1.0 + sqrt(1.0 - e)) for e in ends]
+    ends = [e / (1.0 + sqrt(1.0 - e)) for e in ends]
+    return _PanelPoints(np.concatenate([y.ravel(), tail]), weights, ends)

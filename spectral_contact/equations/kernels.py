@@ -8,6 +8,8 @@ everywhere. The kernels are homogeneous of degree 0.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
@@ -15,14 +17,20 @@ from scipy import special
 __all__ = ["normal_kernel", "tangential_kernel"]
 
 
-def _ordered(
-    eta: ArrayLike, s: ArrayLike, distance: ArrayLike | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return ``eta, lo, hi`` and ``m1`` as broadcast arrays."""
+class _RadiusPair(NamedTuple):
+    """A source, the lower and the higher of both radii, and ``m1``: broadcast arrays."""
+
+    eta: NDArray[np.float64]
+    lo: NDArray[np.float64]
+    hi: NDArray[np.float64]
+    m1: NDArray[np.float64]
+
+
+def _ordered(eta: ArrayLike, s: ArrayLike, distance: ArrayLike | None) -> _RadiusPair:
     eta, s = np.broadcast_arrays(np.asarray(eta, dtype=float), np.asarray(s, dtype=float))
     lo, hi = np.minimum(eta, s), np.maximum(eta, s)
     gap = hi - lo if distance is None else np.asarray(distance, dtype=float)
-    return eta, lo, hi, (gap / hi) * ((hi + lo) / hi)
+    return _RadiusPair(eta, lo, hi, (gap / hi) * ((hi + lo) / hi))
 
 
 def normal_kernel(

@@ -142,7 +142,7 @@ class Blocks:
     def _convolved(self, lower: Ints, upper: Ints, shift: Ints) -> Ints:
         """Return integrals over ``lower < X - Y < upper``, where a panel starts at ``-shift``."""
         f = self.fixed
-        u, _, weights = root_rule(f, self._rule, lower, upper)
+        u, weights, _ = root_rule(f, self._rule, lower, upper)
         local = 2 * f.over(u + shift[:, None], self._h) - f.one
         return self.interpolated(weights, local)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.disk import MOST_SWEEPS, Disk
-from spectral_contact.precise.fixed import Ints
+from spectral_contact.precise.fixed import FixedRule, Ints
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.parameters import Parameters
@@ -113,14 +113,14 @@ class CoupledDisk:
         return result // 4
 
 
-def _panel_rule(disk: Disk) -> tuple[Ints, Ints, Ints]:
+def _panel_rule(disk: Disk) -> FixedRule:
     """Return ``x`` and weights of ``d**power dd`` on the first panel, and the polynomials there."""
     f, h = disk.fixed, disk.fixed.of(disk.panels.width)
     g, w = f.gauss(disk.rule_points)
     x = f.times(h, f.one + g) // 2
     lead = f.of(1.0 + disk.panels.power)
     weights = f.times(w, h, f.exp(-f.times(lead, x))) // 2
-    return x, weights, f.legendre(g, disk.panels.degree)
+    return FixedRule(x, weights, f.legendre(g, disk.panels.degree))
 
 
 def _moments(disk: Disk) -> Ints:
@@ -144,7 +144,7 @@ def _own(normal: Disk, tangential: Disk) -> Ints:
     return np.asarray(f.dot(f.times(basis, weights[:, None]).T, np.array(within)))
 
 
-def _tail_rule(disk: Disk, upper: Ints) -> tuple[Ints, Ints, Ints]:
+def _tail_rule(disk: Disk, upper: Ints) -> FixedRule:
     """Return points d, weights of ``int_0^upper . d**power dd``, and the tail polynomials there."""
     f = disk.fixed
     g, w = f.gauss(2 * TAIL_TERMS + 2)
@@ -153,7 +153,8 @@ def _tail_rule(disk: Disk, upper: Ints) -> tuple[Ints, Ints, Ints]:
     # d = upper v^2: the root goes with the endpoint weight
     power = disk.panels.power
     weights = f.times(w, f.sqrt(upper)[:, None]) if power else f.times(w, v, upper[:, None])
-    return d, weights, f.legendre(2 * f.over(d, disk.end) - f.one, TAIL_TERMS - 1)
+    values = f.legendre(2 * f.over(d, disk.end) - f.one, TAIL_TERMS - 1)
+    return FixedRule(d, weights, values)
 
 
 def _tail(normal: Disk, tangential: Disk) -> Ints:

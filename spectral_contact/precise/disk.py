@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.precise.fixed import Fixed, Ints, root_rule
+from spectral_contact.precise.fixed import Fixed, FixedRule, Ints, root_rule
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.panels import LogPanels
@@ -240,7 +240,7 @@ class Disk:
         """Gauss points that integrate over a panel to rounding."""
         return self.panels.degree + ceil(0.75 * self.mesh.digits) + 8
 
-    def root_rule(self, lower: Ints, upper: Ints) -> tuple[Ints, Ints, Ints]:
+    def root_rule(self, lower: Ints, upper: Ints) -> FixedRule:
         """Return the `root_rule` for functions on a panel."""
         return root_rule(self.fixed, self.rule_points, lower, upper)
 
@@ -250,7 +250,7 @@ class Disk:
         blocks = []
         lower, upper = 0 * to_end, to_end
         for k in range(2):
-            u, fall, weights = self.root_rule(lower, upper)
+            u, weights, fall = self.root_rule(lower, upper)
             values = f.times(fall if self.panels.power == 0.0 else f.sqrt(fall), weights)
             basis = f.legendre(
                 f.one - 2 * f.over(to_end[:, None] + k * h - u, h), self.panels.degree

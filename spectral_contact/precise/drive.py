@@ -219,7 +219,7 @@ class RoughDrive(Drive):
         lower, upper = np.maximum(from_start - h, 0), from_start
         blocks = []
         for k in range(2):
-            u, _, weights = self._disk.root_rule(lower, upper)
+            u, weights, _ = self._disk.root_rule(lower, upper)
             offset = from_start[:, None] + k * h - u
             values = f.times(f.exp(-offset // 2), weights)
             basis = f.legendre(2 * f.over(offset, h) - f.one, self._disk.panels.degree)

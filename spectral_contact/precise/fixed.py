@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpmath import libmp
@@ -129,8 +129,16 @@ class Fixed:
         return np.asarray((self.times(values, w[:, None]) * factors).T // 2)
 
 
-def root_rule(f: Fixed, points: int, lower: Ints, upper: Ints) -> tuple[Ints, Ints, Ints]:
-    """Return u, ``exp(-u)``, and weights of ``int . du / (2 sqrt(1 - exp(-u)))``.
+class FixedRule(NamedTuple):
+    """Points, weights, and values of functions at the points, in integers of `Fixed`."""
+
+    points: Ints
+    weights: Ints
+    values: Ints
+
+
+def root_rule(f: Fixed, points: int, lower: Ints, upper: Ints) -> FixedRule:
+    """Return u, weights of ``int . du / (2 sqrt(1 - exp(-u)))``, and ``exp(-u)``.
 
     The rule is Gauss's in the root of u, from each of `lower` to `upper`.
     """
@@ -140,4 +148,4 @@ def root_rule(f: Fixed, points: int, lower: Ints, upper: Ints) -> tuple[Ints, In
     u = f.times(u, u)
     fall = f.exp(-u)
     smooth = f.sqrt(f.over(u, f.one - fall))
-    return u, fall, f.times(smooth, w, b - a) // 2
+    return FixedRule(u, f.times(smooth, w, b - a) // 2, fall)

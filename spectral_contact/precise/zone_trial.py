@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, log, log10, pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -161,6 +161,14 @@ class ZoneProblem:
         )
 
 
+class _StuckEnd(NamedTuple):
+    """At a boundary: the zone that sticks, which of its ends it is, and ``s / (f p)``."""
+
+    zone: int
+    end: int
+    factor: Any
+
+
 class ZoneTrial:
     """The problem with its boundaries given.
 
@@ -261,13 +269,13 @@ class ZoneTrial:
         return np.array(found, dtype=object)
 
     @cached_property
-    def _ends(self) -> list[tuple[int, int, Any]]:
-        """Of every boundary: the zone that sticks, which of its ends, and ``s / (f p)``."""
+    def _ends(self) -> list[_StuckEnd]:
+        """Where zones stick up to their boundaries."""
         f, problem = self._f, self.problem
         p = problem.drive.pressure(np.array(self.rests[1:-1], dtype=object))
         factors = f.over(f.sqrt(np.array(self.squares[1:-1])), f.times(problem.friction, p))
         return [
-            (j + 1, 0, factor) if problem.states[j] else (j, 1, factor)
+            _StuckEnd(j + 1, 0, factor) if problem.states[j] else _StuckEnd(j, 1, factor)
             for j, factor in enumerate(factors)
         ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,6 +171,15 @@ class Family:
         return np.concatenate([table.ravel(), series.tail[: p.tail_terms]])
 
 
+class _Halves(NamedTuple):
+    """Transforms of the inner and the outer half, and the coefficients on them."""
+
+    inner: Transforms
+    outer: Transforms
+    on_inner: Array
+    on_outer: Array
+
+
 @dataclass(frozen=True)
 class Annulus:
     """An annulus with a family of panels to each end.
@@ -226,10 +236,10 @@ class Annulus:
         below = inner.across(a, self.toward_outer) + outer.outer(b)
         return self._scale * np.concatenate([inner.deeper(a), below])
 
-    def _split(self, coefficients: Array) -> tuple[Transforms, Transforms, Array, Array]:
+    def _split(self, coefficients: Array) -> _Halves:
         size = self.toward_inner.size
         pair = transforms(self.toward_inner), transforms(self.toward_outer)
-        return *pair, coefficients[:size], coefficients[size:]
+        return _Halves(*pair, coefficients[:size], coefficients[size:])
 
     @property
     def _scale(self) -> float:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,6 +116,30 @@ class Block:
         return sums if self.gathered is None else self.gathered.T @ sums
 
 
+class PartProduct(NamedTuple):
+    """The product of the integrals of two parts."""
+
+    row: int
+    column: int
+    values: Array
+
+
+class _OwnColumns(NamedTuple):
+    """Which columns are those of a part, and whether they are at the samples."""
+
+    part: int
+    columns: slice
+    sampled: bool
+
+
+class _SideBySide(NamedTuple):
+    """Integrals of several parts: whose the columns are, and those at nodes and at samples."""
+
+    places: list[_OwnColumns]
+    direct: Array
+    sampled: Array
+
+
 @dataclass(frozen=True, slots=True)
 class Seen:
     """Integrals of several parts at the nodes of one.
@@ -154,14 +178,15 @@ class Seen:
         for k, one in self.blocks.items():
             yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
 
-    def _columns(self, *, whole: bool) -> tuple[list[tuple[int, slice, bool]], Array, Array]:
-        """Return which columns are whose, and the integrals at the nodes and at the samples."""
-        places: list[tuple[int, slice, bool]] = []
+    def _columns(self, *, whole: bool) -> _SideBySide:
+        """Return the integrals of all parts side by side."""
+        places: list[_OwnColumns] = []
         parts: tuple[list[Array], list[Array]] = [], []
         ends = [0, 0]
         for k, one in self.blocks.items():
             values, kind = one.whole if whole else one.more, int(one.sampled)
-            places.append((k, slice(ends[kind], ends[kind] + values.shape[1]), one.sampled))
+            own = slice(ends[kind], ends[kind] + values.shape[1])
+            places.append(_OwnColumns(k, own, one.sampled))
             parts[kind].append(values)
             ends[kind] += values.shape[1]
         shapes = len(self.nodes.d), len(self.nodes.samples)
@@ -169,11 +194,11 @@ class Seen:
             np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
             for each, rows in zip(parts, shapes, strict=True)
         )
-        return places, direct, sampled
+        return _SideBySide(places, direct, sampled)
 
     def products(
         self, other: Seen, weights: Array, *, whole: bool = False, own: Array | None = None
-    ) -> Iterable[tuple[int, int, Array]]:
+    ) -> Iterable[PartProduct]:
         """Yield, for pairs of parts, the sums over the nodes of these integrals times others.
 
         Parameters
@@ -208,7 +233,7 @@ class Seen:
             for j, column, from_samples in columns:
                 product = parts[of_samples][from_samples][row, column]
                 one, two = self.blocks[k], other.blocks[j]
-                yield k, j, two.back(one.back(product).T).T
+                yield PartProduct(k, j, two.back(one.back(product).T).T)
 
 
 class _Own:

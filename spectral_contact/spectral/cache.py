@@ -74,15 +74,15 @@ class BoundedCache(Generic[K, V]):
             _shrink()
         return value
 
-    def used(self) -> list[tuple[K, V, int]]:
-        """Return keys and values with the time of their last use; none while a thread works here.
+    def entries(self) -> list[tuple[K, _Entry[V]]]:
+        """Return keys and entries; none while a thread works here.
 
         To wait for it might be to wait for each other.
         """
         if not self._lock.acquire(blocking=False):
             return []
         try:
-            return [(key, entry.value, entry.used) for key, entry in self._entries.items()]
+            return list(self._entries.items())
         finally:
             self._lock.release()
 
@@ -125,11 +125,11 @@ def _bytes(value: Any, seen: set[int]) -> int:
 
 def _shrink() -> None:
     """Forget what has not been used for longest, beyond what all caches may hold."""
-    entries = [(cache, *entry) for cache in list(_ALL) for entry in cache.used()]
+    entries = [(cache, *own) for cache in list(_ALL) for own in cache.entries()]
     seen: set[int] = set()
     total = 0
-    for cache, key, value, _ in sorted(entries, key=lambda entry: -entry[-1]):
-        total += _bytes(value, seen)
+    for cache, key, entry in sorted(entries, key=lambda one: -one[-1].used):
+        total += _bytes(entry.value, seen)
         if total > _MOST:
             cache.forget(key)
 

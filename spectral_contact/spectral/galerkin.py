@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +78,14 @@ class Strip:
     values: Array
 
 
+class _OuterBlocks(NamedTuple):
+    """Outer integrals on the first panel, on any other one, and on the tail."""
+
+    first: Array
+    other: Array
+    tail: Array
+
+
 class DiskOperators:
     """Half-integral matrix and Galerkin matrices on the unit disk for one set of panels.
 
@@ -122,13 +130,14 @@ class DiskOperators:
         return np.concatenate([scaled[0] @ first, values.ravel(), tail @ coefficients])
 
     @cached_property
-    def _outer(self) -> tuple[Array, Array, Array]:
-        """Blocks of the `outer` integral: on the first panel, on any other one, on the tail."""
+    def _outer(self) -> _OuterBlocks:
+        """Blocks of the `outer` integral."""
         p, (start, begin) = self.panels, self._offsets
         form = p.width, p.degree, p.power
         blocks = outer_blocks(begin, p.panels, *form).transpose(1, 2, 0).copy()
         tail = self.nodes.d[-p.node_counts[1] :]
-        return outer_blocks(start, 1, *form)[:, 0].T, blocks, outer(tail, p.panels, *form)
+        first = outer_blocks(start, 1, *form)[:, 0].T
+        return _OuterBlocks(first, blocks, outer(tail, p.panels, *form))
 
     @property
     def normal(self) -> GalerkinOperator:

@@ -10,6 +10,8 @@ panels couples by the product of its moments.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -100,17 +102,25 @@ def unit_masses(panels: LogPanels, degrees: tuple[int, ...]) -> tuple[Array, Arr
     )
 
 
-def _panel_rule(panels: LogPanels) -> tuple[Array, Array, Array]:
+class BasisRule(NamedTuple):
+    """Points and weights, and the functions of a basis at the points."""
+
+    points: Array
+    weights: Array
+    basis: Array
+
+
+def _panel_rule(panels: LogPanels) -> BasisRule:
     """Return offsets and ``dx`` weights on the first panel, and the polynomials there."""
     g, w = gauss_rule(panels.degree + 14)
     h = panels.width
-    return h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree)
+    return BasisRule(h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree))
 
 
-def tail_rule(panels: LogPanels) -> tuple[Array, Array, Array]:
+def tail_rule(panels: LogPanels) -> BasisRule:
     """Return distances and ``dd`` weights on the tail, and the polynomials there."""
     g, w = gauss_rule(_TAIL_POINTS)
     v = (1.0 + g) / 2.0
     d = panels.end * v**2
     values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
-    return d, w * v * panels.end, values
+    return BasisRule(d, w * v * panels.end, values)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,23 @@ class Nodes:
     d: Array
     rest: Array
     weights: Array
+
+
+class PanelNodes(NamedTuple):
+    """The Galerkin nodes and their distances to the panel ends.
+
+    Attributes
+    ----------
+    nodes : Nodes
+        All nodes, `node_counts` on the panels.
+    first, other : tuple of ndarray
+        Distances in ``x`` of each node of the first panel, and of any other, from the shallow and
+        to the deep end of its panel.
+    """
+
+    nodes: Nodes
+    first: tuple[Array, Array]
+    other: tuple[Array, Array]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,16 +158,8 @@ class LogPanels:
         x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
         return x, np.broadcast_to(w * self.width / 2.0, x.shape)
 
-    def nodes(self) -> tuple[Nodes, tuple[Array, Array], tuple[Array, Array]]:
+    def nodes(self) -> PanelNodes:
         """Return the Galerkin nodes and their distances to the panel ends.
-
-        Returns
-        -------
-        nodes : Nodes
-            All nodes, `node_counts` on the panels.
-        first, other : tuple of ndarray
-            Distances in ``x`` of each node of the first panel, and of any other, from the shallow
-            and to the deep end of its panel.
 
         Notes
         -----
@@ -177,7 +187,7 @@ class LogPanels:
             np.concatenate([rest, 1.0 - tail]),
             np.concatenate([weights, tail_weights]),
         )
-        return nodes, (first_x, first), (h * (1.0 - g) / 2.0 * (1.0 + v), other)
+        return PanelNodes(nodes, (first_x, first), (h * (1.0 - g) / 2.0 * (1.0 + v), other))
 
     def panel_gram(self, decay: float) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""

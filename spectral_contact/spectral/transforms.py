@@ -6,6 +6,8 @@ panel by a shift.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,6 +39,15 @@ Array = NDArray[np.float64]
 _DEEP_POINTS = 14
 
 _TRANSFORMS: BoundedCache[LogPanels, Transforms] = BoundedCache("Abel transforms", 12)
+
+
+class _Means(NamedTuple):
+    """Matrices of means: on a panel, of a whole one, in the tail, of all of the tail."""
+
+    within: Array
+    whole: Array
+    in_tail: Array
+    below: Array
 
 
 def transforms(panels: LogPanels) -> Transforms:
@@ -143,8 +154,8 @@ class Transforms:
         return np.concatenate([means.ravel(), in_tail @ tail])
 
     @cached_property
-    def _mean(self) -> tuple[Array, Array, Array, Array]:
-        """Matrices of `mean`: on a panel, of a whole one, in the tail, of all of the tail."""
+    def _mean(self) -> _Means:
+        """Matrices of `mean`."""
         panels, h = self.panels, self.panels.width
         g, w = gauss_rule(panels.degree + EXTRA)
         half, degree = (1.0 + g) / 2.0, panels.tail_terms - 1
@@ -157,7 +168,7 @@ class Transforms:
         whole = (np.exp(-h * half) * w * h / 2.0) @ legendre_values(g, panels.degree)
         local = np.outer(panels.tail_sampling() / panels.end, 2.0 * half) - 1.0
         in_tail = np.einsum("iqk,q->ik", legendre_values(local, degree), w / 2.0)
-        return within, whole, in_tail, (w / 2.0) @ legendre_values(g, degree)
+        return _Means(within, whole, in_tail, (w / 2.0) @ legendre_values(g, degree))
 
     @cached_property
     def _deeper(self) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -290,10 +290,18 @@ def _scaled(values: Array) -> tuple[Array, int]:
     return np.ldexp(values, -power), power
 
 
+class _Kept(NamedTuple):
+    """A point: its number, its unknowns and its error."""
+
+    number: int
+    unknowns: float
+    error: float
+
+
 def _above(
     unknowns: Sequence[float | None], errors: Sequence[float | None], least: float
-) -> list[tuple[int, float, float]]:
-    """Return index, N and error of the points whose error says something."""
+) -> list[_Kept]:
+    """Return the points whose error says something."""
     kept, reached = [], False
     for i, (n, e) in enumerate(zip(unknowns, errors, strict=True)):
         if n is None or n <= 0 or e is None or not e < math.inf:
@@ -301,16 +309,24 @@ def _above(
         if e <= least:
             reached = True
         elif e > (10.0 * least if reached else least):  # rounding scatters once it is reached
-            kept.append((i, n, e))
+            kept.append(_Kept(i, n, e))
     return kept
 
 
-def _least_squares(x: Array, y: Array) -> tuple[float, float, float]:
+class _LeastSquares(NamedTuple):
+    """A line through points, and the sum of the squares of what it misses."""
+
+    slope: float
+    intercept: float
+    squares: float
+
+
+def _least_squares(x: Array, y: Array) -> _LeastSquares:
     """Return slope, intercept and the sum of the squares that remain."""
     centred = x - x.mean()
     slope = float(centred @ (y - y.mean()) / (centred @ centred))
     intercept = float(y.mean() - slope * x.mean())
-    return slope, intercept, float(np.sum((y - intercept - slope * x) ** 2))
+    return _LeastSquares(slope, intercept, float(np.sum((y - intercept - slope * x) ** 2)))
 
 
 def _before_plateau(numbers: Array, logs: Array) -> int:

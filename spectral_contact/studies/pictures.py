@@ -66,8 +66,8 @@ def _convergence(study: Convergence, wanted: Sequence[str]) -> Figure:
         for index, quantity in enumerate(study.quantities):
             _draw_rate(axes[0], study, quantity, index)
             for one, state in zip(axes[1:], states, strict=True):
-                x, timings, errors = _series(study.points, quantity, state)
-                _draw_times(one, x, timings, errors, index, cold=state == "cold")
+                timings, errors = _series(study.points, quantity, state)
+                _draw_times(one, timings, errors, index, cold=state == "cold")
         for one in axes:
             one.set_yscale("log")
         _say_clamped(axes[0], study.points, study.quantities)
@@ -97,11 +97,11 @@ def _work_precision(study: WorkPrecision, states: Sequence[str]) -> Figure:
                 for index, solver in enumerate(study.solvers):
                     points = study.of(solver, scene)
                     for state in states:
-                        x, timings, errors = _series(points, quantity, state)
+                        timings, errors = _series(points, quantity, state)
                         name = f"{solver}, {state}" if len(states) > 1 else solver
-                        label = name if x else None
+                        label = name if timings else None
                         cold = state == "cold"
-                        _draw_times(one, x, timings, errors, index, cold=cold, label=label)
+                        _draw_times(one, timings, errors, index, cold=cold, label=label)
                 xlabel = "time [ms]" if len(states) > 1 else f"time {states[0]} [ms]"
                 one.set(xscale="log", yscale="log", xlabel=xlabel, title=_SYMBOLS[quantity])
                 _plain_ticks(one)
@@ -117,10 +117,8 @@ def _timed(points: Sequence[Point], state: str) -> bool:
     return any(p.times is not None and getattr(p.times, state) is not None for p in points)
 
 
-def _series(
-    points: Sequence[Point], quantity: str, state: str
-) -> tuple[list[float], list[Timing], list[float]]:
-    """Return the medians in ms, the timings and the errors of points that have both."""
+def _series(points: Sequence[Point], quantity: str, state: str) -> tuple[list[Timing], list[float]]:
+    """Return the timings and the errors of points that have both."""
     timings, errors = [], []
     for point in points:
         taken = None if point.times is None else getattr(point.times, state)
@@ -128,7 +126,7 @@ def _series(
         if taken is not None and np.isfinite(error):
             timings.append(taken)
             errors.append(max(error, _LEAST))
-    return [1e3 * taken.median for taken in timings], timings, errors
+    return timings, errors
 
 
 def _draw_rate(axes: Axes, study: Convergence, quantity: str, index: int) -> None:
@@ -167,7 +165,6 @@ def _law(rate: Rate) -> str:
 
 def _draw_times(
     axes: Axes,
-    x: Sequence[float],
     timings: Sequence[Timing],
     errors: Sequence[float],
     index: int,
@@ -179,7 +176,7 @@ def _draw_times(
 
     Cold times, of a few processes, are points without a line: it would run back and forth.
     """
-    if not x:
+    if not timings:
         return
     colour = _colour(index)
     spread = [
@@ -187,7 +184,7 @@ def _draw_times(
         [1e3 * (taken.upper - taken.median) for taken in timings],
     ]
     axes.errorbar(
-        x,
+        [1e3 * taken.median for taken in timings],
         errors,
         xerr=spread,
         fmt=_marker(index),

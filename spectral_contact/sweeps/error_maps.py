@@ -56,11 +56,10 @@ class CertifiedNormal:
         fine, rough = (one.approach(lattice) for one in (self.spectrum, NormalSpectrum(degree - 2)))
         self._maps = [_widened(a, b) + 2.0 * ROUNDING for a, b in zip(fine, rough, strict=True)]
 
-    def approach(self, alpha: Array) -> tuple[Array, Array, Array, Array]:
-        """Return approach and edge pressure, and the estimates of their errors, (scenes,) each."""
+    def approach(self, alpha: Array) -> tuple[Array, Array]:
+        """Return approach and edge pressure, and the estimates of their errors, (2, scenes)."""
         place = _places(alpha)
-        approach, pressure = self.spectrum.approach(alpha)
-        return approach, pressure, self._maps[0][place], self._maps[1][place]
+        return np.array(self.spectrum.approach(alpha)), np.array([one[place] for one in self._maps])
 
 
 class CertifiedStick:
@@ -91,11 +90,11 @@ class CertifiedStick:
     def _widened(self, fine: Array, rough: Array) -> Array:
         return _widened(fine.reshape(self._shape), rough.reshape(self._shape))
 
-    def shear_and_edge(self, alpha: Array, beta: Array) -> tuple[Array, Array, Array, Array]:
-        """Return ``Q*/kappa``, ``q/(kappa p)`` at the edge, and the estimates of their errors."""
+    def shear_and_edge(self, alpha: Array, beta: Array) -> tuple[Array, Array]:
+        """Return ``Q*/kappa`` and ``q/(kappa p)`` at the edge, and their errors, (2, scenes)."""
         place = _places(alpha), _places(beta)
-        shear, edge = self.spectrum.shear_and_edge(alpha, beta)
-        return shear, edge, self._shear_map[place], self._edge_map[place]
+        errors = np.array([self._shear_map[place], self._edge_map[place]])
+        return np.array(self.spectrum.shear_and_edge(alpha, beta)), errors
 
     def critical(self, alpha: Array, beta: Array, edge_ratio: Array) -> tuple[Array, Array]:
         """Return the largest ``|q|/(kappa p)``, and the estimate of its error."""

@@ -84,7 +84,7 @@ def served(columns: Columns, request: Request) -> Served:
 
 
 def _normal(columns: Columns, values: dict[str, Array], errors: dict[str, Array]) -> None:
-    approach, pressure, lost, lost_pressure = certified_normal().approach(columns.values[1])
+    (approach, pressure), (lost, lost_pressure) = certified_normal().approach(columns.values[1])
     values["approach"], errors["approach"] = approach, lost
     values["pressure"], errors["pressure"] = pressure[:, None], lost_pressure
 
@@ -95,7 +95,7 @@ def _full_stick(
     """Fill in full stick, and return where what is asked is that."""
     _, alpha, beta, friction = columns.values
     kappa, stick = columns.kappa, certified_stick(request.rtol)
-    shear, edge, lost_shear, lost_edge = stick.shear_and_edge(alpha, beta)
+    (shear, edge), (lost_shear, lost_edge) = stick.shear_and_edge(alpha, beta)
     values.update(
         total_shear=kappa * shear, edge_ratio=kappa * edge, stick_radius=np.ones(len(columns))
     )

@@ -112,7 +112,7 @@ def held():
     """Return weak references to the objects of the library that caches hold."""
     found = []
     for cache in list(caches._ALL):
-        for _, one, _ in cache.used():
+        for one in (entry.value for _, entry in cache.entries()):
             if type(one).__module__.startswith("spectral_contact"):
                 with suppress(TypeError):  # what has slots cannot be watched
                     found.append(weakref.ref(one))
