@@ -157,18 +157,6 @@ class CoupledSlip:
     consistent: bool
 
 
-@dataclass(frozen=True, slots=True)
-class _InY:
-    """A field as a function of ``y = 1 - s**2``."""
-
-    field: ZonalField
-
-    def at(self, y: Array) -> Array:
-        """Evaluate."""
-        s = np.sqrt(np.maximum(1.0 - y, 0.0))
-        return self.field(s, y / (1.0 + s))
-
-
 def slip_annulus(inner: Radius, outer: Radius, panels: Sequence[LogPanels]) -> Annulus:
     """Return the annulus of a displacement, of the pressure's panels with some degrees more."""
     first, second = (replace(p, power=0.0, degree=p.degree + _FINER) for p in panels)
@@ -203,7 +191,7 @@ def checked(
     pressure, traction = _fields(solved, parameters)
     slipping, lost = with_misfits(solved, misfits)
     fields, samples, largest, unresolved = slip_displacement(
-        solved.stuck, slipping, _InY(pressure), beta, friction
+        solved.stuck, slipping, pressure, beta, friction
     )
     d = np.exp(-np.linspace(0.0, 60.0, 500))
     values = [one(d) for one in solved.pressure]

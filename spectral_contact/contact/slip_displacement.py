@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,14 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
 from spectral_contact.fields.legendre import chebyshev_sums
-from spectral_contact.fields.series import EDGE, AnnulusSeries, DiskSeries, Radius
+from spectral_contact.fields.series import (
+    EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    PressureField,
+    Radius,
+    ZonalField,
+)
 from spectral_contact.spectral.annulus import (
     FAR_FIT,
     FAR_NODES,
@@ -35,7 +42,6 @@ from spectral_contact.spectral.samples import root_sums
 from spectral_contact.spectral.transforms import transforms
 
 __all__ = [
-    "InY",
     "Slipping",
     "Stuck",
     "annulus_between",
@@ -46,14 +52,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-
-class InY(Protocol):
-    """A field as a function of ``y = 1 - s**2``."""
-
-    def at(self, y: Array) -> Array:
-        """Evaluate."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +134,11 @@ class SlipFields(NamedTuple):
 
 
 def slip_displacement(
-    stuck: list[Stuck], zones: list[Slipping], pressure: InY, beta: float, friction: float
+    stuck: list[Stuck],
+    zones: list[Slipping],
+    pressure: PressureField | ZonalField,
+    beta: float,
+    friction: float,
 ) -> SlipFields:
     """Return the displacement on every slip zone.
 
@@ -144,7 +146,7 @@ def slip_displacement(
     ----------
     stuck, zones : list
         The zones of both kinds, each ordered outward.
-    pressure : InY
+    pressure : PressureField or ZonalField
     beta, friction : float
         ``beta*`` and ``f / kappa``.
 

@@ -393,6 +393,11 @@ class ZonalField:
                 result[inside] = piece.factor * piece.field(s[inside], from_edge[inside])
         return result
 
+    def at(self, y: Array) -> Array:
+        """Evaluate at ``y = 1 - s**2``."""
+        s = np.sqrt(np.maximum(1.0 - y, 0.0))
+        return self(s, y / (1.0 + s))
+
     def times(self, factor: float) -> ZonalField:
         """Return the field multiplied by a number."""
         return ZonalField(tuple(replace(p, factor=p.factor * factor) for p in self.pieces))
