@@ -149,7 +149,7 @@ class _Assessment:
     def off(self) -> float:
         """What the fields are off as the boundaries still are."""
         off = 2.0 * float((self.inverse @ np.abs(self.state.mismatch)).max(initial=0.0))
-        if self.system.parameters.beta > 0.0:
+        if off > 0.0 and self.system.parameters.beta > 0.0:
             return min(self.problem.size(self.state, self.loose.change), off)
         return off
 
