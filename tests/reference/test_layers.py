@@ -211,3 +211,22 @@ def test_solutions_are_saved_with_their_domain(tmp_path, suffix):
     loaded = Solution.load(tmp_path / f"a{suffix}")
     assert loaded == solution
     assert loaded.domain_radius == solution.domain_radius
+
+
+#: Greenwood and Tripp's mu, approaches with the separation at the centre, in deviations.
+CORNERS = [(1e-3, -1.4995, 3.0), (1e-3, 0.5, -1.0), (1e3, 1.0, 2.2255), (1e3, 3e5, -1.0)]
+
+
+@pytest.mark.parametrize(("mu", "approach", "separation"), CORNERS)
+def test_rough_spheres_have_twelve_digits_at_the_corners(mu, approach, separation):
+    """From a layer that hardly bends the body to one that is a millionth of the approach."""
+    layer = layers.GreenwoodWilliamson(mu / (16.0 / 3.0 * 0.5**1.5), 1.0, 0.5)
+    solution = solve(Scene(0.3, layer=layer, profile=BALL, approach=approach), 1e-12)
+    assert solution.converged
+    centre = solution.pressure(0.0)
+    assert -layer.overclosure(centre) / 0.5 == pytest.approx(separation, abs=0.05)
+    by_load = solve(Scene(0.3, layer=layer, profile=BALL, load=solution.load), 1e-12)
+    assert by_load.converged
+    assert by_load.approach == pytest.approx(approach, rel=1e-12)
+    room = solution.error.pressure + by_load.error.pressure
+    assert by_load.pressure(0.0) == pytest.approx(centre, rel=room)
