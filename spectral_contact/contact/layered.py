@@ -143,6 +143,9 @@ class _Layered(ABC):
             stiff_error,
             pressure_error,
             deepest,
+            form.driving(fields.pressure, change, solver.thinnest(fields), worst)
+            if setting.drives
+            else None,
         )
         if setting.load is not None:
             indentation = _under(indentation, setting.load)

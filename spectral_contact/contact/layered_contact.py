@@ -65,6 +65,7 @@ def layered_contact(
     load: float | None,
     approach: float | None,
     pointwise: bool,
+    drives: bool = False,
 ) -> Contact:
     """Return the contact of an approach or under a load, where it has no radius of its own.
 
@@ -76,6 +77,8 @@ def layered_contact(
         As of `solve_layered`.
     load, approach : float or None
         One of them.
+    drives : bool
+        Whether the pressure, under a flat punch, has to drive a traction.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def layered_contact(
         If the profile ends before the pressure does.
     """
     if approach is not None:
-        setting = setting_at_approach(profile, layer, approach)
+        setting = replace(setting_at_approach(profile, layer, approach), drives=drives)
         found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
         return _exactly(found, approach)
     assert load is not None
@@ -96,7 +99,7 @@ def layered_contact(
         near = _searched(roughly, _begin(profile, layer, load), load)
         for _ in range(_STEPS):
             setting = setting_at_approach(profile, layer, near)
-            setting = replace(setting, load=load)
+            setting = replace(setting, load=load, drives=drives)
             found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
             near = found.best.value.approach
             domain = setting_at_approach(profile, layer, near).radius

@@ -55,6 +55,8 @@ class LayeredSetting:
         Where the approach is to be such that it is carried; else it is as given.
     parts : Parts
         How panels cut the disk, if there are no cells.
+    drives : bool
+        Whether the pressure, under a flat punch, has to drive a traction.
     cells : DiskCells or None
         Where the pressure is smooth throughout.
     depths : tuple of float
@@ -71,6 +73,7 @@ class LayeredSetting:
     depths: tuple[float, ...]
     smooth: tuple[bool, ...]
     load: float | None = None
+    drives: bool = False
     cells: DiskCells | None = None
 
     @property
@@ -168,7 +171,7 @@ class LayeredNewton:
             room = 2.0 * (top - height)
         else:
             room = (setting.approach - setting.origin) / a - height
-        w = self.sampling.coefficients(balanced(setting, room, room))
+        w = self.sampling.coefficients(balanced(setting, room, np.minimum(room, 0.0)))
         return (self._eased(room, w) if self._fixed else w), self._shift
 
     def _eased(self, room: Array, w: Array) -> Array:
@@ -343,6 +346,11 @@ class LayeredNewton:
             self.sampling.values(fields.overclosure).max()
         )
 
+    def thinnest(self, fields: LayeredFields) -> float:
+        """Return the least compliance, in units of the radius."""
+        slope = self.setting.slope(self.sampling.values(fields.overclosure))
+        return 1.0 / float(slope.max())
+
     def sharpest(self, fields: LayeredFields, mean: float) -> float:
         """Return by how much of itself, or of its mean, the pressure moves with the data."""
         at = self.sampling.values(fields.overclosure)
@@ -363,14 +371,17 @@ class LayeredNewton:
 def balanced(setting: LayeredSetting, room: Array, start: Array, spring: float = _OWN) -> Array:
     """Return w with ``w + spring F(w) = room`` at every point by itself."""
     w = start.copy()
-    low, high = np.full(w.shape, -inf), np.full(w.shape, inf)
+    low, high, before = np.full(w.shape, -inf), np.full(w.shape, inf), np.full(w.shape, inf)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_POINTWISE_STEPS):
             off = w + spring * setting.pressure(w) - room
             low, high = np.where(off < 0.0, w, low), np.where(off < 0.0, high, w)
             step = w - off / (1.0 + spring * setting.slope(w))
             middle = np.where(np.isfinite(low + high), 0.5 * (low + high), np.minimum(w, room))
-            new = np.where((step > low) & (step < high), step, middle)
+            # far up an exponential law Newton's steps are an e-fold each
+            slow = (np.abs(off) > 0.5 * before) & np.isfinite(low + high)
+            new = np.where((step > low) & (step < high) & ~slow, step, middle)
+            before = np.abs(off)
             done = np.abs(new - w) <= _POINTWISE * (np.abs(new) + np.abs(room))
             w = new
             if done.all():

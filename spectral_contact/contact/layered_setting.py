@@ -110,7 +110,7 @@ def _to_edge(
     else:
         room = approach - setting.origin
     centre = np.array([room / radius])
-    slope = float(setting.slope(balanced(setting, centre, centre))[0])
+    slope = float(setting.slope(balanced(setting, centre, np.minimum(centre, 0.0)))[0])
     thin = 1.0 / max(slope, 1.0)
     depths = [
         max(-log(thin * max(boundary.value, thin) / extent), 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -13,7 +14,8 @@ from spectral_contact.contact.indented import (
     pointwise_errors,
     series_on_parts,
 )
-from spectral_contact.contact.resolution import expected_error, table_rates
+from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.resolution import expected_error, series_of, table_rates
 from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.cells import DiskCells, cell_space
@@ -50,6 +52,20 @@ class Form(Protocol):
 
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
+
+    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
+        """Return the pressure as it drives a traction, where it is on one part.
+
+        Parameters
+        ----------
+        pressure : ndarray
+        change : Change
+            What two degrees less make of it.
+        thin : float
+            Width of its layer at the edge.
+        rate : float
+            By what factor one more degree lowers the change.
+        """
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
@@ -102,6 +118,27 @@ class PanelForm:
             rows += [table.ravel(), before[stop : stop + was.tail_terms]]
             start = stop + was.tail_terms
         return np.concatenate(rows)
+
+    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
+        """Return the pressure as it drives a traction, where it is on one part."""
+        [(panels, _)] = self._used
+        functions = self.space.functions
+        last = np.zeros_like(pressure)
+        last[functions.index[functions.kept_but_one :]] = 1.0
+        whole, moved, lesser = (
+            NormalContact(
+                thin,
+                0.0,
+                PressureField(None, series_of(panels, one)),
+                panels,
+                one,
+                0.0,
+                0.0,
+                rate=rate,
+            )
+            for one in (pressure, change.coefficients, last * pressure)
+        )
+        return replace(whole, change=moved, lesser=lesser)
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
@@ -162,6 +199,10 @@ class CellForm:
             row[:terms] = own[:terms]
             rows.append(row)
         return np.concatenate(rows)
+
+    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
+        """Raise `NotImplementedError`: nothing flat has cells."""
+        raise NotImplementedError
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""

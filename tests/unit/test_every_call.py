@@ -47,6 +47,12 @@ SCENES = {
     "flat on a layer": Scene(
         0.3, layer=layers.CalculixExponential(0.1, 0.2), profile=profiles.Flat(2.0), load=1.0
     ),
+    "flat, sticking on a layer": Scene(
+        *(0.3, 0.0, 0.2, math.inf),
+        layer=layers.PowerLaw(5.0, 2.0),
+        profile=profiles.Flat(2.0),
+        approach=0.5,
+    ),
 }
 
 
@@ -104,6 +110,7 @@ REFUSED = {
     "power layer": NOT_UNDER_LAYERS,
     "rough spheres": NOT_UNDER_LAYERS | {"indentation", "compare"},  # there is no edge
     "flat on a layer": NOT_UNDER_LAYERS | {"indentation"},
+    "flat, sticking on a layer": NOT_UNDER_LAYERS | {"indentation"},
 }
 
 
