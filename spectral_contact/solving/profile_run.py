@@ -16,6 +16,7 @@ from spectral_contact.layers.control import endless
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.solution import (
     COUPLING,
+    FULL_STICK,
     GROWTH,
     NORMAL,
     PROFILE_QUANTITIES,
@@ -27,6 +28,8 @@ from spectral_contact.solving.run import Run
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.full_stick import FullStick
+    from spectral_contact.contact.normal import NormalContact
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import Stages
 
@@ -45,14 +48,18 @@ class ProfileRun(Run):
     """The steps of a plan for a scene with a profile."""
 
     #: the traction is as certain as the flat punches of the history are
-    bounded = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
+    bounded: tuple[str, ...] = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
+    _driving: NormalContact | None = None
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run normal contact, and friction if there is any."""
         if states[NORMAL] is StepState.RUN or (self._grows(states) and not self.scene.couples):
             fields = {"pressure", "traction"}.intersection(self.plan.quantities)
-            self._indent(pointwise=bool(fields))
+            sticks = states.get(FULL_STICK) is StepState.RUN
+            self._indent(pointwise=bool(fields) or sticks, drives=sticks)
         self.tangential(states, None)
+        if states.get(FULL_STICK) is StepState.RUN:
+            self._stick_on_layer()
         if self._grows(states):
             from spectral_contact.solving.stages import Stages
 
@@ -64,9 +71,9 @@ class ProfileRun(Run):
                     self._grow(history)
 
     def _grows(self, states: dict[str, StepState]) -> bool:
-        return states[GROWTH] is StepState.RUN
+        return states.get(GROWTH) is StepState.RUN
 
-    def _indent(self, *, pointwise: bool) -> None:
+    def _indent(self, *, pointwise: bool, drives: bool = False) -> None:
         scene, begin = self.scene, perf_counter()
         profile = scene.profile
         assert profile is not None
@@ -82,11 +89,12 @@ class ProfileRun(Run):
             solved = layered_contact(
                 profile,
                 scene.layer,
-                self.rtol,
+                self.tighter if drives else self.rtol,
                 self.max_unknowns,
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
+                drives=drives,
             )
         else:
             key = (profile, scene.normal_compliance, scene.layer, scene.load is None)
@@ -106,7 +114,7 @@ class ProfileRun(Run):
             path.add(at, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         self._check(found)
-        self.pressure = found.pressure
+        self.pressure, self._driving = found.pressure, found.normal
         if endless(scene):
             self.values["domain_radius"] = found.radius
         self.values.update(
@@ -140,6 +148,33 @@ class ProfileRun(Run):
         except SceneError:  # the profile ends before
             return None
         return value_of(found).radius
+
+    def _stick_on_layer(self) -> None:
+        """Solve full stick under a flat punch, in units of its radius."""
+        from spectral_contact.contact.drive import Drive
+        from spectral_contact.contact.full_stick import solve_full_stick
+
+        begin, scene = perf_counter(), self.scene
+        assert self._driving is not None
+        radius, kappa = self.values["contact_radius"], scene.kappa
+        goal = "traction" if "traction" in self.plan.quantities else "shear"
+        solved = solve_full_stick(
+            Drive(self._driving),
+            scene.tangential_compliance / radius,
+            self.rtol,
+            self.max_unknowns,
+            goal=goal,
+            ratios=False,
+        )
+        stick: FullStick = self.record(FULL_STICK, solved, begin)
+        self.bounded = (*self.bounded, "traction")
+        self.traction = stick.traction.times(kappa)
+        self.values["total_shear"] = kappa * radius**2 * stick.total_shear
+        # linear in the pressure, which approach or load have moved a little
+        self.errors.update(
+            traction=stick.traction_error + self.errors["pressure"],
+            total_shear=stick.shear_error + self.errors["load"] + self.errors["stiffness"],
+        )
 
     @property
     def _edged(self) -> bool:
