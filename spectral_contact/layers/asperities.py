@@ -106,6 +106,14 @@ class GreenwoodWilliamson(Layer):
     def _slope(self, w: Array) -> Array:
         return 1.5 * self._unit / self.height_deviation * self._carried(w, 1)
 
+    def _rates(self, w: Array) -> dict[str, Array]:
+        p = self._pressure(w)
+        return {
+            "density": p,
+            "tip_radius": 0.5 * p,
+            "height_deviation": 1.5 * p - w * self._slope(w),
+        }
+
     def _energy(self, w: Array) -> Array:
         return 0.4 * self._unit * self.height_deviation * self._carried(w, 5)
 

@@ -30,6 +30,7 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.normal import NormalContact
+    from spectral_contact.layers import Layer
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import Stages
 
@@ -83,24 +84,10 @@ class ProfileRun(Run):
         if value is None:
             assert scene.contact_radius is not None
             solved = self._at(scene.contact_radius, self.rtol, pointwise)
-        elif scene.layer is not None and not self._edged:
-            from spectral_contact.contact.layered_contact import layered_contact
-
-            solved = layered_contact(
-                profile,
-                scene.layer,
-                self.tighter if drives else self.rtol,
-                self.max_unknowns,
-                load=scene.load,
-                approach=scene.approach,
-                pointwise=pointwise,
-                drives=drives,
-            )
+        elif scene.layer is not None:
+            solved, error = self._through_layer(scene.layer, value, pointwise, drives)
         else:
-            key = (profile, scene.normal_compliance, scene.layer, scene.load is None)
-            path = self.shared.get(NORMAL, key, _RadiusPath)
-            origin = 0.0 if scene.layer is None else scene.layer.start
-            at = value if scene.approach is None else value - origin
+            path = self._path
             solved, error = find_radius(
                 profile,
                 self._at,
@@ -108,10 +95,9 @@ class ProfileRun(Run):
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
-                near=path.near(at) or self._nearby(at),
-                origin=origin,
+                near=path.near(value),
             )
-            path.add(at, value_of(solved).radius)
+            path.add(value, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         self._check(found)
         self.pressure, self._driving = found.pressure, found.normal
@@ -132,22 +118,6 @@ class ProfileRun(Run):
             indentation_work=found.work_error,
             pressure=found.pressure_error,
         )
-
-    def _nearby(self, at: float) -> float | None:
-        """Return the radius of a smooth contact; far beyond it an exponential law overflows."""
-        scene = self.scene
-        if scene.layer is None:
-            return None
-        assert scene.profile is not None
-        smooth = indenter(scene.profile, 0.0, self.max_unknowns)
-        load, approach = (at, None) if scene.approach is None else (None, at)
-        try:
-            found, _ = find_radius(
-                scene.profile, smooth, _ROUGH, load=load, approach=approach, pointwise=False
-            )
-        except SceneError:  # the profile ends before
-            return None
-        return value_of(found).radius
 
     def _stick_on_layer(self) -> None:
         """Solve full stick under a flat punch, in units of its radius."""
@@ -177,24 +147,54 @@ class ProfileRun(Run):
         )
 
     @property
-    def _edged(self) -> bool:
-        """Whether a contact on a nonlinear layer has an edge that moves."""
-        from spectral_contact.contact.layered_setting import has_edge
+    def _path(self) -> _RadiusPath:
+        """Radii of contacts like this one, from scene to scene."""
+        scene = self.scene
+        key = (scene.profile, scene.normal_compliance, scene.layer, scene.load is None)
+        return self.shared.get(NORMAL, key, _RadiusPath)
 
-        assert self.scene.profile is not None
-        assert self.scene.layer is not None
-        return has_edge(self.scene.profile, self.scene.layer)
+    def _through_layer(
+        self, layer: Layer, value: float, pointwise: bool, drives: bool
+    ) -> tuple[Contact, float]:
+        """Return the contact of a load or approach, and the relative error of its radius."""
+        from spectral_contact.contact.layered_setting import has_edge
+        from spectral_contact.solving.layered import through_layer
+
+        scene = self.scene
+        assert scene.profile is not None
+        edged = has_edge(scene.profile, layer)
+        # an approach counts from where the contact begins
+        at = value - layer.start if edged and scene.load is None else value
+        solved, error = through_layer(
+            scene.profile,
+            layer,
+            self.tighter if drives else self.rtol,
+            self.max_unknowns,
+            load=scene.load,
+            approach=scene.approach,
+            pointwise=pointwise,
+            drives=drives,
+            near=self._path.near(at) if edged else None,
+        )
+        if edged:
+            self._path.add(at, value_of(solved).radius)
+        return solved, error
 
     def _at(self, radius: float, tolerance: float, pointwise: bool) -> Contact:
         """Return the contact of a radius."""
         scene = self.scene
         assert scene.profile is not None
         if scene.layer is not None:
-            from spectral_contact.contact.layered_contact import solve_layered
-            from spectral_contact.contact.layered_setting import setting_at_radius
+            from spectral_contact.solving.layered import through_layer
 
-            setting = setting_at_radius(scene.profile, scene.layer, radius)
-            return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
+            return through_layer(
+                scene.profile,
+                scene.layer,
+                tolerance,
+                self.max_unknowns,
+                radius=radius,
+                pointwise=pointwise,
+            )[0]
         solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns)
         return solve(radius, tolerance, pointwise)
 

@@ -23,9 +23,9 @@ from spectral_contact.scene import Scene
 __all__ = [
     "PARAMETERS",
     "Columns",
-    "Form",
     "Indices",
     "Parameters",
+    "PunchAndLayer",
     "alone",
     "changed",
     "grid",
@@ -53,7 +53,7 @@ _FLAT: Final = 4
 _SLOWEST: Final = (1, 2, 0, 3, 4, 5, 6)
 
 
-class Form(NamedTuple):
+class PunchAndLayer(NamedTuple):
     """What of a scene is no number."""
 
     profile: Profile | None = None
@@ -69,14 +69,14 @@ class Columns:
     values : ndarray, shape (4, scenes) or (7 and more, scenes)
         In the order of `PARAMETERS`, then those of `law`. NaN stands for None: no friction at all,
         not given.
-    forms : tuple of Form
+    forms : tuple of PunchAndLayer
         Of each, or one that is that of all.
     law : tuple of str
         Parameters of the layer's law that vary.
     """
 
     values: Array
-    forms: tuple[Form, ...] = (Form(),)
+    forms: tuple[PunchAndLayer, ...] = (PunchAndLayer(),)
     law: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -114,7 +114,7 @@ class Parameters:
         What varies, in the order of the dimensions; empty for a list.
     table : ndarray or None, shape (4, scenes) or (7, scenes)
         The scenes of a list.
-    forms : tuple of Form
+    forms : tuple of PunchAndLayer
         Of each, or one that is that of all.
     law : tuple of str
         Parameters of the layer's law that vary; their axes are called ``layer_<name>``.
@@ -123,7 +123,7 @@ class Parameters:
     fixed: tuple[float, ...]
     axes: dict[str, Array]
     table: Array | None = None
-    forms: tuple[Form, ...] = (Form(),)
+    forms: tuple[PunchAndLayer, ...] = (PunchAndLayer(),)
     law: tuple[str, ...] = ()
 
     @property
@@ -233,7 +233,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
         If it is empty, or something in it is no scene or has elastic coupling.
     """
     rows: list[tuple[float, ...]] = []
-    forms: list[Form] = []
+    forms: list[PunchAndLayer] = []
     for number, scene in enumerate(scenes):
         if not isinstance(scene, Scene):
             raise SceneError(f"scenes[{number}]", scene, "a Scene")
@@ -244,13 +244,15 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
             told = "with a profile, as the first" if first else "without one, as the first"
             raise SceneError(f"scenes[{number}]", scene, told)
         rows.append(_row(one))
-        forms.append(Form(one.profile, one.layer))
+        forms.append(PunchAndLayer(one.profile, one.layer))
     if not rows:
         raise SceneError("scenes", [], "at least one Scene")
     shaped = forms[0].profile is not None
     count = len(PARAMETERS) if shaped else _FLAT
     table = np.array(rows).T[:count].copy()
-    return Parameters((math.nan,) * count, {}, table, tuple(forms) if shaped else (Form(),))
+    return Parameters(
+        (math.nan,) * count, {}, table, tuple(forms) if shaped else (PunchAndLayer(),)
+    )
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -268,7 +270,7 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 def alone(scene: Scene) -> Parameters:
     """Return one scene as a grid without dimensions."""
     count = _FLAT if scene.profile is None else len(PARAMETERS)
-    return Parameters(_row(scene)[:count], {}, forms=(Form(scene.profile, scene.layer),))
+    return Parameters(_row(scene)[:count], {}, forms=(PunchAndLayer(scene.profile, scene.layer),))
 
 
 def _check_uncoupled(scene: Scene) -> None:
@@ -283,8 +285,8 @@ def _row(scene: Scene) -> tuple[float, ...]:
 
 
 def _chosen(
-    forms: tuple[Form, ...], chosen: slice | Indices | NDArray[np.bool_]
-) -> tuple[Form, ...]:
+    forms: tuple[PunchAndLayer, ...], chosen: slice | Indices | NDArray[np.bool_]
+) -> tuple[PunchAndLayer, ...]:
     if len(forms) == 1:
         return forms
     return tuple(forms[k] for k in np.arange(len(forms))[chosen].tolist())
