@@ -2,7 +2,8 @@
 
 `fit` takes a scene, which says what is known and where to start, and measured approaches
 (`ApproachData`), pressures (`PressureData`) or stick radii (`StickRadiusData`), or a curve of
-forces and depths under a profile (`IndentationData`), which tells the modulus, too.
+forces and depths under a profile (`IndentationData`), which tells the modulus, too, and the numbers
+of a nonlinear layer's law. `compare_laws` says which of several laws such a curve speaks for.
 """
 
 from spectral_contact.calibration.estimate import fit
@@ -11,6 +12,7 @@ from spectral_contact.calibration.indentation import (
     IndentationData,
     IndentationFit,
 )
+from spectral_contact.calibration.laws import LawComparison, compare_laws
 from spectral_contact.calibration.measurements import ApproachData, PressureData, StickRadiusData
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
 from spectral_contact.calibration.setting import PARAMETERS
@@ -22,8 +24,10 @@ __all__ = [
     "FittedParameter",
     "IndentationData",
     "IndentationFit",
+    "LawComparison",
     "PressureData",
     "RoughnessFit",
     "StickRadiusData",
+    "compare_laws",
     "fit",
 ]

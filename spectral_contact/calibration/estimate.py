@@ -11,11 +11,8 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.calibration.indentation import (
-    IndentationData,
-    IndentationFit,
-    fit_indentation,
-)
+from spectral_contact.calibration.curve_fit import fit_indentation
+from spectral_contact.calibration.indentation import IndentationData, IndentationFit
 from spectral_contact.calibration.measurements import (
     ApproachData,
     Data,
@@ -90,7 +87,9 @@ def fit(
         `IndentationData`, of a scene with a profile.
     free : str or sequence of str
         The parameters to find, out of ``"normal_compliance"``, ``"tangential_compliance"`` and
-        ``"friction"``. The others keep the values of the scene.
+        ``"friction"``. The others keep the values of the scene. With `IndentationData` out of
+        ``"reduced_modulus"``, ``"normal_compliance"`` and ``"zero_point"``, where the numbers of a
+        nonlinear layer's law take the place of the compliance.
     rtol : float
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int

@@ -17,27 +17,38 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact.calibration.outcome import check_settled
 from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs.checks import finite, reals
-from spectral_contact.inputs.choices import names, one_of
+from spectral_contact.inputs.choices import one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 
 __all__ = [
     "INDENTATION_PARAMETERS",
+    "CurveProblem",
     "IndentationData",
     "IndentationFit",
     "curve_load",
-    "fit_indentation",
 ]
 
 Array = NDArray[np.float64]
 
 #: What can be fitted: E* [Pa], alpha [m/Pa], and the depth at which the punch touches [m].
 INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", "zero_point")
+#: Units of all that can be fitted, the numbers of a layer's law included.
+_UNITS: Final = {
+    **dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m"), strict=True)),
+    "compliance": "m/Pa",
+    "coefficient": "Pa/m^exponent",
+    "exponent": "",
+    "zero_pressure": "Pa",
+    "clearance": "m",
+    "density": "1/m²",
+    "tip_radius": "m",
+    "height_deviation": "m",
+}
 _MOST_UNKNOWNS: Final = 20_000
 #: Singular values of the scaled derivatives below which data do not tell parameters apart.
 _APART: Final = 1e-7
@@ -97,16 +108,17 @@ class IndentationFit:
     Attributes
     ----------
     scene : Scene
-        With the modulus and compliance that fit best.
+        With the modulus and layer that fit best.
     names : tuple of str
         The parameters, in the order in which they were asked for.
     values : tuple of float
         ``reduced_modulus`` is E* [Pa], ``normal_compliance`` alpha [m/Pa], ``zero_point`` the depth
-        of first touch [m].
+        of first touch [m], that of zero approach under a nonlinear layer; numbers of its law as in
+        SI units.
     errors : tuple of float
         Their standard deviations, in the same units; to first order.
     covariance : tuple of tuple of float
-        ``(J^T J)^-1`` of the logarithms of modulus and compliance, and of the zero point; it takes
+        ``(J^T J)^-1`` of the logarithms of all but the zero point, and of the zero point; it takes
         the standard deviations of the data for known.
     residuals : tuple of float
         Theory minus measurement over standard deviation.
@@ -142,10 +154,9 @@ class IndentationFit:
         return len(self.residuals) - len(self.names)
 
     def __str__(self) -> str:
-        units = dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m"), strict=True))
         lines = [f"{'parameter':<20} {'value':>12}  standard deviation"]
         for name, value, error in zip(self.names, self.values, self.errors, strict=True):
-            lines.append(f"{name:<20} {value:12.5g}  {error:.2g} {units[name]}")
+            lines.append(f"{name:<20} {value:12.5g}  {error:.2g} {_UNITS[name]}".rstrip())
         freedom = self.degrees_of_freedom
         lines.append(f"chi square {self.chi_square:.4g} at {freedom} degrees of freedom")
         return "\n".join(lines)
@@ -204,64 +215,13 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     return _CurveLoad(found.load, found.stiffness, -2.0 * math.pi * a * integral)
 
 
-def fit_indentation(
-    scene: Scene,
-    data: IndentationData,
-    free: str | Sequence[str] = INDENTATION_PARAMETERS,
-    *,
-    rtol: float = 1e-10,
-    max_evaluations: int = 100,
-) -> IndentationFit:
-    """Find modulus, compliance and zero point that fit a force-indentation curve best.
-
-    Minimises the sum of the squares of (theory - measurement)/sigma by
-    `scipy.optimize.least_squares`, with exact derivatives; `fit` calls it.
-
-    Parameters
-    ----------
-    scene : Scene
-        From `Scene.from_physical`, with a profile and without friction: what is known, and modulus
-        and compliance at which to start. Its load, radius or approach does not matter.
-    data : IndentationData
-    free : str or sequence of str
-        Out of ``"reduced_modulus"``, ``"normal_compliance"`` and ``"zero_point"``; the zero point
-        is 0 if it is not free.
-    rtol : float
-        Tolerance of the solves, in [1e-12, 1e-4].
-    max_evaluations : int
-        How often the curve may be predicted.
-
-    Returns
-    -------
-    IndentationFit
-
-    Raises
-    ------
-    SceneError
-        For an argument out of its range, and for parameters that the data do not determine.
-    ConvergenceError
-        If a solve does not meet `rtol`, or `max_evaluations` are not enough.
-    """
-    from scipy.optimize import least_squares  # takes long to import
-
-    free = names("free", [free] if isinstance(free, str) else free, INDENTATION_PARAMETERS)
-    problem = _CurveProblem(scene, data, tuple(free), rtol)
-    found = least_squares(
-        lambda x: problem.at(tuple(x.tolist()))[0],
-        problem.start,
-        jac=lambda x: problem.at(tuple(x.tolist()))[1],
-        x_scale=problem.scale,
-        ftol=1e-12,
-        xtol=1e-12,
-        gtol=1e-12,
-        max_nfev=max_evaluations,
-    )
-    check_settled(found, max_evaluations)
-    return problem.outcome(found)
-
-
-class _CurveProblem:
+class CurveProblem:
     """Residuals and derivatives by ln E*, ln alpha and the zero point."""
+
+    @staticmethod
+    def parameters(scene: Scene) -> tuple[str, ...]:
+        """Return what can be free."""
+        return INDENTATION_PARAMETERS
 
     def __init__(
         self, scene: Scene, data: IndentationData, free: tuple[str, ...], rtol: float
@@ -271,7 +231,7 @@ class _CurveProblem:
             told = "one of Scene.from_physical with a profile and without friction"
             raise SceneError("scene", scene, told)
         if not free or len(set(free)) < len(free):
-            told = f"one or more of {', '.join(INDENTATION_PARAMETERS)}, each once"
+            told = f"one or more of {', '.join(self.parameters(scene))}, each once"
             raise SceneError("free", free, told)
         if len(data.load) < len(free):
             told = f"at most {len(data.load)} parameters, the number of loads measured"
@@ -279,8 +239,8 @@ class _CurveProblem:
         nu = scene.poisson_ratio
         self.known = {
             "reduced_modulus": physical.youngs_modulus / ((1.0 - nu) * (1.0 + nu)),
-            "normal_compliance": physical.normal_compliance,
             "zero_point": 0.0,
+            **self._of_layer(scene),
         }
         if "normal_compliance" in free and not self.known["normal_compliance"] > 0.0:
             told = "> 0 where it is free: the fit starts there"
@@ -295,6 +255,16 @@ class _CurveProblem:
         self.scale = [1.0 if self._log(name) else extent for name in free]
         self.at = partial(self._at, {})
         self.evaluations = 0
+
+    @staticmethod
+    def _of_layer(scene: Scene) -> dict[str, float]:
+        """Return the numbers of the layer, in SI units."""
+        assert scene.physical is not None
+        return {"normal_compliance": scene.physical.normal_compliance}
+
+    def bounds(self) -> tuple[list[float], list[float]]:
+        """Return between which values is searched."""
+        return [-math.inf] * len(self.free), [math.inf] * len(self.free)
 
     @staticmethod
     def _log(name: str) -> bool:
@@ -314,45 +284,56 @@ class _CurveProblem:
             kept.clear()
             self.evaluations += 1
             values = self.values(x)
-            quarter = values["reduced_modulus"] / 4.0
-            layer = values["normal_compliance"] * quarter
-            depths = (self.depth - values["zero_point"]).tolist()
-            rows = [curve_load(self.profile, d, layer, self.rtol) for d in depths]
-            value, by_approach, by_layer = quarter * np.array(rows).T
-            columns = {
-                "reduced_modulus": value + layer * by_layer,
-                "normal_compliance": layer * by_layer,
-                "zero_point": -by_approach,
-            }
+            value, columns = self.curve(values, (self.depth - values["zero_point"]).tolist())
             jacobian = np.stack([columns[name] for name in self.free], axis=1)
+            jacobian = self.by_search(jacobian, x)
             kept[x] = (value - self.load) / self.sigma, jacobian / self.sigma[:, None]
         return kept[x]
+
+    def curve(self, values: dict[str, float], depths: list[float]) -> tuple[Array, Any]:
+        """Return the loads of all depths, and their derivatives by name."""
+        quarter = values["reduced_modulus"] / 4.0
+        layer = values["normal_compliance"] * quarter
+        rows = [curve_load(self.profile, d, layer, self.rtol) for d in depths]
+        value, by_approach, by_layer = quarter * np.array(rows).T
+        return value, {
+            "reduced_modulus": value + layer * by_layer,
+            "normal_compliance": layer * by_layer,
+            "zero_point": -by_approach,
+        }
+
+    def by_search(self, jacobian: Array, x: Sequence[float]) -> Array:
+        """Return derivatives by logarithms of the parameters as those by what is searched."""
+        return jacobian
+
+    def by_parameters(self, jacobian: Array, x: Sequence[float]) -> Array:
+        """Return derivatives by what is searched as those by logarithms of the parameters."""
+        return jacobian
+
+    def best(self, values: dict[str, float]) -> dict[str, Any]:
+        """Return the layer that fits best, as a scene takes it."""
+        return {"normal_compliance": values["normal_compliance"]}
 
     def outcome(self, found: Any) -> IndentationFit:
         """Return the record, if the data determine all parameters."""
         x = tuple(found.x.tolist())
         residuals, jacobian = self.at(x)
-        lengths = np.linalg.norm(jacobian, axis=0)
-        alike = SceneError(
-            "free", self.free, "determined by the data, which do not tell them apart"
-        )
-        if not (lengths > 0.0).all():
-            raise alike
-        _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
-        if singular[-1] < _APART:
-            raise alike
-        root = right.T / singular / lengths[:, None]
-        covariance = root @ root.T
-        values = self.values(x)
-        errors = []
-        for name, size in zip(self.free, np.sqrt(np.diag(covariance)), strict=True):
+        searched = np.sqrt(np.diag(self.covariance(jacobian)))
+        for name, size in zip(self.free, searched, strict=True):
             if self._log(name) and size > _LARGEST_ERROR:
                 raise SceneError("free", self.free, f"determined by the data, as {name} is not")
-            errors.append(float(size) * (values[name] if self._log(name) else 1.0))
+        if np.any(found.active_mask):
+            raise self._alike
+        covariance = self.covariance(self.by_parameters(jacobian, x))
+        values = self.values(x)
+        errors = [
+            float(size) * (values[name] if self._log(name) else 1.0)
+            for name, size in zip(self.free, np.sqrt(np.diag(covariance)), strict=True)
+        ]
         nu = self.scene.poisson_ratio
         scene = self.scene.replace(
             youngs_modulus=values["reduced_modulus"] * (1.0 - nu) * (1.0 + nu),
-            normal_compliance=values["normal_compliance"],
+            **self.best(values),
         )
         return IndentationFit(
             scene,
@@ -363,3 +344,22 @@ class _CurveProblem:
             tuple(residuals.tolist()),
             self.evaluations,
         )
+
+    @property
+    def _alike(self) -> SceneError:
+        told = "determined by the data, which do not tell them apart"
+        return SceneError("free", self.free, told)
+
+    def covariance(self, jacobian: Array) -> Array:
+        """Return ``(J^T J)^-1``; `SceneError` if the data do not tell the parameters apart."""
+        lengths = np.linalg.norm(jacobian, axis=0)
+        if not (lengths > 0.0).all():
+            raise self._alike
+        _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
+        if singular[-1] < _APART:
+            raise self._alike
+        root = right.T / singular / lengths[:, None]
+        return np.asarray(root @ root.T)
+
+    def look(self) -> None:
+        """Look at the start before the search."""

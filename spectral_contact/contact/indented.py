@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_parts import joined
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     PANEL_WIDTH,
@@ -96,6 +97,8 @@ class Indentation:
         The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
     overclosure : float
         The largest, under a nonlinear layer.
+    normal : NormalContact or None
+        The pressure under a flat punch as it drives a traction, if that is wanted.
     """
 
     radius: float
@@ -112,6 +115,7 @@ class Indentation:
     stiffness_error: float
     pressure_error: float
     overclosure: float = 0.0
+    normal: NormalContact | None = None
 
     @property
     def approach_size(self) -> float:

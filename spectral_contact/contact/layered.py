@@ -9,27 +9,22 @@ makes w vanish there; else it is the approach.
 
 from __future__ import annotations
 
-from math import log, pi
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from math import ceil, inf, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.indented import (
-    Indentation,
-    PartedProblem,
-    Used,
-    edge_value,
-    first_space,
-    pointwise_errors,
-    series_on_parts,
-)
+from spectral_contact.contact.indented import Indentation, PartedProblem, first_space
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
+from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.parted import pressure_space
+from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["LayeredProblem"]
+__all__ = ["CellProblem", "LayeredProblem"]
 
 Array = NDArray[np.float64]
 
@@ -37,75 +32,62 @@ Array = NDArray[np.float64]
 _INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 4.0
 #: Roundings of what follows from the data, and of the pressure.
 _ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
+#: First degree on a cell for a digit (base e).
+_DEGREES = 0.55
+#: Where growth of the pressure with the load is looked for.
+_PLACES = np.linspace(0.0, 1.0, 257)
 
 
-class LayeredProblem(PartedProblem):
-    """Spaces for a contact through a nonlinear layer.
+@dataclass(frozen=True, slots=True)
+class _Last:
+    """The solution in the space before."""
+
+    form: Form
+    overclosure: Array
+    shift: float
+
+
+class _Layered(ABC):
+    """What is solved in any space.
 
     Parameters
     ----------
     setting : LayeredSetting
-    tolerance : float
     pointwise : bool
         Whether the pressure is wanted.
     """
 
-    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
-        self.setting = setting
-        self._features = iter(zip(setting.depths, setting.smooth, strict=True))
-        super().__init__(setting.parts, tolerance, pointwise=pointwise)
-        self._last: tuple[tuple[Used, ...], Array, float] | None = None
+    def __init__(self, setting: LayeredSetting, *, pointwise: bool) -> None:
+        self.setting, self.pointwise = setting, pointwise
+        self._last: _Last | None = None
 
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
-        depth, smooth = next(self._features)
-        space = first_space(self, boundary, depth)
-        if not smooth:
-            return space
-        # the estimate sees the square of the distance at which the tail begins; integrals are
-        # refined by degrees, which do not lower it
-        spare = 2.0 if self.pointwise else 4.0
-        depth += -log(self.tolerance) / 2.0 + spare
-        count = min(int(depth / space.panels.width) + 1, len(space.degrees))
-        return Resolution(space.panels, space.degrees[:count])
+    @abstractmethod
+    def _form(self, resolution: Resolution) -> Form:
+        """Return the space."""
 
     def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
         """Solve in a space."""
-        used = self.used(resolution)
-        space = pressure_space(self.parts, used)
-        solver = LayeredNewton(self.setting, space, used)
-        fields = solver.solved(*self._begin(used, solver))
-        self._last = used, fields.overclosure, fields.shift
+        form, last = self._form(resolution), self._last
+        solver = LayeredNewton(self.setting, form)
+        if last is None:
+            begin = solver.local()
+        else:
+            begin = form.carried(last.overclosure, last.form), last.shift
+        fields = solver.solved(*begin)
+        self._last = _Last(form, fields.overclosure, fields.shift)
         return self._judged(solver, fields)
-
-    def _begin(self, used: tuple[Used, ...], solver: LayeredNewton) -> tuple[Array, float]:
-        """Return where to begin: the solution in the space before, or of a local equation."""
-        if self._last is None:
-            return solver.local()
-        before, known, shift = self._last
-        rows = []
-        start = 0
-        for (old, _), (new, degrees) in zip(before, used, strict=True):
-            stop = start + old.panels * (old.degree + 1)
-            table = np.zeros((new.panels, new.degree + 1))
-            terms = min(old.degree, new.degree) + 1
-            table[:, :terms] = known[start:stop].reshape(old.panels, -1)[:, :terms]
-            table *= np.arange(new.degree + 1) <= np.array(degrees)[:, None]
-            rows += [table.ravel(), known[stop : stop + old.tail_terms]]
-            start = stop + old.tail_terms
-        return np.concatenate(rows), shift
 
     def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:
         """Return the contact with its errors."""
-        setting, used, a = self.setting, solver.used, self.setting.radius
+        setting, form, a = self.setting, solver.form, self.setting.radius
         whole, coarse = solver.integrals(fields), solver.coarser(fields)
         less = solver.integrals(coarse)
         change = solver.change(
             fields.pressure, coarse.pressure, fields.overclosure, coarse.overclosure
         )
         flat_change = solver.change(fields.flat, coarse.flat, fields.rate, coarse.rate)
-        series = series_on_parts(used, fields.pressure)
         mean = whole.load / (pi * a**2)
-        indicators, rates = pointwise_errors(used, series, fields.pressure, change, mean)
+        indicators, rates = form.errors(fields.pressure, change, mean)
 
         half = float(setting.profile._transform(np.asarray(a))) / 2.0
         approach = setting.origin + half + a * whole.shift
@@ -122,10 +104,8 @@ class LayeredProblem(PartedProblem):
 
         shifted, data = 0.0, size - min(setting.origin, 0.0)
         if setting.approach is None:
-            lost = float(
-                np.abs((fields.overclosure - coarse.overclosure)[-used[-1][0].tail_terms :]).sum()
-            )
-            shifted = lost / edge_value(used[-1][0], fields.rate)
+            lost = form.lost_at_edge(fields.overclosure - coarse.overclosure)
+            shifted = lost / form.at_edge(fields.rate)
             shifted = a * (shifted + sides * abs(whole.shift - less.shift))
         shifted += _ROUNDINGS * ROUNDING * data
         moved = whole.stiffness * shifted
@@ -155,15 +135,22 @@ class LayeredProblem(PartedProblem):
             whole.work,
             whole.stiffness,
             solver.growth(fields),
-            self.parts.field(series),
-            self.parts.field(series_on_parts(used, fields.flat)) if self.pointwise else None,
+            form.field(fields.pressure),
+            form.field(fields.flat) if self.pointwise else None,
             shifted / size + ROUNDING,
             load_error,
             work_error,
             stiff_error,
             pressure_error,
             deepest,
+            form.driving(fields.pressure, change, solver.thinnest(fields), worst)
+            if setting.drives
+            else None,
         )
+        if setting.load is not None:
+            indentation = _under(indentation, setting.load)
+            load_error, work_error = 0.0, indentation.work_error
+            stiff_error, pressure_error = indentation.stiffness_error, indentation.pressure_error
         error = max(indentation.approach_error, load_error, work_error, stiff_error)
         if self.pointwise:
             error = max(error, pressure_error)
@@ -171,4 +158,81 @@ class LayeredProblem(PartedProblem):
             indicators, rates = indicators**2, rates**2
             # what of the error the pressure does not show is where it is worst
             indicators = indicators * max(1.0, error / float(indicators.max()))
-        return Attempt(indentation, error, indicators, rates, solver.space.unknowns)
+        return Attempt(indentation, error, indicators, rates, form.space.unknowns)
+
+
+class LayeredProblem(_Layered, PartedProblem):
+    """Log panels for a contact through a nonlinear layer.
+
+    Parameters
+    ----------
+    setting : LayeredSetting
+    tolerance : float
+    pointwise : bool
+        Whether the pressure is wanted.
+    """
+
+    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
+        _Layered.__init__(self, setting, pointwise=pointwise)
+        self._features = iter(zip(setting.depths, setting.smooth, strict=True))
+        PartedProblem.__init__(self, setting.parts, tolerance, pointwise=pointwise)
+
+    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+        depth, smooth = next(self._features)
+        space = first_space(self, boundary, depth)
+        if not smooth:
+            return space
+        # the estimate sees the square of the distance at which the tail begins; integrals are
+        # refined by degrees, which do not lower it
+        spare = 2.0 if self.pointwise else 4.0
+        depth += -log(self.tolerance) / 2.0 + spare
+        count = min(int(depth / space.panels.width) + 1, len(space.degrees))
+        return Resolution(space.panels, space.degrees[:count])
+
+    def _form(self, resolution: Resolution) -> Form:
+        return PanelForm(self.parts, self.used(resolution))
+
+
+class CellProblem(_Layered):
+    """Cells for a contact through a nonlinear layer; parameters as of `LayeredProblem`."""
+
+    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
+        super().__init__(setting, pointwise=pointwise)
+        self._degree = ceil(_DEGREES * -log(tolerance if pointwise else sqrt(tolerance))) + 2
+
+    def start(self) -> Resolution:
+        """Return the first space to try."""
+        assert self.setting.cells is not None
+        count = len(self.setting.cells.lengths)
+        # the refinement counts degrees on panels, which cells have none of
+        return Resolution(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
+
+    def _form(self, resolution: Resolution) -> Form:
+        assert self.setting.cells is not None
+        return CellForm(self.setting.cells, resolution.degrees)
+
+
+def _under(one: Indentation, load: float) -> Indentation:
+    """Return the contact under just this load, whose error is that of the approach."""
+    off = one.load_error + 2.0 * abs(one.load / load - 1.0)
+    moved = off * one.load / one.stiffness
+    return replace(
+        one,
+        load=load,
+        load_error=0.0,
+        approach_error=one.approach_error + moved / one.approach_size,
+        work_error=one.work_error + one.load * moved / one.work,
+        # as fast as the pressure itself at most
+        stiffness_error=one.stiffness_error + off,
+        pressure_error=one.pressure_error + off * _sharper(one),
+    )
+
+
+def _sharper(one: Indentation) -> float:
+    """Return by how much the pressure, or its mean, grows with the load, both relative."""
+    if one.pressure is None or one.flat is None:
+        return inf
+    p, flat = one.pressure(_PLACES, 1.0 - _PLACES), one.flat(_PLACES, 1.0 - _PLACES)
+    mean = one.load / (pi * one.radius**2)
+    moved = flat / one.radius * one.load / one.stiffness
+    return float((moved / np.maximum(p, mean)).max())

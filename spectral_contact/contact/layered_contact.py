@@ -9,18 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf, log, pi
+from math import exp, inf, log, pi, sqrt
 
 import numpy as np
 
 from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.layered import LayeredProblem
+from spectral_contact.contact.layered import CellProblem, LayeredProblem
 from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import setting_at_approach
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.errors import SceneError
 from spectral_contact.layers.base import Layer
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles import Flat, Profile
 
 __all__ = ["layered_contact", "solve_layered"]
 
@@ -28,10 +28,12 @@ Contact = Refinement[Indentation]
 
 #: Steps in all.
 _STEPS = 100
-#: Share of the tolerance that the load may be off, and its rounding.
-_SHARE, _ROUNDING = 0.02, 2e-15
-#: Where growth of the pressure with the load is looked for.
-_PLACES = np.linspace(0.0, 1.0, 257)
+#: Tolerance of the first solutions under a load, and what is near in its logarithm; by how much the
+#: disk may be too small.
+_ROUGH, _NEAR, _WITHIN = 1e-3, 0.01, 0.01
+#: Mean displacement of an even pressure over that at its centre; largest radius that is looked at,
+#: and how well one is found, in logarithms.
+_BENT, _FAR, _FOUND = 0.85, 1e12, 0.3
 
 
 def solve_layered(
@@ -49,7 +51,8 @@ def solve_layered(
     pointwise : bool
         Whether the pressure is wanted.
     """
-    problem = LayeredProblem(setting, tolerance, pointwise=pointwise)
+    kind = LayeredProblem if setting.cells is None else CellProblem
+    problem = kind(setting, tolerance, pointwise=pointwise)
     return refine(problem, tolerance, max_unknowns)
 
 
@@ -62,6 +65,7 @@ def layered_contact(
     load: float | None,
     approach: float | None,
     pointwise: bool,
+    drives: bool = False,
 ) -> Contact:
     """Return the contact of an approach or under a load, where it has no radius of its own.
 
@@ -73,82 +77,76 @@ def layered_contact(
         As of `solve_layered`.
     load, approach : float or None
         One of them.
+    drives : bool
+        Whether the pressure, under a flat punch, has to drive a traction.
 
     Raises
     ------
     SceneError
         If the profile ends before the pressure does.
     """
-
-    def solved(pointwise: bool) -> Callable[[float], Contact]:
-        def at(approach: float) -> Contact:
-            setting = setting_at_approach(profile, layer, approach)
-            return solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
-
-        return at
-
     if approach is not None:
-        return _exactly(solved(pointwise)(approach), approach)
+        setting = replace(setting_at_approach(profile, layer, approach), drives=drives)
+        found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+        return _exactly(found, approach)
     assert load is not None
+
+    def roughly(approach: float) -> Contact:
+        setting = setting_at_approach(profile, layer, approach)
+        return solve_layered(setting, _ROUGH, max_unknowns, pointwise=False)
+
     try:
-        near = _searched(solved(False), _begin(layer, load), load, _SHARE * tolerance)
-        found = _searched(solved(pointwise), near.best.value.approach, load, _SHARE * tolerance)
+        near = _searched(roughly, _begin(profile, layer, load), load)
+        for _ in range(_STEPS):
+            setting = setting_at_approach(profile, layer, near)
+            setting = replace(setting, load=load, drives=drives)
+            found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+            near = found.best.value.approach
+            domain = setting_at_approach(profile, layer, near).radius
+            if domain <= (1.0 + _WITHIN) * setting.radius:
+                break
     except SceneError as error:
         told = f"what the profile carries before it ends: {error.allowed}"
         raise SceneError("load", load, told) from error
-    return _under(found, load)
-
-
-def _begin(layer: Layer, load: float) -> float:
-    """Return an approach to begin with, at which something is carried."""
-    return layer._overclosure(load) if layer.limit == inf else layer.start + layer._size
-
-
-def _searched(
-    solve: Callable[[float], Contact], approach: float, load: float, near: float
-) -> Contact:
-    """Step until the load is as near to what is asked for in its logarithm."""
-    found, least = solve(approach), inf
-    for _ in range(_STEPS):
-        one = found.best.value
-        off = log(one.load / load)
-        if abs(off) <= max(near, _ROUNDING) or (abs(off) >= least and least < 1e3 * near):
-            break
-        least = min(least, abs(off))
-        missing = (load - one.load) if off > 0.0 else -off * one.load
-        found = solve(one.approach + missing / one.stiffness)
     return found
+
+
+def _begin(profile: Profile, layer: Layer, load: float) -> float:
+    """Return an approach to begin with: that of an even pressure on the disk where it is least."""
+    if layer.limit < inf:
+        return layer.start + layer._size
+
+    def of_radius(radius: float) -> float:
+        height = 0.0 if flat else float(profile._height(np.array(radius * sqrt(0.5))))
+        bent = _BENT * load / (2.0 * pi * radius)
+        return bent + height + layer._overclosure(load / (pi * radius**2))
+
+    flat = isinstance(profile, Flat)
+    if flat:
+        return of_radius(profile.reach)
+    # golden sections in the logarithm
+    high = log(min(profile.reach, _FAR))
+    low, step = high - 2.0 * log(_FAR), (sqrt(5.0) - 1.0) / 2.0
+    with np.errstate(over="ignore"):
+        while high - low > _FOUND:
+            one, two = high - step * (high - low), low + step * (high - low)
+            low, high = (low, two) if of_radius(exp(one)) < of_radius(exp(two)) else (one, high)
+        return of_radius(exp(0.5 * (low + high)))
+
+
+def _searched(solve: Callable[[float], Contact], approach: float, load: float) -> float:
+    """Step until the load is near to what is asked for, and return the approach."""
+    for _ in range(_STEPS):
+        one = solve(approach).best.value
+        off = log(one.load / load)
+        missing = (load - one.load) if off > 0.0 else -off * one.load
+        approach = one.approach + missing / one.stiffness
+        if abs(off) <= _NEAR:
+            break
+    return approach
 
 
 def _exactly(found: Contact, approach: float) -> Contact:
     """Return the contact of just this approach."""
     one = replace(found.best.value, approach=approach, approach_error=0.0)
     return replace(found, best=replace(found.best, value=one))
-
-
-def _under(found: Contact, load: float) -> Contact:
-    """Return the contact under just this load, whose error is that of the approach."""
-    one = found.best.value
-    off = one.load_error + 2.0 * abs(one.load / load - 1.0)
-    moved = off * one.load / one.stiffness
-    best = replace(
-        one,
-        load=load,
-        load_error=0.0,
-        approach_error=one.approach_error + moved / one.approach_size,
-        work_error=one.work_error + one.load * moved / one.work,
-        # as fast as the pressure itself at most
-        stiffness_error=one.stiffness_error + off,
-        pressure_error=one.pressure_error + off * _sharper(one),
-    )
-    return replace(found, best=replace(found.best, value=best))
-
-
-def _sharper(one: Indentation) -> float:
-    """Return by how much the pressure, or its mean, grows with the load, both relative."""
-    if one.pressure is None or one.flat is None:
-        return inf
-    p, flat = one.pressure(_PLACES, 1.0 - _PLACES), one.flat(_PLACES, 1.0 - _PLACES)
-    mean = one.load / (pi * one.radius**2)
-    moved = flat / one.radius * one.load / one.stiffness
-    return float((moved / np.maximum(p, mean)).max())

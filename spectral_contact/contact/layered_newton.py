@@ -3,18 +3,18 @@ r"""Newton's method for contact through a nonlinear layer, in a given space."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from spectral_contact.contact.indented import Used, bracket_of, edge_value, series_on_parts
+from spectral_contact.contact.indented import bracket_of
+from spectral_contact.contact.layered_spaces import Form
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
-from spectral_contact.spectral.annulus import Family
-from spectral_contact.spectral.parted import Parts, PressureSpace
-from spectral_contact.spectral.pointwise import Sampling
+from spectral_contact.spectral.cells import DiskCells
+from spectral_contact.spectral.parted import Parts
 from spectral_contact.spectral.regularised import Change
 
 __all__ = ["LayeredFields", "LayeredNewton", "LayeredSetting", "Totals", "balanced"]
@@ -24,15 +24,17 @@ Array = NDArray[np.float64]
 #: ``N`` of the pressure 1 on the unit disk, at its centre.
 _OWN = 0.5
 #: Most corrections; by how much of the largest pressure the law may bend over one that is taken as
-#: it is; what ends the iteration: a correction, or what the next one would be.
-_STEPS, _BEND, _DONE, _NEXT = 80, 0.1, 1e-14, 1e-15
+#: it is; what ends the iteration: a correction, or what the next one would be after a small one.
+_STEPS, _BEND, _DONE, _NEXT, _LAGGING = 80, 0.1, 1e-14, 1e-15, 1e-13
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 #: Steps of the pointwise equation, and its tolerance.
-_POINTWISE_STEPS, _POINTWISE = 200, 1e-13
+_POINTWISE_STEPS, _POINTWISE = 200, 1e-10
 #: Stiffness times `_OWN` beyond which a spring eases the beginning, by what it becomes stiffer,
 #: corrections with each, and what is near enough.
 _SOFT, _STIFFER, _EASED, _NEAR = 10.0, 0.2, 12, 0.02
+#: Degrees in which that is done.
+_LOW = 5
 #: Where next to the edge the slope is taken, in units of the layer.
 _SLOPE = 1e-4
 
@@ -49,7 +51,14 @@ class LayeredSetting:
         Of the disk: the contact's, or that beyond which there is no pressure to rounding.
     approach : float or None
         None where the overclosure begins at the edge.
+    load : float or None
+        Where the approach is to be such that it is carried; else it is as given.
     parts : Parts
+        How panels cut the disk, if there are no cells.
+    drives : bool
+        Whether the pressure, under a flat punch, has to drive a traction.
+    cells : DiskCells or None
+        Where the pressure is smooth throughout.
     depths : tuple of float
         ``x`` of the deepest feature at the end of every part.
     smooth : tuple of bool
@@ -63,6 +72,9 @@ class LayeredSetting:
     parts: Parts
     depths: tuple[float, ...]
     smooth: tuple[bool, ...]
+    load: float | None = None
+    drives: bool = False
+    cells: DiskCells | None = None
 
     @property
     def origin(self) -> float:
@@ -130,19 +142,19 @@ class LayeredNewton:
     Parameters
     ----------
     setting : LayeredSetting
-    space : PressureSpace
-    used : tuple of (LogPanels, tuple of int)
+    form : Form
+        The space.
     """
 
-    def __init__(
-        self, setting: LayeredSetting, space: PressureSpace, used: tuple[Used, ...]
-    ) -> None:
-        self.setting, self.space, self.used = setting, space, used
+    def __init__(self, setting: LayeredSetting, form: Form) -> None:
+        self.setting, self.form, space = setting, form, form.space
         self.functions = space.functions
-        self.sampling = Sampling(used)
-        self._place = np.full(self.sampling.size, -1)
-        self._place[self.functions.index] = np.arange(len(self.functions.index))
+        self.sampling = form.sampling
+        self._rows = np.zeros((len(self.functions.index), self.sampling.size))
+        self._rows[:, self.functions.index] = self.functions.gram
         self._scale = 1.0 / np.sqrt(self.functions.mass.diagonal())
+        #: of a pressure's load, in units of the radius
+        self._load = 4.0 * pi * setting.radius**2 * self.functions.constant_moments
         self._bracket = bracket_of(setting.profile, setting.radius, space)
         a = setting.radius
         half = float(setting.profile._transform(np.asarray(a))) / 2.0
@@ -153,15 +165,13 @@ class LayeredNewton:
     def local(self) -> tuple[Array, float]:
         """Return what every point would do by itself: the first overclosure, and ``eps``."""
         setting, a = self.setting, self.setting.radius
-        ends = zip(self.parts.ends, self.used, strict=True)
-        z = np.concatenate([Family(*end, panels).sampling().z for end, (panels, _) in ends])
-        height = setting.profile._height(a * np.minimum(np.sqrt(z), 1.0)) / a
+        height = setting.profile._height(a * np.minimum(np.sqrt(self.form.z), 1.0)) / a
         if setting.approach is None:
             top = float(setting.profile._height(np.array(a))) / a
             room = 2.0 * (top - height)
         else:
             room = (setting.approach - setting.origin) / a - height
-        w = self.sampling.coefficients(balanced(setting, room, room))
+        w = self.sampling.coefficients(balanced(setting, room, np.minimum(room, 0.0)))
         return (self._eased(room, w) if self._fixed else w), self._shift
 
     def _eased(self, room: Array, w: Array) -> Array:
@@ -174,43 +184,39 @@ class LayeredNewton:
         stiff = float(setting.slope(sampling.values(w)).max())
         if stiff * spring < _SOFT:
             return w
-        count = len(self.functions.index)
-        both = sampling.coefficients(room)
+        chosen = np.flatnonzero(sampling.low(_LOW)[self.functions.index])
+        both, own = sampling.coefficients(room), np.minimum(room, 0.0)
         while True:
             for _ in range(_EASED):
                 at = sampling.values(both)
-                own = balanced(setting, at, np.minimum(at, 0.0), spring)
+                own = balanced(setting, at, own, spring)
                 pressure, slope = setting.pressure(own), setting.slope(own)
                 slope = slope / (1.0 + spring * slope)
                 force = sampling.coefficients(pressure)
-                residual = self._residual(both, force, self._shift, count)
-                matrix = self._matrix(slope)
-                step = self._stepped(both, lu_factor(matrix, check_finite=False), residual)
-                both = both + step.overclosure
-                moved = np.abs(slope * sampling.values(step.overclosure)).max()
+                step = self._solved(both, force, slope, self._shift, chosen).overclosure
+                both = both + step
+                moved = np.abs(slope * sampling.values(step)).max()
                 if moved < _NEAR * pressure.max():
                     break
-            at = sampling.values(both)
-            own = balanced(setting, at, np.minimum(at, 0.0), spring)
+            own = balanced(setting, sampling.values(both), own, spring)
+            pressure = setting.pressure(own)
             if spring * float(setting.slope(own).max()) < 1.0:
                 return sampling.coefficients(own)
-            pressure, spring = setting.pressure(own), spring * _STIFFER
+            spring *= _STIFFER
             both = sampling.coefficients(own + spring * pressure)
-
-    @property
-    def parts(self) -> Parts:
-        """How the disk is cut."""
-        return self.setting.parts
 
     def solved(self, w: Array, shift: float) -> LayeredFields:
         """Correct until rounding is left."""
         setting, sampling = self.setting, self.sampling
-        before = size = left = inf
+        begin, before, size, left = w, inf, inf, inf
         rate = np.zeros(sampling.size)
         for _ in range(_STEPS):
             at = sampling.values(w)
             with np.errstate(over="ignore", invalid="ignore"):
                 step = self._correction(w, at, shift)
+                if not np.isfinite(step.overclosure).all():
+                    w, left = begin, inf
+                    break
                 rate = step.rate
                 here, slope, by = (
                     setting.pressure(at),
@@ -227,17 +233,15 @@ class LayeredNewton:
             else:
                 w = w + step.overclosure
             shift += step.shift
-            if not np.isfinite(w).all():
-                w, left = np.zeros(sampling.size), inf
-                break
             left = size * min(size / before, 1.0) if before < inf else size
-            if size < _DONE or (size < _ROUNDED and (left < _NEXT or size > 0.5 * before)):
+            # the derivative is that of the solution before
+            if size < _DONE or (size < _LAGGING and left < _NEXT):
+                break
+            if size < _ROUNDED and size > 0.5 * before:
                 break
         at = sampling.values(w)
         pressure = sampling.coefficients(setting.pressure(at))
-        flat = np.zeros(sampling.size)
-        for place, block in sampling.factors(setting.slope(at)):
-            flat[place] = block @ rate[place]
+        flat = sampling.coefficients(setting.slope(at) * sampling.values(rate))
         return LayeredFields(
             w, pressure, rate, flat, shift, left if left == inf else min(size, left)
         )
@@ -245,45 +249,54 @@ class LayeredNewton:
     def _correction(self, w: Array, at: Array, shift: float) -> _Step:
         """Return a correction."""
         pressure = self.sampling.coefficients(self.setting.pressure(at))
-        count = len(self.functions.index)
-        matrix = self._matrix(self.setting.slope(at))
-        residual = self._residual(w, pressure, shift, count)
-        return self._stepped(w, lu_factor(matrix, check_finite=False), residual)
+        slope = self.setting.slope(at)
+        step = self._solved(w, pressure, slope, shift, np.arange(len(self.functions.index)))
+        if self.setting.load is not None:
+            missing = self.setting.load - float(self._load @ pressure[self.functions.index])
+            missing -= self._carried(slope, step.overclosure)
+            moved = missing / self._carried(slope, step.rate)
+        elif self.setting.approach is not None:
+            return step
+        else:
+            moved = self._to_edge(w, step)
+        return _Step(step.overclosure + moved * step.rate, moved, step.rate)
 
-    def _stepped(self, w: Array, factors: tuple[Array, Array], residual: Array) -> _Step:
-        count = len(residual)
-        index, scale = self.functions.index[:count], self._scale[:count]
-        both = np.column_stack([residual, 2.0 * self.functions.constant_moments[:count]])
+    def _to_edge(self, w: Array, step: _Step) -> float:
+        """Return what ``eps`` has to change for the overclosure to vanish at the edge."""
+        at_edge = self.form.at_edge(w) + self.form.at_edge(step.overclosure)
+        return -at_edge / self.form.at_edge(step.rate)
+
+    def _carried(self, slope: Array, by: Array) -> float:
+        """Return by how much the load changes with the overclosure."""
+        more = self.sampling.coefficients(slope * self.sampling.values(by))
+        return float(self._load @ more[self.functions.index])
+
+    def _solved(
+        self, w: Array, pressure: Array, slope: Array, shift: float, chosen: NDArray[np.int_]
+    ) -> _Step:
+        """Return a correction by some of the functions that leaves ``eps`` as it is."""
+        own, scale = self.functions, self._scale[chosen]
+        misfit = self._bracket + 2.0 * shift - own.half_integral(pressure)
+        residual = own.moments(misfit) - own.mass @ w[own.index]
+        both = np.column_stack([residual, 2.0 * own.constant_moments])[chosen]
+        matrix = self.sampling.times(self._rows[chosen], slope)[:, own.index[chosen]]
+        # with the mass scaled to a diagonal of 1
+        matrix += own.mass[np.ix_(chosen, chosen)]
+        matrix *= scale[:, None]
+        matrix *= scale
+        factors = lu_factor(matrix, overwrite_a=True, check_finite=False)
         solved = lu_solve(factors, both * scale[:, None], check_finite=False) * scale[:, None]
         step, rate = np.zeros((2, self.sampling.size))
-        step[index], rate[index] = solved.T
-        if self._fixed:
-            return _Step(step, 0.0, rate)
-        edge = self.used[-1][0]
-        moved = -(edge_value(edge, w) + edge_value(edge, step)) / edge_value(edge, rate)
-        return _Step(step + moved * rate, moved, rate)
-
-    def _residual(self, w: Array, pressure: Array, shift: float, count: int) -> Array:
-        own = self.functions
-        misfit = self._bracket + 2.0 * shift - own.half_integral(pressure)
-        return own.moments(misfit)[:count] - own.mass[:count] @ w[own.index]
-
-    def _matrix(self, slope: Array) -> Array:
-        """Return Newton's matrix with the mass scaled to a diagonal of 1."""
-        own, scale = self.functions, self._scale
-        matrix = own.mass.copy()
-        for place, block in self.sampling.factors(slope):
-            at = self._place[place]
-            inside = at >= 0
-            at = at[inside]
-            matrix[:, at] += own.gram[:, at] @ block[np.ix_(inside, inside)]
-        return matrix * scale[:, None] * scale
+        step[own.index[chosen]], rate[own.index[chosen]] = solved.T
+        return _Step(step, 0.0, rate)
 
     def coarser(self, fields: LayeredFields) -> LayeredFields:
-        """Return the solution with two degrees less on every panel, by one correction."""
+        """Return the solution with two degrees less on every panel, by one correction.
+
+        Under a load it is that of the same approach.
+        """
         setting, sampling, own = self.setting, self.sampling, self.functions
-        count = own.kept
-        lost = own.index[count:]
+        lost = own.index[own.kept :]
 
         def cut(coefficients: Array) -> Array:
             coefficients = coefficients.copy()
@@ -291,22 +304,21 @@ class LayeredNewton:
             return coefficients
 
         slope = setting.slope(sampling.values(fields.overclosure))
-        matrix = self._matrix(slope)[:count, :count]
         w = cut(fields.overclosure)
         pressure = cut(sampling.coefficients(setting.pressure(sampling.values(w))))
-        residual = self._residual(w, pressure, fields.shift, count)
-        step = self._stepped(w, lu_factor(matrix, check_finite=False), residual)
-        w, rate = w + step.overclosure, step.rate
+        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.kept))
+        moved = 0.0
+        if setting.approach is None:
+            moved = self._to_edge(w, step)
+        w, rate = w + step.overclosure + moved * step.rate, step.rate
         at = sampling.values(w)
         pressure = cut(sampling.coefficients(setting.pressure(at)))
-        flat = np.zeros(sampling.size)
-        for place, block in sampling.factors(setting.slope(at)):
-            flat[place] = block @ rate[place]
-        return LayeredFields(w, pressure, rate, cut(flat), fields.shift + step.shift, fields.left)
+        flat = cut(sampling.coefficients(setting.slope(at) * sampling.values(rate)))
+        return LayeredFields(w, pressure, rate, flat, fields.shift + moved, fields.left)
 
     def integrals(self, fields: LayeredFields) -> Totals:
         """Return load, stiffness and work."""
-        a, weights, own = self.setting.radius, self.space.weights, self.functions
+        a, weights, own = self.setting.radius, self.form.space.weights, self.functions
         half = own.half_integral(fields.pressure)
         energy = self.sampling.coefficients(
             self.setting.energy(self.sampling.values(fields.overclosure))
@@ -334,6 +346,11 @@ class LayeredNewton:
             self.sampling.values(fields.overclosure).max()
         )
 
+    def thinnest(self, fields: LayeredFields) -> float:
+        """Return the least compliance, in units of the radius."""
+        slope = self.setting.slope(self.sampling.values(fields.overclosure))
+        return 1.0 / float(slope.max())
+
     def sharpest(self, fields: LayeredFields, mean: float) -> float:
         """Return by how much of itself, or of its mean, the pressure moves with the data."""
         at = self.sampling.values(fields.overclosure)
@@ -345,28 +362,26 @@ class LayeredNewton:
         """Return ``ddelta/da``, from how the overclosure falls to the edge."""
         if self._fixed:
             return 0.0
-        reach = self.parts.ends[-1][2]
-        edge = series_on_parts(self.used, fields.overclosure)[-1]
         slope = float(self.setting.slope(self.sampling.values(fields.overclosure)).max())
-        y = min(_SLOPE * min(1.0 / max(slope, 1.0), 1.0), 0.5 * reach)
-        return 2.0 * edge.value(y / reach) / y / edge_value(self.used[-1][0], fields.rate)
+        y = min(_SLOPE * min(1.0 / max(slope, 1.0), 1.0), 0.5 * self.setting.parts.ends[-1][2])
+        falls = 2.0 * self.form.next_to_edge(fields.overclosure, y) / y
+        return falls / self.form.at_edge(fields.rate)
 
 
 def balanced(setting: LayeredSetting, room: Array, start: Array, spring: float = _OWN) -> Array:
     """Return w with ``w + spring F(w) = room`` at every point by itself."""
     w = start.copy()
-    begun = setting.layer.start > -inf
-    low = np.minimum(room, 0.0) if begun else np.full(w.shape, -inf)
-    high = np.full(w.shape, inf)
+    low, high, before = np.full(w.shape, -inf), np.full(w.shape, inf), np.full(w.shape, inf)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_POINTWISE_STEPS):
             off = w + spring * setting.pressure(w) - room
             low, high = np.where(off < 0.0, w, low), np.where(off < 0.0, high, w)
             step = w - off / (1.0 + spring * setting.slope(w))
             middle = np.where(np.isfinite(low + high), 0.5 * (low + high), np.minimum(w, room))
-            # under an exponential law Newton's steps are of one length, however far it is
-            far = (off > np.abs(room)) & np.isfinite(low)
-            new = np.where((step > low) & (step < high) & ~far, step, middle)
+            # far up an exponential law Newton's steps are an e-fold each
+            slow = (np.abs(off) > 0.5 * before) & np.isfinite(low + high)
+            new = np.where((step > low) & (step < high) & ~slow, step, middle)
+            before = np.abs(off)
             done = np.abs(new - w) <= _POINTWISE * (np.abs(new) + np.abs(room))
             w = new
             if done.all():

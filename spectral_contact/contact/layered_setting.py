@@ -8,7 +8,7 @@ fast from contact to gap, and panels are graded to that place.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, log, pi, sqrt
+from math import exp, inf, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.shapes import Flat
+from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.parted import Parts
 
 __all__ = ["has_edge", "setting_at_approach", "setting_at_radius"]
@@ -32,10 +33,13 @@ _NOTHING = 1e-18
 _INNER, _OUTER, _APART = 0.3, 0.85, 0.05
 #: Load of a smooth contact over four times the product of radius and approach, that of a parabola.
 _SHARE = 2.0 / 3.0
-#: Largest radius that is looked at, how much less the least is, and how well one is found.
-_FAR, _LEAST, _FOUND = 1e100, 1e-200, 1e-3
+#: Largest radius that is looked at, how much less the least is, and how well one is found; a turn.
+_FAR, _LEAST, _FOUND, _TURN = 1e100, 1e-200, 1e-3, 1e-12
 #: Steps of a bisection of the overclosure, and where it begins, in sizes of the law.
 _STEPS, _RANGE = 60, 1e3
+#: First cell next to the turn in its width, by what the next is wider, and the widest; by how much
+#: the last may be wider than that.
+_CELL, _WIDER, _WIDEST, _LAST = 1.0, 2.5, 0.3, 0.1
 #: Deepest turn in ``x``.
 _DEEPEST = 25.0
 
@@ -64,15 +68,36 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Laye
     turn = _turn(profile, layer, approach)
     knee = min(max(turn, _INNER * radius), _OUTER * radius)
     own, turns = profile_parts(profile, radius), []
+    depth = _sharpness(profile, layer, approach, turn)
+    if len(own.ends) == 1 and not layer.knots:
+        cells = _cells(Radius(knee / radius, (radius - knee) / radius), exp(-depth))
+        return LayeredSetting(profile, layer, radius, approach, own, (), (), cells=cells)
     if all(abs(one.value * radius - knee) >= _APART * radius for one in own.breaks):
         turns = [Radius(knee / radius, (radius - knee) / radius)]
     breaks = sorted([*own.breaks, *turns], key=lambda one: one.value)
     parts = Parts(tuple(breaks), own.pointed, tuple(turns))
-    depth, depths, smooth = _sharpness(profile, layer, approach, turn), [], []
+    depths, smooth = [], []
     for boundary, _, _ in parts.ends:
         depths.append(depth if boundary in turns and turn == knee else 0.0)
         smooth.append(boundary in turns or boundary is EDGE)
     return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), tuple(smooth))
+
+
+def _cells(pivot: Radius, width: float) -> DiskCells:
+    """Return cells that become larger with their distance from a pivot.
+
+    Next to it they are as wide as the turn from contact to gap, over its square.
+    """
+
+    def steps(reach: float) -> Array:
+        ends, step = [0.0], _CELL * width * pivot.square
+        while ends[-1] < reach * (1.0 - _LAST):
+            ends.append(ends[-1] + min(step, _WIDEST))
+            step *= _WIDER
+        return np.array(ends[1:]) * (reach / ends[-1])
+
+    inner, outer = -steps(pivot.square)[::-1], steps(pivot.rest)
+    return DiskCells(pivot, (*inner.tolist(), 0.0, *outer.tolist()))
 
 
 def _to_edge(
@@ -85,7 +110,7 @@ def _to_edge(
     else:
         room = approach - setting.origin
     centre = np.array([room / radius])
-    slope = float(setting.slope(balanced(setting, centre, centre))[0])
+    slope = float(setting.slope(balanced(setting, centre, np.minimum(centre, 0.0)))[0])
     thin = 1.0 / max(slope, 1.0)
     depths = [
         max(-log(thin * max(boundary.value, thin) / extent), 0.0)
@@ -112,10 +137,10 @@ def _domain(profile: Profile, layer: Layer, approach: float) -> float:
     return _bisected(beyond, high)
 
 
-def _bisected(beyond: Callable[[float], bool], high: float) -> float:
+def _bisected(beyond: Callable[[float], bool], high: float, near: float = _FOUND) -> float:
     """Return the least radius for which a condition holds, as it does at the highest."""
     low = high * _LEAST
-    while high - low > _FOUND * high:
+    while high - low > near * high:
         middle = sqrt(low) * sqrt(high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
     return high
@@ -145,7 +170,7 @@ def _turn(profile: Profile, layer: Layer, approach: float) -> float:
         return pressure > float(layer._pressure(np.array(approach - half)))
 
     with np.errstate(over="ignore"):
-        return _bisected(beyond, high) if beyond(high * (1.0 - _FOUND)) else 0.0
+        return _bisected(beyond, high, _TURN) if beyond(high * (1.0 - _FOUND)) else 0.0
 
 
 def _sharpness(profile: Profile, layer: Layer, approach: float, turn: float) -> float:

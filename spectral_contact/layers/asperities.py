@@ -106,6 +106,14 @@ class GreenwoodWilliamson(Layer):
     def _slope(self, w: Array) -> Array:
         return 1.5 * self._unit / self.height_deviation * self._carried(w, 1)
 
+    def _rates(self, w: Array) -> dict[str, Array]:
+        p = self._pressure(w)
+        return {
+            "density": p,
+            "tip_radius": 0.5 * p,
+            "height_deviation": 1.5 * p - w * self._slope(w),
+        }
+
     def _energy(self, w: Array) -> Array:
         return 0.4 * self._unit * self.height_deviation * self._carried(w, 5)
 
@@ -115,28 +123,30 @@ def _gaussian(order: int, h: Array) -> Array:
     within = np.clip(h, _NEAREST, _FARTHEST)
     place = np.minimum((within - _NEAREST).astype(int), int(_FARTHEST - _NEAREST) - 1)
     local = 2.0 * (within - _NEAREST - place) - 1.0
-    rows = _series(order)[place]
-    found = np.zeros(np.shape(h))
-    before = np.zeros(np.shape(h))
-    for k in range(_TERMS - 1, 0, -1):
-        found, before = rows[..., k] + 2.0 * local * found - before, found
-    found = rows[..., 0] + local * found - before
+    rows, twice = _series(order)[:, place], 2.0 * local
+    found, before = rows[-1], np.zeros(np.shape(h))
+    for row in rows[-2:0:-1]:
+        found, before = row + twice * found - before, found
+    found = rows[0] + local * found - before
     with np.errstate(under="ignore"):
         found = found * np.exp(-0.5 * np.maximum(within, 0.0) ** 2)
     found = np.where(h > _FARTHEST, 0.0, found)
-    return np.asarray(np.where(h < _NEAREST, _deep(order / 2.0, np.maximum(-h, 1.0)), found))
+    deep = h < _NEAREST
+    if deep.any():
+        found = np.where(deep, _deep(order / 2.0, np.maximum(-h, 1.0)), found)
+    return np.asarray(found)
 
 
 @cache
 def _series(order: int) -> Array:
-    """Return Chebyshev series of the moment on intervals of unit length, (intervals, terms).
+    """Return Chebyshev series of the moment on intervals of unit length, (terms, intervals).
 
     Beyond 0 they are over the density of the heights.
     """
     nodes = chebyshev.chebpts1(_TERMS)
     starts = np.arange(_NEAREST, _FARTHEST)
     h = starts[:, None] + (1.0 + nodes) / 2.0
-    return np.asarray(chebyshev.chebfit(nodes, _moment(order, h).T, _TERMS - 1).T)
+    return np.asarray(chebyshev.chebfit(nodes, _moment(order, h).T, _TERMS - 1))
 
 
 def _moment(order: int, h: Array) -> Array:

@@ -148,6 +148,10 @@ class Layer(ABC):
     def _slope(self, w: Array) -> Array:
         """Return its derivative."""
 
+    def _rates(self, w: Array) -> dict[str, Array]:
+        """Return the derivatives of the pressure by the logarithms of the law's numbers, if any."""
+        return {}
+
     @abstractmethod
     def _energy(self, w: Array) -> Array:
         """Return its integral from the start on."""

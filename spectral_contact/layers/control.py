@@ -57,13 +57,7 @@ def check_layer(scene: Mapping[str, Any]) -> None:
     if scene["normal_compliance"]:
         told = "0 with a layer, which has a law of its own; one of the two"
         raise SceneError("normal_compliance", scene["normal_compliance"], told)
-    if scene["friction"]:
-        told = "None or 0 with a layer: the traction of a growing contact is a superposition of "
-        told += "flat punches, which holds for linear layers only"
-        raise SceneError("friction", scene["friction"], told)
-    if scene["tangential_compliance"]:
-        told = "0 with a layer, under which there is no friction"
-        raise SceneError("tangential_compliance", scene["tangential_compliance"], told)
+    _check_friction(scene)
     if scene["profile"] is None:
         raise SceneError("profile", None, "given with a layer: profiles.Flat is a flat punch")
 
@@ -90,6 +84,26 @@ def in_own_units(law: Any, modulus: float) -> Layer:
         told = f"such that its {error.parameter} over E' = {modulus:.6g} Pa is {error.allowed}"
         raise SceneError("layer", law, told) from error
     return scaled
+
+
+def _check_friction(scene: Mapping[str, Any]) -> None:
+    """Refuse friction but full stick on an area that does not change."""
+    flat, friction = isinstance(scene["profile"], Flat), scene["friction"]
+    if friction and not flat:
+        told = "None or 0 with a layer and this profile: the traction of a growing contact is a "
+        told += "superposition of flat punches, which holds for linear layers only"
+        raise SceneError("friction", friction, told)
+    if friction and not isinf(friction):
+        told = "None, 0 or infinite with a layer under a flat punch: slip depends on how the "
+        told += "pressure has grown, which is not in proportion"
+        raise SceneError("friction", friction, told)
+    if friction and scene["coupling"]:
+        told = "False with friction and a layer: with the traction the pressure is one linear "
+        told += "system under linear layers only"
+        raise SceneError("coupling", True, told)
+    if scene["tangential_compliance"] and not friction:
+        told = "0 with a layer and no friction"
+        raise SceneError("tangential_compliance", scene["tangential_compliance"], told)
 
 
 def endless(scene: Any) -> bool:

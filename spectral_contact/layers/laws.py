@@ -59,6 +59,9 @@ class Linear(Layer):
     def _slope(self, w: Array) -> Array:
         return np.where(w >= 0.0, 1.0 / self.compliance, 0.0)
 
+    def _rates(self, w: Array) -> dict[str, Array]:
+        return {"compliance": -self._pressure(w)}
+
     def _energy(self, w: Array) -> Array:
         return np.maximum(w, 0.0) ** 2 / (2.0 * self.compliance)
 
@@ -101,6 +104,11 @@ class PowerLaw(Layer):
     def _slope(self, w: Array) -> Array:
         grown = np.maximum(w, 0.0) ** (self.exponent - 1.0)
         return np.where(w >= 0.0, self.coefficient * self.exponent * grown, 0.0)
+
+    def _rates(self, w: Array) -> dict[str, Array]:
+        p = self._pressure(w)
+        grown = self.exponent * np.log(np.where(p > 0.0, w, 1.0))
+        return {"coefficient": p, "exponent": p * grown}
 
     def _energy(self, w: Array) -> Array:
         more = self.exponent + 1.0
@@ -161,6 +169,9 @@ class Exponential(Layer):
         x = self._place(w)
         return np.asarray(self._unit / self.clearance * (np.expm1(x) + x * np.exp(x)))
 
+    def _rates(self, w: Array) -> dict[str, Array]:
+        return {"zero_pressure": self._pressure(w), "clearance": -w * self._slope(w)}
+
     def _energy(self, w: Array) -> Array:
         x = self._place(w)
         small = x < _SMALL
@@ -216,6 +227,9 @@ class CalculixExponential(Layer):
 
     def _slope(self, w: Array) -> Array:
         return self._pressure(w) / self._size
+
+    def _rates(self, w: Array) -> dict[str, Array]:
+        return {"zero_pressure": self._pressure(w), "clearance": -w * self._slope(w)}
 
     def _energy(self, w: Array) -> Array:
         return self._pressure(w) * self._size

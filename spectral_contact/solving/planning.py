@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.layers.control import endless
+from spectral_contact.profiles import Flat
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     COUPLING,
@@ -66,6 +67,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
         shaped,
         scene.layer is None,
         endless(scene),
+        isinstance(scene.profile, Flat),
     )
     return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
 
@@ -80,12 +82,14 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
             missing[name] = _NO_FRICTION
     elif scene.profile is not None:
         for name in ("slip", *sorted(_STICK_ONLY)):
-            missing[name] = "it is not computed of growing contacts"
+            missing[name] = "it is not computed under profiles"
     if endless(scene):
         missing["contact_radius"] = "the layer has pressure at every gap: there is no edge"
     present = tuple(name for name in _present(scene) if name not in missing)
     if scene.profile is not None:
-        growing = *_coupling(scene, present), _normal(scene, present), _growth(scene, present)
+        # full stick on an area that does not change depends on no history
+        last = _full_stick if isinstance(scene.profile, Flat) else _growth
+        growing = *_coupling(scene, present), _normal(scene, present), last(scene, present)
         return Plan(present, growing, tuple(sorted(missing.items())))
     steps = (
         *_coupling(scene, present),

@@ -16,6 +16,7 @@ from spectral_contact.layers.control import endless
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.solution import (
     COUPLING,
+    FULL_STICK,
     GROWTH,
     NORMAL,
     PROFILE_QUANTITIES,
@@ -27,6 +28,9 @@ from spectral_contact.solving.run import Run
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.full_stick import FullStick
+    from spectral_contact.contact.normal import NormalContact
+    from spectral_contact.layers import Layer
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import Stages
 
@@ -45,14 +49,18 @@ class ProfileRun(Run):
     """The steps of a plan for a scene with a profile."""
 
     #: the traction is as certain as the flat punches of the history are
-    bounded = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
+    bounded: tuple[str, ...] = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
+    _driving: NormalContact | None = None
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run normal contact, and friction if there is any."""
         if states[NORMAL] is StepState.RUN or (self._grows(states) and not self.scene.couples):
             fields = {"pressure", "traction"}.intersection(self.plan.quantities)
-            self._indent(pointwise=bool(fields))
+            sticks = states.get(FULL_STICK) is StepState.RUN
+            self._indent(pointwise=bool(fields) or sticks, drives=sticks)
         self.tangential(states, None)
+        if states.get(FULL_STICK) is StepState.RUN:
+            self._stick_on_layer()
         if self._grows(states):
             from spectral_contact.solving.stages import Stages
 
@@ -64,9 +72,9 @@ class ProfileRun(Run):
                     self._grow(history)
 
     def _grows(self, states: dict[str, StepState]) -> bool:
-        return states[GROWTH] is StepState.RUN
+        return states.get(GROWTH) is StepState.RUN
 
-    def _indent(self, *, pointwise: bool) -> None:
+    def _indent(self, *, pointwise: bool, drives: bool = False) -> None:
         scene, begin = self.scene, perf_counter()
         profile = scene.profile
         assert profile is not None
@@ -76,23 +84,10 @@ class ProfileRun(Run):
         if value is None:
             assert scene.contact_radius is not None
             solved = self._at(scene.contact_radius, self.rtol, pointwise)
-        elif scene.layer is not None and not self._edged:
-            from spectral_contact.contact.layered_contact import layered_contact
-
-            solved = layered_contact(
-                profile,
-                scene.layer,
-                self.rtol,
-                self.max_unknowns,
-                load=scene.load,
-                approach=scene.approach,
-                pointwise=pointwise,
-            )
+        elif scene.layer is not None:
+            solved, error = self._through_layer(scene.layer, value, pointwise, drives)
         else:
-            key = (profile, scene.normal_compliance, scene.layer, scene.load is None)
-            path = self.shared.get(NORMAL, key, _RadiusPath)
-            origin = 0.0 if scene.layer is None else scene.layer.start
-            at = value if scene.approach is None else value - origin
+            path = self._path
             solved, error = find_radius(
                 profile,
                 self._at,
@@ -100,13 +95,12 @@ class ProfileRun(Run):
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
-                near=path.near(at) or self._nearby(at),
-                origin=origin,
+                near=path.near(value),
             )
-            path.add(at, value_of(solved).radius)
+            path.add(value, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         self._check(found)
-        self.pressure = found.pressure
+        self.pressure, self._driving = found.pressure, found.normal
         if endless(scene):
             self.values["domain_radius"] = found.radius
         self.values.update(
@@ -125,41 +119,82 @@ class ProfileRun(Run):
             pressure=found.pressure_error,
         )
 
-    def _nearby(self, at: float) -> float | None:
-        """Return the radius of a smooth contact; far beyond it an exponential law overflows."""
-        scene = self.scene
-        if scene.layer is None:
-            return None
-        assert scene.profile is not None
-        smooth = indenter(scene.profile, 0.0, self.max_unknowns)
-        load, approach = (at, None) if scene.approach is None else (None, at)
-        try:
-            found, _ = find_radius(
-                scene.profile, smooth, _ROUGH, load=load, approach=approach, pointwise=False
-            )
-        except SceneError:  # the profile ends before
-            return None
-        return value_of(found).radius
+    def _stick_on_layer(self) -> None:
+        """Solve full stick under a flat punch, in units of its radius."""
+        from spectral_contact.contact.drive import Drive
+        from spectral_contact.contact.full_stick import solve_full_stick
+
+        begin, scene = perf_counter(), self.scene
+        assert self._driving is not None
+        radius, kappa = self.values["contact_radius"], scene.kappa
+        goal = "traction" if "traction" in self.plan.quantities else "shear"
+        solved = solve_full_stick(
+            Drive(self._driving),
+            scene.tangential_compliance / radius,
+            self.rtol,
+            self.max_unknowns,
+            goal=goal,
+            ratios=False,
+        )
+        stick: FullStick = self.record(FULL_STICK, solved, begin)
+        self.bounded = (*self.bounded, "traction")
+        self.traction = stick.traction.times(kappa)
+        self.values["total_shear"] = kappa * radius**2 * stick.total_shear
+        # linear in the pressure, which approach or load have moved a little
+        self.errors.update(
+            traction=stick.traction_error + self.errors["pressure"],
+            total_shear=stick.shear_error + self.errors["load"] + self.errors["stiffness"],
+        )
 
     @property
-    def _edged(self) -> bool:
-        """Whether a contact on a nonlinear layer has an edge that moves."""
-        from spectral_contact.contact.layered_setting import has_edge
+    def _path(self) -> _RadiusPath:
+        """Radii of contacts like this one, from scene to scene."""
+        scene = self.scene
+        key = (scene.profile, scene.normal_compliance, scene.layer, scene.load is None)
+        return self.shared.get(NORMAL, key, _RadiusPath)
 
-        assert self.scene.profile is not None
-        assert self.scene.layer is not None
-        return has_edge(self.scene.profile, self.scene.layer)
+    def _through_layer(
+        self, layer: Layer, value: float, pointwise: bool, drives: bool
+    ) -> tuple[Contact, float]:
+        """Return the contact of a load or approach, and the relative error of its radius."""
+        from spectral_contact.contact.layered_setting import has_edge
+        from spectral_contact.solving.layered import through_layer
+
+        scene = self.scene
+        assert scene.profile is not None
+        edged = has_edge(scene.profile, layer)
+        # an approach counts from where the contact begins
+        at = value - layer.start if edged and scene.load is None else value
+        solved, error = through_layer(
+            scene.profile,
+            layer,
+            self.tighter if drives else self.rtol,
+            self.max_unknowns,
+            load=scene.load,
+            approach=scene.approach,
+            pointwise=pointwise,
+            drives=drives,
+            near=self._path.near(at) if edged else None,
+        )
+        if edged:
+            self._path.add(at, value_of(solved).radius)
+        return solved, error
 
     def _at(self, radius: float, tolerance: float, pointwise: bool) -> Contact:
         """Return the contact of a radius."""
         scene = self.scene
         assert scene.profile is not None
         if scene.layer is not None:
-            from spectral_contact.contact.layered_contact import solve_layered
-            from spectral_contact.contact.layered_setting import setting_at_radius
+            from spectral_contact.solving.layered import through_layer
 
-            setting = setting_at_radius(scene.profile, scene.layer, radius)
-            return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
+            return through_layer(
+                scene.profile,
+                scene.layer,
+                tolerance,
+                self.max_unknowns,
+                radius=radius,
+                pointwise=pointwise,
+            )[0]
         solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns)
         return solve(radius, tolerance, pointwise)
 

@@ -6,7 +6,7 @@ import logging
 import math
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.contact.refine import Refinement
@@ -81,7 +81,7 @@ class Run:
     """
 
     #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
-    bounded: ClassVar[tuple[str, ...]] = ("approach", "pressure", "traction", "total_shear")
+    bounded: tuple[str, ...] = ("approach", "pressure", "traction", "total_shear")
 
     def __init__(
         self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared
@@ -181,13 +181,18 @@ class Run:
         _LOG.info("%s: %d unknowns, %.1f ms", name, entry.unknowns, 1e3 * seconds)
         return result
 
+    @property
+    def tighter(self) -> float:
+        """The tolerance of a pressure that drives a traction."""
+        return max(self.rtol * _TIGHTER, min(self.rtol, _TIGHTEST))
+
     def _normal(self, states: dict[str, StepState]) -> NormalContact:
         """Run the normal problem as tightly as the rest of the plan needs it."""
         begin = perf_counter()
         drives = any(
             states[name] is not StepState.SKIPPED for name in (FULL_STICK, PARTIAL_SLIP, SLIP_FIELD)
         )
-        tolerance = max(self.rtol * _TIGHTER, min(self.rtol, _TIGHTEST)) if drives else self.rtol
+        tolerance = self.tighter if drives else self.rtol
         goal = "pressure" if "pressure" in self.plan.quantities else "approach"
         goal = "drive" if drives else goal
         compliance = self.scene.normal_compliance

@@ -7,6 +7,7 @@ are those of `blocks`. A disk in one part is `galerkin`'s own space.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from itertools import pairwise
 from math import pi
@@ -36,7 +37,7 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.regularised import Factorable, Regularised
 from spectral_contact.threads import cached_property
 
-__all__ = ["DiskSpace", "PartedSpace", "Parts", "PressureSpace", "pressure_space"]
+__all__ = ["DiskSpace", "NodalSpace", "PartedSpace", "Parts", "PressureSpace", "pressure_space"]
 
 Array = NDArray[np.float64]
 Used = tuple[LogPanels, tuple[int, ...]]
@@ -167,7 +168,68 @@ class DiskSpace:
         return self._space.half_integral(coefficients)
 
 
-class PartedSpace:
+class NodalSpace(ABC):
+    """Functions by the half-integrals that they have at nodes.
+
+    Attributes are those of `PressureSpace` and `Factorable`.
+    """
+
+    t: Array
+    y: Array
+    past: Array
+    weights: Array
+    index: NDArray[np.int_]
+    panel: NDArray[np.int_]
+    size: int
+    panels: int
+    kept: int
+    kept_but_one: int
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns."""
+        return len(self.index)
+
+    @property
+    def functions(self) -> Factorable:
+        """The functions with their matrices."""
+        return self
+
+    @property
+    @abstractmethod
+    def _matrix(self) -> Array:
+        """Half-integrals of the functions at the nodes, in the order of `index`."""
+
+    @property
+    @abstractmethod
+    def mass(self) -> Array:
+        """Mass matrix ``int phi psi s ds``."""
+
+    @cached_property
+    def gram(self) -> Array:
+        """Gram matrix of the half-integrals."""
+        weighted = self._matrix * np.sqrt(self.weights / pi)[:, None]
+        return np.asarray(weighted.T @ weighted)
+
+    @cached_property
+    def constant_moments(self) -> Array:
+        """Moments of the density 1."""
+        return self.moments(np.ones(len(self.weights)))
+
+    def moments(self, density: Array) -> Array:
+        """Return the inner products of the half-integrals with a density, in order of `index`."""
+        return np.asarray((self.weights / pi * density) @ self._matrix)
+
+    def half_integral(self, coefficients: Array) -> Array:
+        """Return the half-integral at the nodes."""
+        return np.asarray(self._matrix @ coefficients[self.index])
+
+    def factor(self, compliance: float) -> Regularised[Any]:
+        """Factor the problem with a compliance."""
+        return Regularised(self, compliance)
+
+
+class PartedSpace(NodalSpace):
     """A disk in several parts.
 
     Parameters
@@ -223,16 +285,6 @@ class PartedSpace:
         self.kept_but_one = self.kept + sum(map(len, shed))
         self.panel = panel[self.index]
 
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-        return len(self.index)
-
-    @property
-    def functions(self) -> Factorable:
-        """The functions with their matrices."""
-        return self
-
     @cached_property
     def _matrix(self) -> Array:
         """Half-integrals of the functions at the nodes, in the order of `index`."""
@@ -251,35 +303,12 @@ class PartedSpace:
         return np.ascontiguousarray(np.vstack(rows)[:, place[self.index]])
 
     @cached_property
-    def gram(self) -> Array:
-        """Gram matrix of the half-integrals."""
-        weighted = self._matrix * np.sqrt(self.weights / pi)[:, None]
-        return np.asarray(weighted.T @ weighted)
-
-    @cached_property
     def mass(self) -> Array:
         """Mass matrix ``int phi psi s ds``."""
         blocks = [
             f.panels.mass(np.arange(f.panels.size), f.reach / 2.0, 0.0) for f in self._families
         ]
         return np.asarray(block_diag(*blocks)[np.ix_(self.index, self.index)])
-
-    @cached_property
-    def constant_moments(self) -> Array:
-        """Moments of the density 1."""
-        return self.moments(np.ones(len(self.weights)))
-
-    def moments(self, density: Array) -> Array:
-        """Return the inner products of the half-integrals with a density, in order of `index`."""
-        return np.asarray((self.weights / pi * density) @ self._matrix)
-
-    def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes."""
-        return np.asarray(self._matrix @ coefficients[self.index])
-
-    def factor(self, compliance: float) -> Regularised[Any]:
-        """Factor the problem with a compliance."""
-        return Regularised(self, compliance)
 
 
 def pressure_space(parts: Parts, used: tuple[Used, ...]) -> PressureSpace:

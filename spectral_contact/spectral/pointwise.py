@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +19,9 @@ __all__ = ["Sampling"]
 Array = NDArray[np.float64]
 Used = tuple[LogPanels, tuple[int, ...]]
 
+#: Samples beyond the degree of a polynomial.
+_MORE = 8
+
 
 @dataclass(frozen=True, slots=True)
 class _Stretch:
@@ -35,6 +37,7 @@ class _Stretch:
         From terms to samples, and back.
     kept : ndarray, shape (count, terms)
         1 for the terms in use, 0 for others.
+    tail : bool
     """
 
     first: int
@@ -45,6 +48,7 @@ class _Stretch:
     evaluate: Array
     expand: Array
     kept: Array
+    tail: bool
 
     def table(self, coefficients: Array) -> Array:
         """Return the coefficients of these panels, (count, terms)."""
@@ -64,26 +68,36 @@ class Sampling:
     ----------
     used : tuple of (LogPanels, tuple of int)
         Panels of every part, and the degrees on them.
+    polynomials : tuple of int
+        Degrees on cells instead.
     """
 
-    def __init__(self, used: tuple[Used, ...]) -> None:
+    def __init__(self, used: tuple[Used, ...] = (), polynomials: tuple[int, ...] = ()) -> None:
         self._pieces: list[_Stretch] = []
         self.size = self.samples = 0
         for panels, degrees in used:
             terms, points = panels.degree + 1, panels.samples
             own = np.arange(terms) <= np.array(degrees)[:, None]
-            self._add(len(degrees), terms, points, own.astype(float))
-            self._add(1, panels.tail_terms, panels.tail_points, np.ones((1, panels.tail_terms)))
+            self._add(points, own.astype(float), tail=False)
+            self._add(panels.tail_points, np.ones((1, panels.tail_terms)), tail=True)
 
-    def _add(self, count: int, terms: int, points: int, kept: Array) -> None:
+        for degree in polynomials:
+            self._add(degree + _MORE, np.ones((1, degree + 1)), tail=False)
+
+    def _add(self, points: int, kept: Array, *, tail: bool) -> None:
+        count, terms = kept.shape
         g, _ = gauss_rule(points)
         evaluate = legendre_values(g, terms - 1)
         expand = legendre_expansion_matrix(points, terms - 1)
         self._pieces.append(
-            _Stretch(self.size, self.samples, count, terms, points, evaluate, expand, kept)
+            _Stretch(self.size, self.samples, count, terms, points, evaluate, expand, kept, tail)
         )
         self.size += count * terms
         self.samples += count * points
+
+    def places(self) -> list[Array]:
+        """Return the sampling points in [0, 1], piece by piece."""
+        return [np.tile((1.0 + gauss_rule(p.samples)[0]) / 2.0, p.count) for p in self._pieces]
 
     def values(self, coefficients: Array) -> Array:
         """Return a function at the sampling points, (samples,)."""
@@ -95,14 +109,27 @@ class Sampling:
         parts = [piece.kept * (piece.at(values) @ piece.expand.T) for piece in self._pieces]
         return np.concatenate([part.ravel() for part in parts])
 
-    def factors(self, values: Array) -> Iterator[tuple[slice, Array]]:
-        """Yield the blocks of the matrix that multiplies a function with values, (size, size).
+    def times(self, rows: Array, values: Array) -> Array:
+        """Return rows times the matrix that multiplies a function with values, (n, size).
 
-        They are on its diagonal: the place of each, and the block.
+        Parameters
+        ----------
+        rows : ndarray, shape (n, size)
+            Zero for terms that are not in use.
+        values : ndarray, shape (samples,)
         """
+        parts = []
         for piece in self._pieces:
-            weighted = piece.at(values)[:, :, None] * piece.evaluate
-            blocks = (piece.expand @ weighted) * piece.kept[:, :, None] * piece.kept[:, None, :]
-            for k, block in enumerate(blocks):
-                start = piece.first + k * piece.terms
-                yield slice(start, start + piece.terms), block
+            stop = piece.first + piece.count * piece.terms
+            own = rows[:, piece.first : stop].reshape(len(rows), piece.count, piece.terms)
+            blocks = piece.expand @ (piece.at(values)[:, :, None] * piece.evaluate)
+            product = own.transpose(1, 0, 2) @ blocks
+            parts.append(product.transpose(1, 0, 2).reshape(len(rows), -1))
+        return np.hstack(parts)
+
+    def low(self, degree: int) -> NDArray[np.bool_]:
+        """Return which coefficients are of a low degree, or of a tail, (size,)."""
+        parts = []
+        for piece in self._pieces:
+            parts.append(np.tile(piece.tail | (np.arange(piece.terms) <= degree), piece.count))
+        return np.concatenate(parts)

@@ -23,9 +23,9 @@ from spectral_contact.scene import Scene
 __all__ = [
     "PARAMETERS",
     "Columns",
-    "Form",
     "Indices",
     "Parameters",
+    "SceneForm",
     "alone",
     "changed",
     "grid",
@@ -53,7 +53,7 @@ _FLAT: Final = 4
 _SLOWEST: Final = (1, 2, 0, 3, 4, 5, 6)
 
 
-class Form(NamedTuple):
+class SceneForm(NamedTuple):
     """What of a scene is no number."""
 
     profile: Profile | None = None
@@ -61,7 +61,7 @@ class Form(NamedTuple):
     coupling: bool = False
 
     @classmethod
-    def of(cls, scene: Scene) -> Form:
+    def of(cls, scene: Scene) -> SceneForm:
         """Return that of a scene."""
         return cls(scene.profile, scene.layer, scene.coupling)
 
@@ -75,14 +75,14 @@ class Columns:
     values : ndarray, shape (4, scenes) or (7 and more, scenes)
         In the order of `PARAMETERS`, then those of `law`. NaN stands for None: no friction at all,
         not given.
-    forms : tuple of Form
+    forms : tuple of SceneForm
         Of each, or one that is that of all.
     law : tuple of str
         Parameters of the layer's law that vary.
     """
 
     values: Array
-    forms: tuple[Form, ...] = (Form(),)
+    forms: tuple[SceneForm, ...] = (SceneForm(),)
     law: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -125,7 +125,7 @@ class Parameters:
         What varies, in the order of the dimensions; empty for a list.
     table : ndarray or None, shape (4, scenes) or (7, scenes)
         The scenes of a list.
-    forms : tuple of Form
+    forms : tuple of SceneForm
         Of each, or one that is that of all.
     law : tuple of str
         Parameters of the layer's law that vary; their axes are called ``layer_<name>``.
@@ -134,7 +134,7 @@ class Parameters:
     fixed: tuple[float, ...]
     axes: dict[str, Array]
     table: Array | None = None
-    forms: tuple[Form, ...] = (Form(),)
+    forms: tuple[SceneForm, ...] = (SceneForm(),)
     law: tuple[str, ...] = ()
 
     @property
@@ -249,7 +249,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
         If it is empty, or something in it is no scene.
     """
     rows: list[tuple[float, ...]] = []
-    forms: list[Form] = []
+    forms: list[SceneForm] = []
     for number, scene in enumerate(scenes):
         if not isinstance(scene, Scene):
             raise SceneError(f"scenes[{number}]", scene, "a Scene")
@@ -259,7 +259,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
             told = "with a profile, as the first" if first else "without one, as the first"
             raise SceneError(f"scenes[{number}]", scene, told)
         rows.append(_row(one))
-        forms.append(Form.of(one))
+        forms.append(SceneForm.of(one))
     if not rows:
         raise SceneError("scenes", [], "at least one Scene")
     shaped = forms[0].profile is not None
@@ -284,7 +284,7 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 def alone(scene: Scene) -> Parameters:
     """Return one scene as a grid without dimensions."""
     count = _FLAT if scene.profile is None else len(PARAMETERS)
-    return Parameters(_row(scene)[:count], {}, forms=(Form.of(scene),))
+    return Parameters(_row(scene)[:count], {}, forms=(SceneForm.of(scene),))
 
 
 def _row(scene: Scene) -> tuple[float, ...]:
@@ -294,8 +294,8 @@ def _row(scene: Scene) -> tuple[float, ...]:
 
 
 def _chosen(
-    forms: tuple[Form, ...], chosen: slice | Indices | NDArray[np.bool_]
-) -> tuple[Form, ...]:
+    forms: tuple[SceneForm, ...], chosen: slice | Indices | NDArray[np.bool_]
+) -> tuple[SceneForm, ...]:
     if len(forms) == 1:
         return forms
     return tuple(forms[k] for k in np.arange(len(forms))[chosen].tolist())

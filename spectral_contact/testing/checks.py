@@ -23,7 +23,7 @@ from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
-from spectral_contact.testing.layered import Layered
+from spectral_contact.testing.layered import LayerConditions
 
 __all__ = ["Check", "CheckReport", "by_distance", "check_solution", "field_of"]
 
@@ -283,7 +283,7 @@ class _Indented:
         profile = scene.profile
         assert profile is not None
         self.solution, self.scene, self.rtol, self.profile = solution, scene, rtol, profile
-        self.layered = Layered(scene) if scene.layer is not None else None
+        self.layered = LayerConditions(scene) if scene.layer is not None else None
         if self.layered is None:
             radius = getattr(solution, "contact_radius", None) or scene.contact_radius
         else:

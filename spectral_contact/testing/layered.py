@@ -12,7 +12,7 @@ from spectral_contact.layers import Layer
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
 
-__all__ = ["Layered"]
+__all__ = ["LayerConditions"]
 
 Array = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ _CUTS: Final = tuple(k / 30.0 for k in range(1, 30))
 _TINY: Final = float(np.finfo(float).tiny)
 
 
-class Layered:
+class LayerConditions:
     """The conditions of a scene with a layer.
 
     Parameters

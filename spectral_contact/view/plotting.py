@@ -31,6 +31,7 @@ from spectral_contact.view.figures import (
     style,
 )
 from spectral_contact.view.inside import plot_inside
+from spectral_contact.view.law import plot_law
 from spectral_contact.view.radii import (
     Radii,
     bulk_limits,
@@ -51,6 +52,7 @@ __all__ = [
     "graded_radii",
     "plot_coefficients",
     "plot_inside",
+    "plot_law",
     "plot_solution",
     "require",
     "save",

@@ -11,6 +11,8 @@ import pytest
 from oracles.layered_collocation import collocated, to_edge
 
 from spectral_contact import NotComputedError, Scene, SceneError, Solution, layers, profiles, solve
+from spectral_contact.equations.residuals import load as load_of
+from spectral_contact.equations.residuals import tangential_displacement
 
 BALL = profiles.Parabola(1.0)
 E = math.e - 1.0
@@ -211,3 +213,70 @@ def test_solutions_are_saved_with_their_domain(tmp_path, suffix):
     loaded = Solution.load(tmp_path / f"a{suffix}")
     assert loaded == solution
     assert loaded.domain_radius == solution.domain_radius
+
+
+#: Greenwood and Tripp's mu, approaches with the separation at the centre, in deviations.
+CORNERS = [(1e-3, -1.4995, 3.0), (1e-3, 0.5, -1.0), (1e3, 1.0, 2.2255), (1e3, 3e5, -1.0)]
+
+
+@pytest.mark.parametrize(("mu", "approach", "separation"), CORNERS)
+def test_rough_spheres_have_twelve_digits_at_the_corners(mu, approach, separation):
+    """From a layer that hardly bends the body to one that is a millionth of the approach."""
+    layer = layers.GreenwoodWilliamson(mu / (16.0 / 3.0 * 0.5**1.5), 1.0, 0.5)
+    solution = solve(Scene(0.3, layer=layer, profile=BALL, approach=approach), 1e-12)
+    assert solution.converged
+    centre = solution.pressure(0.0)
+    assert -layer.overclosure(centre) / 0.5 == pytest.approx(separation, abs=0.05)
+    by_load = solve(Scene(0.3, layer=layer, profile=BALL, load=solution.load), 1e-12)
+    assert by_load.converged
+    assert by_load.approach == pytest.approx(approach, rel=1e-12)
+    room = solution.error.pressure + by_load.error.pressure
+    assert by_load.pressure(0.0) == pytest.approx(centre, rel=room)
+
+
+@pytest.mark.parametrize("given", [{"load": 3.0}, {"approach": 0.4}])
+@pytest.mark.parametrize("beta", [0.0, 0.3])
+def test_full_stick_on_a_linear_law_is_that_of_the_flat_punch(beta, given):
+    alpha, a = 0.5, 2.0
+    known = solve(Scene(0.3, alpha / a, beta / a, math.inf), 1e-12)
+    how = {"profile": profiles.Flat(a), "friction": math.inf, "tangential_compliance": beta}
+    solution = solve(Scene(0.3, layer=layers.Linear(alpha), **how, **given), 1e-11)
+    assert solution.converged
+    assert solution.stick_radius == 1.0
+    load = solution.load
+    assert solution.total_shear == pytest.approx(known.total_shear * load, rel=1e-13)
+    y = np.geomspace(1e-10, 0.99, 30)
+    found, expected = solution.traction(from_edge=y), known.traction(from_edge=y)
+    assert found == pytest.approx(expected * load / a**2, rel=1e-12)
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.1])
+@pytest.mark.parametrize("approach", [0.05, 1.0])
+def test_full_stick_satisfies_its_equation_with_elliptic_kernels(beta, approach):
+    """``beta q + T q = kappa g``, under a pressure that the law bends."""
+    a = 2.0
+    how = {"profile": profiles.Flat(a), "friction": math.inf, "tangential_compliance": beta}
+    scene = Scene(0.2, layer=layers.Exponential(0.1, 0.2), approach=approach, **how)
+    solution = solve(scene, 1e-11)
+
+    def q(d):
+        return solution.traction(from_edge=d)
+
+    def p(d):
+        return solution.pressure(from_edge=d)
+
+    for d in (0.9, 0.4, 0.02):
+        outward, inward = tangential_displacement(q, p, scene.kappa, d)
+        assert beta / a * q(d) + outward == pytest.approx(inward, rel=1e-9)
+    assert solution.total_shear == pytest.approx(2.0 * math.pi * a**2 * load_of(q), rel=1e-9)
+
+
+def test_half_the_digits_of_full_stick_are_right():
+    how = {"profile": profiles.Flat(1.0), "friction": math.inf, "tangential_compliance": 0.02}
+    scene = Scene(0.0, layer=layers.PowerLaw(300.0, 3.0), load=2.0, **how)
+    fine, loose = solve(scene, 1e-11), solve(scene, 1e-4)
+    y = np.geomspace(1e-10, 0.99, 60)
+    off = loose.traction(from_edge=y) / fine.traction(from_edge=y) - 1.0
+    assert np.abs(off).max() <= loose.error.traction <= 1e-4
+    shear = loose.total_shear / fine.total_shear - 1.0
+    assert abs(shear) <= loose.error.total_shear <= 1e-4

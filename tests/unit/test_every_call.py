@@ -53,6 +53,12 @@ SCENES = {
         profile=profiles.Parabola(1e-5),
         approach=-1e-8,
     ),
+    "flat, sticking on a layer": Scene(
+        *(0.3, 0.0, 0.2, math.inf),
+        layer=layers.PowerLaw(5.0, 2.0),
+        profile=profiles.Flat(2.0),
+        approach=0.5,
+    ),
 }
 
 
@@ -111,6 +117,7 @@ REFUSED = {
     "rough spheres": NOT_UNDER_LAYERS | {"indentation", "compare"},  # there is no edge
     "flat on a layer": NOT_UNDER_LAYERS | {"indentation"},
     "layer in SI": NOT_UNDER_LAYERS,
+    "flat, sticking on a layer": NOT_UNDER_LAYERS | {"indentation"},
 }
 
 

@@ -2,7 +2,7 @@
 
 Run as ``python validation/honesty/layers.py [scenes] [seed]``; writes
 validation/results/honesty_layers.md. Scenes have random laws, shapes, sizes and tolerances. The
-truth is the same method with eight degrees more on every panel and two panels more at every end:
+truth is the same method with eight degrees more, and two panels more at every end or halved cells:
 that the method converges to the truth is tested by collocation, which shares no code with it.
 """
 
@@ -22,7 +22,7 @@ import numpy as np
 
 from spectral_contact import SceneError, layers, profiles
 from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.layered import LayeredProblem
+from spectral_contact.contact.layered import CellProblem, LayeredProblem
 from spectral_contact.contact.layered_contact import solve_layered
 from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import (
@@ -38,7 +38,7 @@ FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0
 NAMES = ("approach", "load", "work", "stiffness", "pressure")
 
 
-class Better(LayeredProblem):
+class BetterPanels(LayeredProblem):
     """The problem with eight degrees and two panels more."""
 
     def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
@@ -50,6 +50,18 @@ class Better(LayeredProblem):
         found = super().start()
         degrees = tuple(min(n + 8, 38) for n in found.degrees)
         return Resolution(replace(found.panels, degree=40), degrees)
+
+
+class BetterCells(CellProblem):
+    """The problem with eight degrees more, and every cell in two."""
+
+    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
+        assert setting.cells is not None
+        ends = np.array(setting.cells.offsets)
+        halved = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2.0]))
+        cells = replace(setting.cells, offsets=tuple(halved.tolist()))
+        super().__init__(replace(setting, cells=cells), tolerance, pointwise=pointwise)
+        self._degree += 8
 
 
 def drawn(rng: np.random.Generator) -> LayeredSetting:
@@ -82,12 +94,17 @@ def drawn(rng: np.random.Generator) -> LayeredSetting:
 def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
     """Return true errors over estimates for one scene, what it is, and whether it converged."""
     setting = drawn(rng)
+    if setting.approach is not None and rng.integers(2):  # under a load
+        load = solve_layered(setting, 1e-2, 4_000, pointwise=False).best.value.load
+        setting = replace(setting, load=load)
     tolerance, pointwise = 10.0 ** rng.uniform(-11.0, -4.0), bool(rng.integers(2))
     solved = solve_layered(setting, tolerance, 4_000, pointwise=pointwise)
-    better = Better(setting, 1e-13, pointwise=True)
+    kind = BetterPanels if setting.cells is None else BetterCells
+    better = kind(setting, 1e-13, pointwise=True)
     truth = refine(better, 1e-11, 20_000).best.value
     label = f"{setting.profile.brief}, {setting.layer.brief}, radius {setting.radius:.6g}, "
-    label += f"approach {truth.approach:.6g}, rtol {tolerance:.1e}{', pressure' * pointwise}"
+    label += f"approach {truth.approach:.6g}{' under a load' * (setting.load is not None)}, "
+    label += f"rtol {tolerance:.1e}{', pressure' * pointwise}"
     converged = solved.best.error <= tolerance
     return _compared(solved.best.value, truth, pointwise), label, converged
 
@@ -106,7 +123,9 @@ def _compared(found: Indentation, truth: Indentation, pointwise: bool) -> dict[s
         errors["pressure"] = float((np.abs(found.pressure(s, FROM_EDGE) - exact) / size).max())
     # the truth is not exact
     room = {n: getattr(found, f"{n}_error") + getattr(truth, f"{n}_error") for n in NAMES}
-    return {name: errors[name] / room[name] for name in NAMES}
+    # what is given has no error
+    tiny = float(np.finfo(float).tiny)
+    return {name: errors[name] / max(room[name], tiny) for name in NAMES}
 
 
 def main() -> int:

@@ -102,6 +102,8 @@ SPECIAL: dict[str, Any] = {
     "calibration.PressureData.pressure": [0.3],
     "calibration.fit.data": calibration.ApproachData([0.3], sigma=0.1),
     "calibration.fit.free": "normal_compliance",
+    "calibration.compare_laws.candidates": dict.fromkeys("ab", (SCENE, "zero_point")),
+    "calibration.compare_laws.data": calibration.IndentationData([1, 2, 3], [1, 2, 3], 1.0),
     "calibration.RoughnessFit.from_json.text": "{}",
     "profiles.Sampled.from_functions.slope": lambda r: 2.0 * r,
     "paper.FigureData.largest_error.name": "pressure",

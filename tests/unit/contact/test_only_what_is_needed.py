@@ -30,7 +30,13 @@ ONE_DISK = FULL_STICK | {
 }
 PROFILE = NORMAL | {"contact_radius", "coupled_parts", "indented", "smooth_indented"}
 ONSET = FULL_STICK | {"onset"}
-LAYERED = PROFILE | {"layered", "layered_contact", "layered_newton", "layered_setting"}
+LAYERED = PROFILE | {
+    "layered",
+    "layered_contact",
+    "layered_newton",
+    "layered_setting",
+    "layered_spaces",
+}
 RINGS = {"active_set", "ring_law", "zone_search"}
 ZONES = {
     "boundaries",

@@ -142,8 +142,16 @@ def test_scenes_say_what_is_wrong_with_a_layer(name):
 
 
 def test_friction_is_refused_with_the_reason():
-    with pytest.raises(SceneError, match="superposition"):
-        Scene(0.3, friction=0.1, layer=POWER, profile=BALL, load=1.0)
+    for friction in (0.1, math.inf):
+        with pytest.raises(SceneError, match="superposition"):
+            Scene(0.3, friction=friction, layer=POWER, profile=BALL, load=1.0)
+    flat = {"layer": POWER, "profile": profiles.Flat(1.0), "load": 1.0}
+    with pytest.raises(SceneError, match="slip depends on how"):
+        Scene(0.3, friction=0.1, **flat)
+    with pytest.raises(SceneError, match="coupling"):
+        Scene(0.3, friction=math.inf, coupling=True, **flat)
+    with pytest.raises(SceneError, match="no friction"):
+        Scene(0.3, tangential_compliance=0.1, **flat)
 
 
 def test_a_flat_profile_is_for_layers():

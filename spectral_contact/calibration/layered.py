@@ -1,0 +1,230 @@
+"""Fits through a nonlinear layer: loads of approaches with derivatives by the law's numbers.
+
+The work W of an approach is an extremum, so by a number ``theta`` of the law ``F(w; theta)`` its
+derivative is that of the energy that the layer stores, and the load is ``dW/ddelta``:
+
+    dP/dtheta = int dF/dtheta dw/ddelta dA,    dw/ddelta = (dp/ddelta) / F'(w)
+
+The derivatives of the law are in closed form; ``dp/ddelta`` is what Newton's method ends with.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.calibration.indentation import CurveProblem
+from spectral_contact.contact.contact_radius import value_of
+from spectral_contact.contact.indented import Indentation
+from spectral_contact.equations.residuals import load as half_load
+from spectral_contact.errors import ConvergenceError
+from spectral_contact.layers import GreenwoodWilliamson, Layer
+from spectral_contact.layers.control import in_own_units
+from spectral_contact.profiles import Flat, Profile
+from spectral_contact.scene import Scene
+from spectral_contact.solving.layered import through_layer
+
+__all__ = ["LawProblem", "LayeredLoad", "layered_load"]
+
+Array = NDArray[np.float64]
+
+_MOST_UNKNOWNS: Final = 20_000
+#: Exponents between which is searched.
+_EXPONENTS: Final = 1.0, 10.0
+#: The derivative by the logarithm of all pressures of the law at once.
+UNIT: Final = "unit"
+#: Share of the largest pressure below which derivatives are left out, points of the law between,
+#: and places at which the largest is looked for.
+_LEAST, _POINTS, _LOOKS = 1e-12, 600, 400
+#: Where pressures are cut for quadrature, besides decades from the edge.
+_CUTS: Final = tuple(k / 16.0 for k in range(1, 16))
+
+
+class LayeredLoad(NamedTuple):
+    """``L = P/E'``, and its derivatives by the approach and by logarithms of the law's numbers."""
+
+    value: float
+    by_approach: float
+    by: dict[str, float]
+    radius: float | None = None
+
+
+def layered_load(
+    profile: Profile, layer: Layer, approach: float, rtol: float, *, near: float | None = None
+) -> LayeredLoad:
+    """Return the load of an approach, over E', with its derivatives.
+
+    Parameters
+    ----------
+    profile : Profile
+    layer : Layer
+        In E'.
+    approach : float
+        At the law's start or before it, there is no contact.
+    rtol : float
+    near : float or None
+        Where the radius of the contact may be.
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not met.
+    """
+    names = (UNIT, *layer._rates(np.zeros(1)))
+    if approach <= layer.start:
+        return LayeredLoad(0.0, 0.0, dict.fromkeys(names, 0.0))
+    solved, _ = through_layer(
+        profile, layer, rtol, _MOST_UNKNOWNS, approach=approach, pointwise=True, near=near
+    )
+    found = value_of(solved)
+    if max(found.load_error, found.stiffness_error) > 10.0 * rtol:
+        told = f"the load of {profile.brief} on {layer.brief} at {approach:.6g} is known to "
+        raise ConvergenceError(f"{told}{found.load_error:.1e}", "loosen rtol.")
+    by = _derivatives(profile, layer, found)
+    return LayeredLoad(found.load, found.stiffness, by, found.radius)
+
+
+def _derivatives(profile: Profile, layer: Layer, found: Indentation) -> dict[str, float]:
+    """Return the derivatives of the load by the logarithms of the law's numbers."""
+    from scipy.interpolate import CubicSpline  # takes long to import
+
+    pressure, flat, a = found.pressure, found.flat, found.radius
+    assert pressure is not None
+    assert flat is not None
+    s = np.linspace(0.0, 1.0, _LOOKS)
+    most = float(pressure(s, 1.0 - s).max())
+    ends = layer._overclosure(_LEAST * most), layer._overclosure(most)
+    w = np.linspace(*ends, _POINTS)
+    if math.isfinite(layer.start):
+        w = layer.start + np.geomspace(ends[0] - layer.start, ends[1] - layer.start, _POINTS)
+    p, slope = layer._pressure(w), layer._slope(w)
+    # what moves the law at a pressure, over a function of that pressure
+    moved = {name: rate / slope for name, rate in {UNIT: p, **layer._rates(w)}.items()}
+    high = math.log(p[-1])
+    cuts = _cuts(profile, a, float(slope.max()))
+
+    def integral(values: Array) -> float:
+        spline = CubicSpline(np.log(p), values)
+
+        def product(d: Array) -> Array:
+            here = pressure(1.0 - d, d)
+            seen = here > p[0]
+            at = np.minimum(np.log(np.where(seen, here, p[0])), high)
+            return np.where(seen, spline(at) * flat(1.0 - d, d), 0.0)
+
+        return 2.0 * math.pi * a * half_load(product, breaks=cuts)
+
+    return {name: integral(values) for name, values in moved.items()}
+
+
+def _cuts(profile: Profile, radius: float, slope: float) -> list[float]:
+    """Return distances from the edge between which the pressure is smooth."""
+    steps = 10.0 ** -np.arange(1.0, 15.0)
+    steps = np.append(steps[steps > 1.0 / max(30.0 * slope * radius, 1.0)], 0.0)
+    inside = [] if isinstance(profile, Flat) else [b for b in profile.breaks if b < radius]
+    corners = [0.0, *([1.0] if profile.pointed else []), *(1.0 - b / radius for b in inside)]
+    around = np.add.outer(corners, [-steps, steps]).ravel().tolist()
+    return [float(d) for d in (*around, *_CUTS) if 0.0 < d < 1.0]
+
+
+class LawProblem(CurveProblem):
+    """Residuals and derivatives by ln E*, the law's numbers, and the zero point."""
+
+    _radii: list[float | None] | None = None
+
+    @staticmethod
+    def parameters(scene: Scene) -> tuple[str, ...]:
+        """Return what can be free."""
+        law = tuple(_numbers_of(scene.layer))
+        return ("reduced_modulus", *law, "zero_point")
+
+    @staticmethod
+    def _of_layer(scene: Scene) -> dict[str, float]:
+        assert scene.physical is not None
+        law = scene.physical.layer
+        return {name: getattr(law, name) for name in _numbers_of(law)}
+
+    def bounds(self) -> tuple[list[float], list[float]]:
+        """Return between which values is searched."""
+        lows, highs = super().bounds()
+        if "exponent" in self.free:
+            k, start = self.free.index("exponent"), self.known["exponent"]
+            lows[k], highs[k] = (math.log(end / start) for end in _EXPONENTS)
+            room = 0.1 * (highs[k] - lows[k])
+            self.start[k] = min(max(0.0, lows[k] + room), highs[k] - room)  # at no end
+        return lows, highs
+
+    def look(self) -> None:
+        """Refuse at the start what no data tell apart, as density and tip radius of asperities."""
+        self.covariance(self.at(tuple(self.start))[1])
+
+    @property
+    def _pivot(self) -> float:
+        """The logarithm of an overclosure [m] at which a power law is held by its coefficient."""
+        return math.log(float(np.ptp(self.depth)) or 1.0)
+
+    def values(self, x: Sequence[float]) -> dict[str, float]:
+        """Return the parameters; the coefficient of a power law counts at the pivot.
+
+        In Pa/m^exponent it hangs on the exponent so much that the search would creep.
+        """
+        found = super().values(x)
+        if {"coefficient", "exponent"} <= set(self.free):
+            moved = self._pivot * (self.known["exponent"] - found["exponent"])
+            found["coefficient"] *= math.exp(moved)
+        return found
+
+    def _slanted(self, jacobian: Array, x: Sequence[float], sign: float) -> Array:
+        if not {"coefficient", "exponent"} <= set(self.free):
+            return jacobian
+        found, k = jacobian.copy(), self.free.index("exponent")
+        more = self._pivot * self.values(x)["exponent"]
+        found[:, k] -= sign * more * jacobian[:, self.free.index("coefficient")]
+        return found
+
+    def by_search(self, jacobian: Array, x: Sequence[float]) -> Array:
+        """Return derivatives by logarithms of the parameters as those by what is searched."""
+        return self._slanted(jacobian, x, 1.0)
+
+    def by_parameters(self, jacobian: Array, x: Sequence[float]) -> Array:
+        """Return derivatives by what is searched as those by logarithms of the parameters."""
+        return self._slanted(jacobian, x, -1.0)
+
+    def _law(self, values: dict[str, float]) -> Any:
+        assert self.scene.physical is not None
+        law = self.scene.physical.layer
+        return replace(law, **{name: values[name] for name in _numbers_of(law)})
+
+    def curve(self, values: dict[str, float], depths: list[float]) -> tuple[Array, Any]:
+        """Return the loads of all depths, and their derivatives by name."""
+        quarter = values["reduced_modulus"] / 4.0
+        own = in_own_units(self._law(values), quarter)
+        near = self._radii or [None] * len(depths)
+        rows = [
+            layered_load(self.profile, own, d, self.rtol, near=radius)
+            for d, radius in zip(depths, near, strict=True)
+        ]
+        self._radii = [one.radius for one in rows]
+        value, by_approach = (
+            quarter * np.array([getattr(one, name) for one in rows])
+            for name in ("value", "by_approach")
+        )
+        by = {name: quarter * np.array([one.by[name] for one in rows]) for name in rows[0].by}
+        # pressures in Pa are less of a larger E'; asperities have theirs in E'
+        rigid = isinstance(own, GreenwoodWilliamson)
+        by["reduced_modulus"] = value if rigid else value - by[UNIT]
+        return value, {**by, "zero_point": -by_approach}
+
+    def best(self, values: dict[str, float]) -> dict[str, Any]:
+        """Return the layer that fits best, as a scene takes it."""
+        return {"layer": self._law(values)}
+
+
+def _numbers_of(law: Any) -> list[str]:
+    """Return the names of the numbers of a law, by which there are derivatives."""
+    return list(law._rates(np.zeros(1)))

@@ -1,0 +1,218 @@
+"""Spaces for contact through a nonlinear layer: log panels to edges and tips, or cells."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.indented import (
+    Used,
+    edge_value,
+    pointwise_errors,
+    series_on_parts,
+)
+from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.resolution import expected_error, series_of, table_rates
+from spectral_contact.fields.series import PressureField, ZonalField
+from spectral_contact.spectral.annulus import Family
+from spectral_contact.spectral.cells import DiskCells, cell_space
+from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
+from spectral_contact.spectral.pointwise import Sampling
+from spectral_contact.spectral.regularised import Change
+
+__all__ = ["CellForm", "Form", "PanelForm"]
+
+Array = NDArray[np.float64]
+Indicators = tuple[Array, Array]
+
+
+class Form(Protocol):
+    """What Newton's method asks of a space.
+
+    Attributes
+    ----------
+    space : PressureSpace
+    sampling : Sampling
+    z : ndarray
+        ``s**2`` at the sampling points.
+    """
+
+    space: PressureSpace
+    sampling: Sampling
+    z: Array
+
+    def field(self, coefficients: Array) -> PressureField | ZonalField:
+        """Return the function."""
+
+    def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
+        """Return the expected errors of the pressure, and by what a degree lowers them."""
+
+    def carried(self, before: Array, old: Form) -> Array:
+        """Return the coefficients of a function of another space."""
+
+    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
+        """Return the pressure as it drives a traction, where it is on one part.
+
+        Parameters
+        ----------
+        pressure : ndarray
+        change : Change
+            What two degrees less make of it.
+        thin : float
+            Width of its layer at the edge.
+        rate : float
+            By what factor one more degree lowers the change.
+        """
+
+    def at_edge(self, coefficients: Array) -> float:
+        """Return the value at the edge."""
+
+    def next_to_edge(self, coefficients: Array, y: float) -> float:
+        """Return the value at a ``1 - s**2``."""
+
+    def lost_at_edge(self, change: Array) -> float:
+        """Return a bound of what a change is at the edge."""
+
+
+class PanelForm:
+    """Log panels on the parts of a disk.
+
+    Parameters
+    ----------
+    parts : Parts
+    used : tuple of (LogPanels, tuple of int)
+        Panels of every part, and the degrees on them.
+    """
+
+    def __init__(self, parts: Parts, used: tuple[Used, ...]) -> None:
+        self._parts, self._used = parts, used
+        self.space: PressureSpace = pressure_space(parts, used)
+        self.sampling = Sampling(used)
+        ends = zip(parts.ends, used, strict=True)
+        self.z: Array = np.concatenate(
+            [Family(*end, panels).sampling().z for end, (panels, _) in ends]
+        )
+
+    def field(self, coefficients: Array) -> PressureField | ZonalField:
+        """Return the function."""
+        return self._parts.field(series_on_parts(self._used, coefficients))
+
+    def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
+        """Return the expected errors of the pressure, and by what a degree lowers them."""
+        series = series_on_parts(self._used, pressure)
+        return pointwise_errors(self._used, series, pressure, change, mean)
+
+    def carried(self, before: Array, old: Form) -> Array:
+        """Return the coefficients of a function of another space."""
+        assert isinstance(old, PanelForm)
+        rows, start = [], 0
+        for (was, _), (new, degrees) in zip(old._used, self._used, strict=True):
+            stop = start + was.panels * (was.degree + 1)
+            table = np.zeros((new.panels, new.degree + 1))
+            terms = min(was.degree, new.degree) + 1
+            table[:, :terms] = before[start:stop].reshape(was.panels, -1)[:, :terms]
+            table *= np.arange(new.degree + 1) <= np.array(degrees)[:, None]
+            rows += [table.ravel(), before[stop : stop + was.tail_terms]]
+            start = stop + was.tail_terms
+        return np.concatenate(rows)
+
+    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
+        """Return the pressure as it drives a traction, where it is on one part."""
+        [(panels, _)] = self._used
+        functions = self.space.functions
+        last = np.zeros_like(pressure)
+        last[functions.index[functions.kept_but_one :]] = 1.0
+        whole, moved, lesser = (
+            NormalContact(
+                thin,
+                0.0,
+                PressureField(None, series_of(panels, one)),
+                panels,
+                one,
+                0.0,
+                0.0,
+                rate=rate,
+            )
+            for one in (pressure, change.coefficients, last * pressure)
+        )
+        return replace(whole, change=moved, lesser=lesser)
+
+    def at_edge(self, coefficients: Array) -> float:
+        """Return the value at the edge."""
+        return edge_value(self._used[-1][0], coefficients)
+
+    def next_to_edge(self, coefficients: Array, y: float) -> float:
+        """Return the value at a ``1 - s**2``."""
+        series = series_on_parts(self._used, coefficients)[-1]
+        return series.value(y / self._parts.ends[-1][2])
+
+    def lost_at_edge(self, change: Array) -> float:
+        """Return a bound of what a change is at the edge."""
+        return float(np.abs(change[-self._used[-1][0].tail_terms :]).sum())
+
+
+class CellForm:
+    """Polynomials on cells.
+
+    Parameters
+    ----------
+    cells : DiskCells
+    degrees : tuple of int
+    """
+
+    def __init__(self, cells: DiskCells, degrees: tuple[int, ...]) -> None:
+        self._cells, self._degrees = cells, degrees
+        self.space: PressureSpace = cell_space(cells, degrees)
+        self.sampling = Sampling(polynomials=degrees)
+        self.z: Array = cells.from_centre(self.sampling.places())
+
+    def field(self, coefficients: Array) -> PressureField | ZonalField:
+        """Return the function."""
+        return self._cells.field(self._split(coefficients))
+
+    def _split(self, coefficients: Array) -> list[Array]:
+        return np.split(coefficients, np.cumsum(np.array(self._degrees) + 1)[:-1])
+
+    def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
+        """Return the expected errors of the pressure, and by what a degree lowers them."""
+        rates, shares = [], []
+        each = zip(
+            self._degrees, self._split(pressure), self._split(change.coefficients), strict=True
+        )
+        for degree, own, changed in each:
+            rates.append(table_rates((degree,), own[None, :]))
+            ends = min(abs(float(own.sum())), abs(float(own[::2].sum() - own[1::2].sum())))
+            shares.append(np.abs(changed).sum() / max(ends, mean))
+        all_rates = np.concatenate(rates)
+        return expected_error(np.array(shares), all_rates), all_rates
+
+    def carried(self, before: Array, old: Form) -> Array:
+        """Return the coefficients of a function of another space."""
+        assert isinstance(old, CellForm)
+        rows = []
+        for degree, own in zip(self._degrees, old._split(before), strict=True):
+            row = np.zeros(degree + 1)
+            terms = min(len(own), degree + 1)
+            row[:terms] = own[:terms]
+            rows.append(row)
+        return np.concatenate(rows)
+
+    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
+        """Raise `NotImplementedError`: nothing flat has cells."""
+        raise NotImplementedError
+
+    def at_edge(self, coefficients: Array) -> float:
+        """Return the value at the edge."""
+        return float(self._split(coefficients)[-1].sum())
+
+    def next_to_edge(self, coefficients: Array, y: float) -> float:
+        """Return the value at a ``1 - s**2``."""
+        local = 1.0 - 2.0 * y / self._cells.lengths[-1]
+        return float(np.polynomial.legendre.legval(local, self._split(coefficients)[-1]))
+
+    def lost_at_edge(self, change: Array) -> float:
+        """Return a bound of what a change is at the edge."""
+        return float(np.abs(self._split(change)[-1]).sum())

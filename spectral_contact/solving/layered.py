@@ -1,0 +1,98 @@
+"""Normal contact through a nonlinear layer, of a load, an approach or a radius."""
+
+from __future__ import annotations
+
+from math import inf
+
+from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
+from spectral_contact.contact.layered_contact import layered_contact, solve_layered
+from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
+from spectral_contact.errors import SceneError
+from spectral_contact.layers.base import Layer
+from spectral_contact.profiles import Profile
+
+__all__ = ["through_layer"]
+
+#: Tolerance of a contact that is a first guess only.
+_ROUGH = 1e-4
+
+
+def through_layer(
+    profile: Profile,
+    layer: Layer,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    load: float | None = None,
+    approach: float | None = None,
+    radius: float | None = None,
+    pointwise: bool,
+    near: float | None = None,
+    drives: bool = False,
+) -> tuple[Contact, float]:
+    """Return the contact, and the relative error of its radius.
+
+    Parameters
+    ----------
+    profile : Profile
+    layer : Layer
+    tolerance : float
+    max_unknowns : int
+        Most unknowns of a space.
+    load, approach, radius : float or None
+        One of them.
+    pointwise : bool
+        Whether the pressure is wanted.
+    near : float or None
+        Where the radius may be.
+    drives : bool
+        Whether the pressure, under a flat punch, has to drive a traction.
+
+    Raises
+    ------
+    SceneError
+        If the profile ends before the pressure does.
+    """
+
+    def at(radius: float, tolerance: float, pointwise: bool) -> Contact:
+        setting = setting_at_radius(profile, layer, radius)
+        return solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+
+    if radius is not None:
+        return at(radius, tolerance, pointwise), 0.0
+    if not has_edge(profile, layer):
+        found = layered_contact(
+            profile,
+            layer,
+            tolerance,
+            max_unknowns,
+            load=load,
+            approach=approach,
+            pointwise=pointwise,
+            drives=drives,
+        )
+        return found, 0.0
+    return find_radius(
+        profile,
+        at,
+        tolerance,
+        load=load,
+        approach=approach,
+        pointwise=pointwise,
+        near=near or _nearby(profile, layer, load, approach),
+        origin=layer.start,
+    )
+
+
+def _nearby(
+    profile: Profile, layer: Layer, load: float | None, approach: float | None
+) -> float | None:
+    """Return the radius of a smooth contact; far beyond it an exponential law overflows."""
+    smooth = indenter(profile, 0.0, 0)
+    deep = None if approach is None else approach - layer.start
+    try:
+        found, _ = find_radius(profile, smooth, _ROUGH, load=load, approach=deep, pointwise=False)
+    except SceneError:  # the profile ends before
+        return None
+    radius = value_of(found).radius
+    return radius if radius < inf else None
