@@ -13,9 +13,12 @@ from mpmath.ctx_mp import MPContext
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.indented import Contact, RoughIndented
 from spectral_contact.precise.indented_smooth import SmoothIndented
+from spectral_contact.precise.layered import Begin, LayeredIndented
+from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import ErrorEstimates
 from spectral_contact.scene import Scene
+from spectral_contact.solving.solver import solve
 
 __all__ = ["PRESSED", "PressedRun", "compared"]
 
@@ -24,6 +27,8 @@ PRESSED = ("approach", "contact_radius", "load", "stiffness", "indentation_work"
 _MOST_STEPS = 8
 #: Digits of mpmath beyond those aimed at, on a smooth surface.
 _GUARD = 12
+#: Tolerance of the solution in double precision that Newton's method begins with.
+_DOUBLE = 1e-11
 #: Where the pressure of two solutions is compared: distances from the edge, and from breaks.
 _DEPTHS = np.concatenate([np.linspace(0.02, 0.98, 13), 10.0 ** -np.arange(2.0, 31.0, 2.0)])
 _ASIDE = (1e-12, 1e-6, 1e-3)
@@ -57,11 +62,17 @@ class PressedRun:
         self.scene, self.digits, self._tell = scene, digits, tell
         profile, alpha = scene.profile, scene.normal_compliance
         assert profile is not None
-        if alpha == 0.0:
+        self._flat = isinstance(profile, Flat)
+        if scene.layer is not None:
+            tell("operators")
+            layered = LayeredIndented(profile, scene.layer, _begun(scene), digits, width)
+            self.mp, self.bits = layered.fixed.mp, layered.fixed.bits
+            self._contact: Callable[[Any], Contact] = layered.solve
+        elif alpha == 0.0:
             mp = self.mp = MPContext()
             mp.dps = digits + _GUARD
             self.bits = mp.prec
-            self._contact: Callable[[Any], Contact] = lambda a: SmoothIndented(mp, profile, a)
+            self._contact = lambda a: SmoothIndented(mp, profile, a)
         else:
             tell("operators")
             solver = RoughIndented(profile, alpha, float(guess), digits, width)
@@ -75,8 +86,14 @@ class PressedRun:
         return self
 
     def _found(self, guess: Any) -> Contact:
-        """Return the contact of the radius, or of the load or approach."""
+        """Return the contact of the radius, or of the load or approach.
+
+        Under a flat punch it is the approach that is looked for.
+        """
         scene, mp = self.scene, self.mp
+        if self._flat and scene.approach is not None:
+            self._tell("contact")
+            return self._contact(mp.mpf(scene.approach))
         if scene.contact_radius is not None:
             self._tell("contact")
             return self._contact(mp.mpf(scene.contact_radius))
@@ -84,14 +101,21 @@ class PressedRun:
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
             contact = self._contact(a)
-            if scene.load is not None:
+            if self._flat:
+                change = (scene.load - contact.load) / contact.stiffness
+            elif scene.load is not None:
                 change = (scene.load - contact.load) / (contact.stiffness * contact.growth)
             else:
                 change = (mp.mpf(scene.approach) - contact.approach) / contact.growth
-            if abs(change) <= a * mp.mpf(10) ** -self.digits:
+            if abs(change) <= abs(a) * mp.mpf(10) ** -self.digits:
                 return contact
             a += change
         raise ConvergenceError("the contact radius does not settle", "ask for fewer digits")
+
+    @property
+    def place(self) -> Any:
+        """What was looked for: the radius, or the approach under a flat punch."""
+        return self.contact.approach if self._flat else self.contact.radius
 
     @property
     def values(self) -> dict[str, Any]:
@@ -116,6 +140,21 @@ class PressedRun:
         return np.full(len(s), self.mp.zero)
 
 
+def _begun(scene: Scene) -> Begin:
+    """Return a contact through a nonlinear layer in double precision."""
+    assert scene.layer is not None
+    asked = ("approach", "contact_radius", "pressure")
+    found = solve(scene, _DOUBLE, asked, strict=False)
+    layer, grid = scene.layer, np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 200)])
+    most = layer.overclosure(float(np.max(found.pressure(from_edge=grid))))
+    return Begin(
+        found.contact_radius,
+        found.approach,
+        lambda from_edge: found.pressure(from_edge=from_edge),
+        1.0 / float(layer.stiffness(most)),
+    )
+
+
 def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]:
     """Return twice the relative differences, no less than the check aims at, and the worst.
 
@@ -136,7 +175,7 @@ def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]
 
     own, other = run.values, check.values
     errors = {name: error([(own[name], other[name])]) for name in PRESSED}
-    if run.scene.contact_radius is not None:
+    if run.scene.contact_radius is not None or isinstance(run.scene.profile, Flat):
         errors["contact_radius"] = 0.0
     s, rest = _places(run)
     pairs = zip(run.pressures(s, rest), check.pressures(s, rest), strict=True)

@@ -9,17 +9,20 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from mpmath.ctx_mp import MPContext
 
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.inputs import checks
-from spectral_contact.layers.control import refuse_layer
+from spectral_contact.layers.control import endless
 from spectral_contact.precise.coupled_run import CoupledRun
+from spectral_contact.precise.laws import law_of
 from spectral_contact.precise.pressed import PressedRun, compared
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.search import lawful, solved
 from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.profiles import Flat
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
@@ -60,8 +63,9 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
         For an argument out of its range.
     NotComputedError
         With elastic coupling and slip; with a profile and friction, or so many breaks that a
-        dense system of 12,000 unknowns will not do; if `solve` has slip everywhere as the stick
-        disk is so small.
+        dense system of 12,000 unknowns will not do; with a nonlinear layer that has bends, or
+        pressure at every gap under a profile that is not flat; if `solve` has slip everywhere as
+        the stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution. If no zones are found on which the
         friction law holds, or these digits do not decide whether it does; it says where.
@@ -82,7 +86,6 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
-    refuse_layer(scene, "reference")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
@@ -146,12 +149,11 @@ def _pressed(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSolution
     """Solve a scene with a profile with two meshes and precisions, and compare."""
     begin = perf_counter()
     tell("contact radius, in double precision", 0.0)
-    guess = _guessed_radius(scene)
+    guess = _guessed(scene)
     first, second = (_on_mesh(number, tell) for number in (1, 2))
     run = PressedRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first)
     tell("", 0.55)
-    guess = run.mp.mpf(run.contact.radius)
-    check = PressedRun(scene, digits + _CHECK[0], _CHECK[1], guess, second)
+    check = PressedRun(scene, digits + _CHECK[0], _CHECK[1], run.mp.mpf(run.place), second)
     tell("comparison", 0.95)
     error, worst = compared(run, check)
     run.mp.dps = digits + 3
@@ -177,12 +179,18 @@ def _pressed(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSolution
     return _certified(solution, worst)
 
 
-def _guessed_radius(scene: Scene) -> float:
-    """Return the contact radius in double precision."""
+def _guessed(scene: Scene) -> float:
+    """Return the contact radius in double precision, or the approach of a flat punch."""
     if scene.friction:
         raise NotComputedError("the reference", "with a profile it is of normal contact alone")
+    if endless(scene):
+        raise NotComputedError("the reference", "a contact without edge is none of it")
+    if scene.layer is not None:
+        law_of(MPContext(), scene.layer)
     if scene.contact_radius is not None:
         return scene.contact_radius
+    if isinstance(scene.profile, Flat):
+        return float(solve(scene, 1e-11, ("approach",), strict=False).approach)
     found = solve(scene, 1e-12, ("contact_radius",), strict=False)
     return float(found.contact_radius)
 
