@@ -28,11 +28,14 @@ class Law:
     ----------
     origin : mpf
         Overclosure from which it counts.
+    gapless : bool
+        Whether there is pressure at every gap.
     """
 
     def __init__(self, mp: Any, layer: Layer) -> None:
         self.mp = mp
-        self.origin = mp.mpf(layer.start) if layer.start > -inf else mp.zero
+        self.gapless = layer.start == -inf
+        self.origin = mp.zero if self.gapless else mp.mpf(layer.start)
 
     def pressure(self, w: Any) -> Any:
         """Return the pressure."""
@@ -70,7 +73,7 @@ class _Power(Law):
         return self._factor / more * max(w, 0) ** more
 
 
-class _Exponential(Law):
+class _Abaqus(Law):
     """``p0 x (e^x - 1)/(e - 1)`` with ``x = w/c0``."""
 
     def __init__(self, mp: Any, layer: layers.Exponential) -> None:
@@ -201,7 +204,7 @@ def law_of(mp: Any, layer: Layer) -> Law:
     if isinstance(layer, layers.PowerLaw):
         return _Power(mp, layer, mp.mpf(layer.coefficient), layer.exponent)
     if isinstance(layer, layers.Exponential):
-        return _Exponential(mp, layer)
+        return _Abaqus(mp, layer)
     if isinstance(layer, layers.CalculixExponential):
         return _Calculix(mp, layer)
     if isinstance(layer, layers.GreenwoodWilliamson):

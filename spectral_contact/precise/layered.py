@@ -21,6 +21,7 @@ from spectral_contact.precise.fixed import Ints
 from spectral_contact.precise.indented import DiskInParts, RoughContact, RoughIndented
 from spectral_contact.precise.laws import Law, law_of
 from spectral_contact.profiles import Flat, Profile
+from spectral_contact.threads import cached_property
 
 __all__ = ["Begin", "LayeredContact", "LayeredIndented"]
 
@@ -40,12 +41,15 @@ class Begin:
         At distances from the edge over the radius.
     thin : float
         Least of the layer's compliances.
+    cuts : tuple of float
+        Where there is no edge: radii between parts on which all is smooth.
     """
 
     radius: float
     approach: float
     pressure: Callable[[NDArray[np.float64]], Any]
     thin: float
+    cuts: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -55,12 +59,12 @@ class LayeredContact(RoughContact):
     Attributes
     ----------
     compression : Law
-    flat : bool
-        Whether the pressure ends at the edge with the punch.
+    edged : bool
+        Whether the pressure ends with the overclosure.
     """
 
     compression: Law
-    flat: bool
+    edged: bool
 
     def pressures(self, s: Any, from_edge: Any) -> Any:
         """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
@@ -70,7 +74,16 @@ class LayeredContact(RoughContact):
 
     @property
     def _vanishes(self) -> bool:
-        return not self.flat
+        return self.edged
+
+    def law(self) -> tuple[Any, Any]:
+        """Return the least overclosure inside over the mean pressure, and the least gap.
+
+        Under a law with pressure at every gap nothing has to hold.
+        """
+        if self.compression.gapless:
+            return self.fixed.mp.one, self.fixed.mp.one
+        return super().law()
 
     @property
     def _moved(self) -> Any:
@@ -105,13 +118,26 @@ class LayeredIndented(RoughIndented):
     ) -> None:
         self._begin = begin
         super().__init__(profile, begin.thin, begin.radius, digits, width)
-        self._law, self._flat = law_of(self.fixed.mp, layer), isinstance(profile, Flat)
+        self._law = law_of(self.fixed.mp, layer)
+        self._edged = not (isinstance(profile, Flat) or begin.cuts)
         self._w: Ints | None = None
         self._normal: NDArray[np.float64] | None = None
         self._solve: Any = None
 
+    def _panels(self, radius: float, width: float) -> list[tuple[int, int]]:
+        """Return the number of panels in the inner and the outer half of every part."""
+        if self._begin.cuts:
+            return [(1, 1)] * (len(self._begin.cuts) + 1)
+        return super()._panels(radius, width)
+
+    @cached_property
+    def _breaks(self) -> list[Any]:
+        if self._begin.cuts:
+            return [self.fixed.mp.mpf(one) for one in self._begin.cuts]
+        return self.heights.breaks[: len(self._meshes) - 1]
+
     def solve(self, given: Any) -> RoughContact:
-        """Return the contact of a radius, or of an approach under a flat punch.
+        """Return the contact of a radius; of an approach under a flat punch or without an edge.
 
         Raises
         ------
@@ -119,13 +145,13 @@ class LayeredIndented(RoughIndented):
             If the iteration stalls.
         """
         f, mp, law = self.fixed, self.fixed.mp, self._law
-        radius = mp.mpf(self._profile.reach) if self._flat else given
+        radius = given if self._edged else mp.mpf(self._begin.radius)
         places = DiskInParts(f, self._meshes, radius, self._breaks)
         of_z = np.frompyfunc(
             lambda z: f.of(self.heights.height(radius * mp.sqrt(f.numbers(z)))), 1, 1
         )
         h = [of_z(z) for z in places.z]
-        smooth = given - law.origin if self._flat else self.heights.transform(+radius) / 2
+        smooth = self.heights.transform(+radius) / 2 if self._edged else given - law.origin
         room = np.concatenate([f.over(f.of(smooth) - v, f.of(radius)).ravel() for v in h])
         fields = self._newton(places, radius, room)
         w, rate = fields.overclosure, fields.rate
@@ -142,7 +168,7 @@ class LayeredIndented(RoughIndented):
         energy = places.integral(stored) + radius * places.integral(bent) / 2
         edge = self._meshes[-1].outer_end
         growth = mp.zero
-        if not self._flat:
+        if self._edged:
             series = self._meshes[-1].series(own[-1])
             near = series.at(*(np.array([v], dtype=object) for v in (f.one - edge, edge)))[0]
             falls = f.over(near, f.times(places.widths[-1], edge))
@@ -163,7 +189,7 @@ class LayeredIndented(RoughIndented):
             growth,
             places.size,
             law,
-            self._flat,
+            self._edged,
         )
 
     def _started(self, places: DiskInParts, radius: Any, room: Ints) -> Ints:
@@ -175,7 +201,7 @@ class LayeredIndented(RoughIndented):
         )
         assert self._normal is not None
         moved = 0.0
-        if not self._flat:
+        if self._edged:
             moved = self._begin.approach - float(self._law.origin)
             moved = (moved - float(self.heights.transform(+radius)) / 2.0) / float(radius)
         return np.asarray(f.of(f.floats(room) + moved - self._normal @ p))
@@ -215,7 +241,7 @@ class LayeredIndented(RoughIndented):
             if sweep < _ANEW or self._solve is None:
                 self._factored(w, radius)
             step = self._corrected(room + share - w - image(applied(law.pressure, w)))
-            if not self._flat:
+            if self._edged:
                 rate = self._corrected(one)
                 more = -f.over(limit(w + step), limit(rate))
                 share, step = share + more, step + f.times(more, rate)

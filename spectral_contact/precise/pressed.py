@@ -11,6 +11,7 @@ import numpy as np
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact.errors import ConvergenceError
+from spectral_contact.layers.control import endless
 from spectral_contact.precise.indented import Contact, RoughIndented
 from spectral_contact.precise.indented_smooth import SmoothIndented
 from spectral_contact.precise.layered import Begin, LayeredIndented
@@ -18,7 +19,6 @@ from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import ErrorEstimates
 from spectral_contact.scene import Scene
-from spectral_contact.solving.solver import solve
 
 __all__ = ["PRESSED", "PressedRun", "compared"]
 
@@ -27,8 +27,6 @@ PRESSED = ("approach", "contact_radius", "load", "stiffness", "indentation_work"
 _MOST_STEPS = 8
 #: Digits of mpmath beyond those aimed at, on a smooth surface.
 _GUARD = 12
-#: Tolerance of the solution in double precision that Newton's method begins with.
-_DOUBLE = 1e-11
 #: Where the pressure of two solutions is compared: distances from the edge, and from breaks.
 _DEPTHS = np.concatenate([np.linspace(0.02, 0.98, 13), 10.0 ** -np.arange(2.0, 31.0, 2.0)])
 _ASIDE = (1e-12, 1e-6, 1e-3)
@@ -49,6 +47,8 @@ class PressedRun:
         Of the contact radius.
     tell : callable
         Is told every step.
+    begin : Begin, optional
+        Of a nonlinear layer: the contact in double precision.
 
     Raises
     ------
@@ -57,15 +57,22 @@ class PressedRun:
     """
 
     def __init__(
-        self, scene: Scene, digits: int, width: float, guess: Any, tell: Callable[[str], None]
+        self,
+        scene: Scene,
+        digits: int,
+        width: float,
+        guess: Any,
+        tell: Callable[[str], None],
+        begin: Begin | None = None,
     ) -> None:
         self.scene, self.digits, self._tell = scene, digits, tell
         profile, alpha = scene.profile, scene.normal_compliance
         assert profile is not None
-        self._flat = isinstance(profile, Flat)
+        self._given_radius = isinstance(profile, Flat) or endless(scene)
         if scene.layer is not None:
+            assert begin is not None
             tell("operators")
-            layered = LayeredIndented(profile, scene.layer, _begun(scene), digits, width)
+            layered = LayeredIndented(profile, scene.layer, begin, digits, width)
             self.mp, self.bits = layered.fixed.mp, layered.fixed.bits
             self._contact: Callable[[Any], Contact] = layered.solve
         elif alpha == 0.0:
@@ -88,10 +95,10 @@ class PressedRun:
     def _found(self, guess: Any) -> Contact:
         """Return the contact of the radius, or of the load or approach.
 
-        Under a flat punch it is the approach that is looked for.
+        Under a flat punch, and where there is no edge, it is the approach that is looked for.
         """
         scene, mp = self.scene, self.mp
-        if self._flat and scene.approach is not None:
+        if self._given_radius and scene.approach is not None:
             self._tell("contact")
             return self._contact(mp.mpf(scene.approach))
         if scene.contact_radius is not None:
@@ -101,7 +108,7 @@ class PressedRun:
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
             contact = self._contact(a)
-            if self._flat:
+            if self._given_radius:
                 change = (scene.load - contact.load) / contact.stiffness
             elif scene.load is not None:
                 change = (scene.load - contact.load) / (contact.stiffness * contact.growth)
@@ -114,8 +121,8 @@ class PressedRun:
 
     @property
     def place(self) -> Any:
-        """What was looked for: the radius, or the approach under a flat punch."""
-        return self.contact.approach if self._flat else self.contact.radius
+        """What was looked for: the radius, or the approach where the radius is no unknown."""
+        return self.contact.approach if self._given_radius else self.contact.radius
 
     @property
     def values(self) -> dict[str, Any]:
@@ -124,7 +131,10 @@ class PressedRun:
         of = (found.approach, found.radius, found.load, found.stiffness, found.work)
         given = {name: getattr(self.scene, name) for name in CONTROLS}
         exact = {name: self.mp.mpf(one) for name, one in given.items() if one is not None}
-        return dict(zip(PRESSED, of, strict=True)) | exact
+        values = dict(zip(PRESSED, of, strict=True)) | exact
+        if endless(self.scene):
+            values["domain_radius"] = values.pop("contact_radius")
+        return values
 
     @property
     def unknowns(self) -> int:
@@ -138,21 +148,6 @@ class PressedRun:
     def tractions(self, s: Any, from_edge: Any) -> Any:
         """Return zeros: there is no friction."""
         return np.full(len(s), self.mp.zero)
-
-
-def _begun(scene: Scene) -> Begin:
-    """Return a contact through a nonlinear layer in double precision."""
-    assert scene.layer is not None
-    asked = ("approach", "contact_radius", "pressure")
-    found = solve(scene, _DOUBLE, asked, strict=False)
-    layer, grid = scene.layer, np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 200)])
-    most = layer.overclosure(float(np.max(found.pressure(from_edge=grid))))
-    return Begin(
-        found.contact_radius,
-        found.approach,
-        lambda from_edge: found.pressure(from_edge=from_edge),
-        1.0 / float(layer.stiffness(most)),
-    )
 
 
 def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]:
@@ -174,11 +169,14 @@ def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]
         return max(2.0 * float(max(shares, default=0.0)), floor)
 
     own, other = run.values, check.values
-    errors = {name: error([(own[name], other[name])]) for name in PRESSED}
+    errors = {name: error([(own[name], other[name])]) for name in PRESSED if name in own}
     if run.scene.contact_radius is not None or isinstance(run.scene.profile, Flat):
         errors["contact_radius"] = 0.0
     s, rest = _places(run)
-    pairs = zip(run.pressures(s, rest), check.pressures(s, rest), strict=True)
+    pairs = list(zip(run.pressures(s, rest), check.pressures(s, rest), strict=True))
+    if endless(run.scene):  # of the pressure or its mean: it falls below all digits
+        mean = own["load"] / (mp.pi * own["domain_radius"] ** 2)
+        pairs = [(a + mean, mp.mpf(b) + mean) for a, b in pairs]
     errors["pressure"] = error(pairs)
     return replace(ErrorEstimates(), **errors), max(errors.values(), default=inf)
 

@@ -301,7 +301,6 @@ REGIMES: dict[str, tuple[str, list[Scene]]] = {
             (layers.Exponential(0.1, 0.2), BALL, {"load": 1.0}),
             (layers.Exponential(0.1, 0.2), BALL, {"approach": -0.1}),
             (layers.Exponential(1.0, 1e-3), profiles.PowerLaw(0.3, 4.0), {"contact_radius": 1.0}),
-            (layers.Exponential(0.1, 0.2), profiles.Cone(1.2), {"approach": 0.1}),
             (layers.Linear(0.5), BALL, {"load": 1.0}),
         ),
     ),
