@@ -37,7 +37,7 @@ class Gate:
 
 GATES = (
     Gate("lines of the core", 12_549, 6_500),
-    Gate("lines in all", 45_222, 23_000),
+    Gate("lines in all", 45_220, 23_000),
     Gate("float literals of the core", 300, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 24, 0),
