@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +30,6 @@ __all__ = [
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 _FINITE: dict[str, Any] = {"allowed": "finite"}
-Integrand = Callable[[Array, Array], Array]
 
 #: Step and reach of the tanh-sinh rule; the last points lie 1e-200 from the ends.
 _T = np.arange(-5.6, 5.6001, 1.0 / 32.0)
@@ -60,13 +58,8 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
     """
     field = _field("pressure", pressure)
     inside = real("inside", inside, allowed="in [0, 1)", low=0.0, high=1.0, high_open=True)
-    breaks = _cuts(breaks)
-
-    def integrand(d: Array, s: Array) -> Array:
-        return field(d) * s
-
-    cuts = sorted({inside, 1.0, *(b for b in breaks if inside < b < 1.0)})
-    return sum(_integral(integrand, near, far) for near, far in pairwise(cuts))
+    nodes = _Nodes.between({inside, 1.0, *(b for b in _cuts(breaks) if inside < b < 1.0)})
+    return nodes.integral(lambda: field(nodes.d) * nodes.s)
 
 
 def approach_slope(pressure: Field) -> float:
@@ -127,12 +120,9 @@ def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] =
     past = real("beyond", beyond, allowed="finite and > 0", low=0.0, low_open=True)
     outside = 1.0 + past
 
-    def integrand(d: Array, s: Array) -> Array:
-        complement = (past + d) * (outside + s) / outside**2
-        return np.asarray(field(d) * s * ellipkm1(complement))
-
-    cuts = sorted({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
-    total = sum(_integral(integrand, *pair) for pair in pairwise(cuts))
+    nodes = _Nodes.between({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
+    complement = (past + nodes.d) * (outside + nodes.s) / outside**2
+    total = nodes.integral(lambda: field(nodes.d) * nodes.s * ellipkm1(complement))
     return total / (np.pi * outside)
 
 
@@ -196,8 +186,8 @@ def shear_lift(
     """
     field, coupling = _field("traction", traction), real("kappa", kappa, **_FINITE)
     place = real("from_edge", from_edge, allowed="in (0, 1]", low=0.0, high=1.0, low_open=True)
-    cuts = sorted({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
-    return coupling * sum(_integral(lambda d, _: field(d), *pair) for pair in pairwise(cuts))
+    nodes = _Nodes.between({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
+    return coupling * nodes.integral(lambda: field(nodes.d))
 
 
 def _field(parameter: str, field: object) -> Field:
@@ -214,35 +204,43 @@ def _cuts(breaks: object) -> list[float]:
     return [real("breaks", one, **_FINITE) for one in listed("breaks", breaks, "numbers")]
 
 
-def _integral(integrand: Integrand, near: float, far: float) -> float:
-    """Integrate a function of (distance from the edge, s) between two distances."""
-    width = far - near
-    left, right = width * _LEFT, width * _RIGHT
-    d = np.where(left < right, near + left, far - right)
-    # at the centre the distance cannot resolve s, what is left of the interval can
-    s = np.where(right < left, right, 1.0 - d) if far == 1.0 else 1.0 - d
-    with np.errstate(over="ignore", invalid="ignore"):  # a field may be anything
-        return width * float(_WEIGHT @ integrand(d, s))
+class _Nodes(NamedTuple):
+    """Nodes of one integral, interval after interval, so that a field is evaluated once."""
+
+    d: Array  # distances from the edge
+    s: Array
+    left: Array  # distances from the ends of the interval that a node is in
+    right: Array
+    cuts: Array
+
+    @classmethod
+    def between(cls, ends: set[float]) -> _Nodes:
+        """Return the nodes between the least end and the largest."""
+        cuts = np.array(sorted(ends))
+        near, far = cuts[:-1, None], cuts[1:, None]
+        left, right = (far - near) * _LEFT, (far - near) * _RIGHT
+        d = np.where(left < right, near + left, far - right)
+        # at the centre the distance cannot resolve s, what is left of the interval can
+        s = np.where((far == 1.0) & (right < left), right, 1.0 - d)
+        return cls(d.ravel(), s.ravel(), left.ravel(), right.ravel(), cuts)
+
+    def from_cut(self, cut: float) -> Array:
+        """Return the distances from a cut: next to it they are known better than differences."""
+        apart, after = np.abs(self.d - cut), len(_T) * int(np.searchsorted(self.cuts, cut))
+        before, behind = slice(after - len(_T), after), slice(after, after + len(_T))
+        apart[before], apart[behind] = self.right[before], self.left[behind]
+        return apart
+
+    def integral(self, integrand: Callable[[], Array]) -> float:
+        """Integrate what is there at the nodes."""
+        with np.errstate(over="ignore", invalid="ignore"):  # a field may be anything
+            return float(np.diff(self.cuts) @ (integrand().reshape(-1, len(_T)) @ _WEIGHT))
 
 
 def _potential(
     field: Field, kernel: Callable[..., Array], from_edge: float, breaks: Sequence[float]
 ) -> float:
     """Return ``(1/pi) int_0^1 field K(eta, s) deta`` at ``s = 1 - from_edge``."""
-    total = 0.0
-    cuts = sorted({0.0, 1.0, from_edge, *(b for b in breaks if 0.0 < b < 1.0)})
-    for near, far in pairwise(cuts):
-        width = far - near
-        # next to the field point the distance to it is known better than the difference
-        gap = None
-        if near == from_edge:
-            gap = width * _LEFT
-        elif far == from_edge:
-            gap = width * _RIGHT
-
-        def integrand(d: Array, eta: Array, gap: Array | None = gap) -> Array:
-            apart = np.abs(d - from_edge) if gap is None else gap
-            return field(d) * kernel(eta, 1.0 - from_edge, distance=apart)
-
-        total += _integral(integrand, near, far)
-    return total / np.pi
+    nodes = _Nodes.between({0.0, 1.0, from_edge, *(b for b in breaks if 0.0 < b < 1.0)})
+    influence = kernel(nodes.s, 1.0 - from_edge, distance=nodes.from_cut(from_edge))
+    return nodes.integral(lambda: field(nodes.d) * influence) / np.pi

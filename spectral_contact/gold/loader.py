@@ -11,6 +11,7 @@ import math
 import os
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module, resources
 from importlib.resources.abc import Traversable
 from typing import Any, Final
@@ -265,6 +266,7 @@ def load(path: str | os.PathLike[str]) -> GoldTable:
     return _parsed(*read_file(path))
 
 
+@lru_cache
 def _parsed(source: str, content: bytes) -> GoldTable:
     with reported(source, "damaged, or not the JSON text of a gold table"):
         return _table(json.loads(content.decode()))

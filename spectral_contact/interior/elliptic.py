@@ -82,8 +82,9 @@ def solid_angle(own: Elliptic, z: Array, a: Array, ahead: Array, total: Array) -
     ahead, total : ndarray
         Radius of the disk minus the distance from its axis, and their sum (Paxton 1959).
     """
-    ratio = ahead / total
-    step = np.where(ahead > 0.0, 1.0, np.where(ahead == 0.0, 0.5, 0.0))
+    ratio, step = ahead / total, np.heaviside(ahead, 0.5)
+    if not z.any():  # of a disk in the plane
+        return step
     # K + ratio Pi(n | m) with 1 - n = ratio**2
     both = _bulirsch(np.sqrt(own.rest), np.maximum(np.abs(ratio), 1e-150), 1.0 + ratio, ratio)
     return np.asarray(step - z / (np.pi * a) * both)

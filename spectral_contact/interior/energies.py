@@ -21,7 +21,6 @@ __all__ = ["energies"]
 Array = NDArray[np.float64]
 Move = Callable[[Points], Displacement]
 
-
 #: A ring that carries less than this share changes no digit.
 _NEGLIGIBLE = 1e-17
 #: Of the rings, after each of which progress is told.

@@ -41,8 +41,8 @@ AXIS = 1e-30
 _NEAR = 1.0
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
-#: Points that are served at a time, which bounds the memory.
-_BLOCK = 512
+#: Points served at a time, for the memory; on the surface each has many nodes: for the cache.
+_BLOCK, _SURFACE_BLOCK = 512, 32
 
 
 class Rule(NamedTuple):
@@ -288,9 +288,9 @@ class Mesh:
 
     def rows(self, points: Points) -> Iterator[tuple[slice, list[Nodes]]]:
         """Yield blocks of points, each with all of its rows of nodes, of several lengths."""
-        for start in range(0, len(points.r), _BLOCK):
-            block = slice(start, start + _BLOCK)
-            some = points[block]
+        size = _SURFACE_BLOCK if points.on_surface.all() else _BLOCK
+        for start in range(0, len(points.r), size):
+            some = points[block := slice(start, start + size)]
             outward = self._ends.outward(some)
             ends = self._ends.offset - outward[:, self._ends.at]  # beyond the point's radius
             low, high = ends[:, :-1], ends[:, 1:]

@@ -47,6 +47,8 @@ class Fixed:
         self.mp.prec = bits + 16
         isqrt = math.isqrt if libmp.MPZ is int else libmp.isqrt
         self._root = np.frompyfunc(lambda v: isqrt(v << bits), 1, 1)
+        exp = libmp.libelefun.exp_fixed
+        self._exp = np.frompyfunc(lambda v: exp(v << 16, bits + 16) >> 16, 1, 1)
         self._of = np.frompyfunc(self._convert, 1, 1)
         self._number = np.frompyfunc(self._floating, 1, 1)
         self._float = np.frompyfunc(lambda v: float(self._floating(v)), 1, 1)
@@ -96,7 +98,7 @@ class Fixed:
 
     def exp(self, values: Any) -> Any:
         """Return the exponentials."""
-        return self.map(self.mp.exp, values)
+        return self._exp(values)
 
     def legendre(self, x: Ints, degree: int) -> Ints:
         """Return the Legendre polynomials at `x`, shape ``x.shape + (degree + 1,)``."""
@@ -112,21 +114,18 @@ class Fixed:
     def _gauss(self, points: int) -> tuple[Ints, Ints]:
         """Return nodes and weights of the Gauss-Legendre rule on [-1, 1]."""
         x = self.of(gauss_rule(points)[0])
-        slope = x
         for _ in range(math.ceil(math.log2(self.bits / 50.0)) + 1):
             values = self.legendre(x, points)
             last, before = values[:, points], values[:, points - 1]
             slope = self.over(points * (before - self.times(x, last)), self.one - self.times(x, x))
             x = x - self.over(last, slope)
-        weights = self.over(2 * self.one, self.times(self.one - self.times(x, x), slope, slope))
-        return x, weights
+        return x, self.over(2 * self.one, self.times(self.one - self.times(x, x), slope, slope))
 
     def expansion(self, points: int) -> Ints:
         """Return the matrix from samples at Gauss points to Legendre coefficients, square."""
         x, w = self.gauss(points)
-        values = self.legendre(x, points - 1)
-        factors = np.array([2 * k + 1 for k in range(points)], dtype=object)
-        return np.asarray((self.times(values, w[:, None]) * factors).T // 2)
+        factors = np.arange(1, 2 * points, 2, dtype=object)
+        return np.asarray((self.times(self.legendre(x, points - 1), w[:, None]) * factors).T // 2)
 
 
 class FixedRule(NamedTuple):
@@ -147,5 +146,4 @@ def root_rule(f: Fixed, points: int, lower: Ints, upper: Ints) -> FixedRule:
     u = a + f.times(b - a, f.one + g) // 2
     u = f.times(u, u)
     fall = f.exp(-u)
-    smooth = f.sqrt(f.over(u, f.one - fall))
-    return FixedRule(u, f.times(smooth, w, b - a) // 2, fall)
+    return FixedRule(u, f.times(f.sqrt(f.over(u, f.one - fall)), w, b - a) // 2, fall)

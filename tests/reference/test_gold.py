@@ -203,7 +203,9 @@ def test_no_error_exceeds_its_estimate_nor_that_the_tolerance(table, rtol):
     if table.startswith(("profiles", "layers")):  # a tip on a layer of 1e-4 is known to 1.2e-12
         rtol = max(rtol, 1e-11)
     wrong = []
-    for true in TABLES[table].solutions:
+    # between the tolerances at the ends, of which all scenes are solved, two samples do
+    sample = {1e-6: slice(0, None, 3), 1e-9: slice(1, None, 3)}.get(rtol, slice(None))
+    for true in TABLES[table].solutions[sample]:
         double = solve(true.scene, rtol)  # raises if it does not converge
         wrong += [(true.name, exceeded(double, true), unmet(double, true, rtol))]
     assert [one for one in wrong if one[1] or one[2]] == []

@@ -1,5 +1,6 @@
 """A solve does what its scene calls for and nothing else: by spying on imports and assembly."""
 
+import atexit
 import functools
 import math
 import pkgutil
@@ -67,20 +68,41 @@ COUPLED_STICK = (
 ALPHAS = (0.0, 1e-8, 0.5, 1e4)
 
 
+SERVER = """
+import os, sys
+from math import inf
+import spectral_contact as sc
+from spectral_contact import Scene, profiles, solve
+for line in sys.stdin:
+    if os.fork() == 0:
+        prefix = "spectral_contact.contact."
+        try:
+            eval(line)
+            print(*(n.removeprefix(prefix) for n in sys.modules if n.startswith(prefix)))
+        except Exception as error:
+            print(repr(error))
+        sys.stdout.flush()
+        os._exit(0)
+    os.wait()
+"""
+
+
+@functools.cache
+def interpreter():
+    """One that has loaded the library and solved nothing, and forks for every scene."""
+    server = subprocess.Popen(
+        [sys.executable, "-c", SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    atexit.register(server.communicate)
+    return server
+
+
 @functools.cache
 def imported_by(scene, rtol=1e-6, quantities=None):
-    """Return which modules of `contact` a fresh interpreter loads to solve a scene."""
-    code = (
-        "import sys\n"
-        "from math import inf\n"
-        "import spectral_contact as sc\n"
-        "from spectral_contact import Scene, profiles, solve\n"
-        f"solve({scene}, {rtol}, {quantities})\n"
-        "prefix = 'spectral_contact.contact.'\n"
-        "print(*(n.removeprefix(prefix) for n in sys.modules if n.startswith(prefix)))\n"
-    )
-    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    return set(run.stdout.split())
+    """Return which modules of `contact` an interpreter loads that solves a scene and no other."""
+    server = interpreter()
+    print(f"solve({scene}, {rtol}, {quantities})", file=server.stdin, flush=True)
+    return set(server.stdout.readline().split())
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from oracles.kept import Kept
 
 from spectral_contact.precise.annulus import AnnulusMesh, Blocks
 from spectral_contact.precise.between import Between
@@ -16,6 +17,7 @@ INNER, OUTER = (3, 5), (4, 2)
 PLACES = [(0, 0), (0, POINTS - 1), (1, 9), (4, 20), (-3, 0), (-2, 15), (-1, 3), (-1, POINTS - 1)]
 FIXED = Fixed(240)
 MP = FIXED.mp
+TRUTHS = Kept("precise_annulus", every=28)
 
 
 @functools.cache
@@ -38,6 +40,7 @@ def rooted(a, b):
     return MP.sqrt(a) + b * MP.sqrt(b) + b**2 * (MP.log(b) if b else 0)
 
 
+@functools.cache
 def sampled(function, m):
     pairs = zip(FIXED.numbers(m.above).flat, FIXED.numbers(m.below).flat, strict=True)
     values = np.array([FIXED.of(function(a, b)) for a, b in pairs], dtype=object)
@@ -56,19 +59,28 @@ def error(value, truth):
     return abs(FIXED.numbers(value) / truth - 1)
 
 
+def check(key, found, truth):
+    """Compare integrals with the truth at every place."""
+    truths = TRUTHS(key, lambda: [truth(place) for place in PLACES], MP.mpf)
+    for place, exact in zip(PLACES, truths, strict=True):
+        assert error(found[place], exact) <= 10.0**-DIGITS
+
+
 @pytest.mark.parametrize("function", [smooth, rooted])
 def test_half_integrals_of_an_annulus(function):
     m = mesh(*INNER)
     values = sampled(function, m)
-    outward, inward = m.half_integral(values), m.inner_integral(values)
-    for place in PLACES:
-        a, b = FIXED.numbers(m.above[place]), FIXED.numbers(m.below[place])
-        top = MP.sqrt(b)
-        truth = integral(lambda r, a=a, top=top: function(a + r * r, top**2 - r * r), 0, top)
-        assert error(outward[place], truth) <= 10.0**-DIGITS
-        top = MP.sqrt(a)
-        truth = integral(lambda r, b=b, top=top: function(top**2 - r * r, b + r * r), 0, top)
-        assert error(inward[place], truth) <= 10.0**-DIGITS
+
+    def outward(place):
+        a, top = FIXED.numbers(m.above[place]), MP.sqrt(FIXED.numbers(m.below[place]))
+        return integral(lambda r: function(a + r * r, top**2 - r * r), 0, top)
+
+    def inward(place):
+        b, top = FIXED.numbers(m.below[place]), MP.sqrt(FIXED.numbers(m.above[place]))
+        return integral(lambda r: function(top**2 - r * r, b + r * r), 0, top)
+
+    check(f"{function.__name__}, outward", m.half_integral(values), outward)
+    check(f"{function.__name__}, inward", m.inner_integral(values), inward)
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-2, 0.2])
@@ -76,25 +88,22 @@ def test_half_integrals_of_an_annulus(function):
 def test_half_integrals_from_annulus_to_annulus(gap, widths):
     near, far = mesh(*INNER), mesh(*OUTER)
     between = Between(near, far, tuple(FIXED.of(w) for w in widths), FIXED.of(gap))
-    outward = between.half_integral(sampled(smooth, far))
-    inward = between.inner_integral(sampled(smooth, near))
-    for place in PLACES:
+
+    def over(width, rest, function):
+        """Integrate a function of the share of a width beyond a distance."""
+        ends = MP.sqrt(rest), MP.sqrt(rest + width)
+        return integral(lambda r: function((r * r - rest) / width), *ends)
+
+    def outward(place):
         rest = widths[0] * FIXED.numbers(near.below[place]) + MP.mpf(gap)
-        width = MP.mpf(widths[1])
-        truth = integral(
-            lambda r, e=rest, w=width: smooth((r * r - e) / w, 1 - (r * r - e) / w),
-            MP.sqrt(rest),
-            MP.sqrt(rest + width),
-        )
-        assert error(outward[place], truth) <= 10.0**-DIGITS
+        return over(MP.mpf(widths[1]), rest, lambda share: smooth(share, 1 - share))
+
+    def inward(place):
         rest = widths[1] * FIXED.numbers(far.above[place]) + MP.mpf(gap)
-        width = MP.mpf(widths[0])
-        truth = integral(
-            lambda r, e=rest, w=width: smooth(1 - (r * r - e) / w, (r * r - e) / w),
-            MP.sqrt(rest),
-            MP.sqrt(rest + width),
-        )
-        assert error(inward[place], truth) <= 10.0**-DIGITS
+        return over(MP.mpf(widths[0]), rest, lambda share: smooth(1 - share, share))
+
+    check(f"{widths}, {gap}, outward", between.half_integral(sampled(smooth, far)), outward)
+    check(f"{widths}, {gap}, inward", between.inner_integral(sampled(smooth, near)), inward)
 
 
 def test_matrices_are_those_of_the_integrals():

@@ -41,19 +41,20 @@ def test_a_smooth_ball_is_hertz():
     assert found.indentation_work == pytest.approx(0.4 * P * a**2 / R, rel=1e-12)
 
 
+UNIT, ALPHA = E / (4.0 * (1.0 - NU**2)), 2e-18
+
+
+@pytest.fixture(scope="module")
+def theirs():
+    """Lengths in the radius of the ball, instead of metres."""
+    layer = ALPHA * UNIT / R
+    ball = profiles.Parabola(1.0)
+    return solve(Scene(NU, layer, layer, 0.1, profile=ball, load=P / (UNIT * R**2)), 1e-4)
+
+
 @pytest.mark.parametrize("known", ["load", "approach", "contact_radius"])
-def test_a_layer_with_friction_is_the_same_in_other_units(known):
-    # lengths in the radius of the ball, instead of metres
-    unit, alpha = E / (4.0 * (1.0 - NU**2)), 2e-18
-    own = Scene(
-        NU,
-        alpha * unit / R,
-        alpha * unit / R,
-        0.1,
-        profile=profiles.Parabola(1.0),
-        load=P / (unit * R**2),
-    )
-    theirs = solve(own, 1e-4)
+def test_a_layer_with_friction_is_the_same_in_other_units(theirs, known):
+    unit, alpha = UNIT, ALPHA
     scales = {"load": unit * R**2, "approach": R, "contact_radius": R, "total_shear": unit * R**2}
     value = getattr(theirs, known) * scales[known]
     layer = {"normal_compliance": alpha, "tangential_compliance": alpha, "friction": 0.1}

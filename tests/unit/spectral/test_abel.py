@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
+from oracles.kept import Kept
 
 from spectral_contact.spectral.abel import (
     ROOT_TERMS,
@@ -25,6 +26,7 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matr
 
 mp = MPContext()
 mp.dps = 30
+TRUTHS = Kept("abel", every=40)
 
 MATRICES = {"deeper": deeper, "outer": outer, "beyond": beyond}
 #: panels, width, degree
@@ -85,8 +87,11 @@ def test_matrix_of_every_panel(kind, panels, width, degree):
         start = number * (degree + 1)
         for k in (0, degree) if number < panels else range(TAIL_TERMS):
             arguments = basis(number, k, panels, width)
-            for row, d in zip(matrix, points, strict=True):
-                exact = float(half_integral(kind, *arguments, d))
+            truths = TRUTHS(
+                f"{kind}, {panels} panels of {width}, {number}, {k}",
+                lambda a=arguments: [half_integral(kind, *a, d) for d in points],
+            )
+            for row, exact in zip(matrix, truths, strict=True):
                 # the constant bounds every Legendre polynomial of the panel
                 scale = row[start]
                 assert abs(row[start + k] - exact) <= 4e-15 * scale
@@ -124,7 +129,7 @@ def coefficients(panels, width, degree):
 
 def relative_errors(kind, points):
     values = MATRICES[kind](points, *MESH) @ coefficients(*MESH)
-    exact = [float(half_integral(kind, smooth, mp.mpf(0), mp.mpf(1), d)) for d in points]
+    exact = [float(half_integral(kind, smooth, mp.mpf(0), mp.mpf(1), d, 1)) for d in points]
     return np.abs(values / exact - 1)
 
 
@@ -196,7 +201,10 @@ def test_deeper_blocks_depend_on_the_difference_alone(width, power):
                 value = blocks[i, number - own, k] * float(d) ** (0.5 + power)
                 # d' = d - w^2 by hand: d is not a double here
                 ends = [mp.sqrt(d - min(high, d)), mp.sqrt(d - low)]
-                exact = float(integral(lambda w, d=d: weighted(d - w * w), *ends))
+                exact = TRUTHS(
+                    f"deeper block, {width}, {power}, {k}, {number}, {i}",
+                    lambda d=d, ends=ends: integral(lambda w: weighted(d - w * w), *ends),
+                )
                 scale = blocks[i, number - own, 0] * float(d) ** (0.5 + power)
                 assert abs(value - exact) <= 4e-15 * scale
 
@@ -273,8 +281,11 @@ def test_differences_to_the_boundary_are_right_to_the_root_of_the_distance(colum
         "nearer": lambda s: 1 / mp.sqrt(2 - s) - 1 / mp.sqrt(2 - e - s),
         "singular": lambda s: (1 / mp.sqrt(2 - s) - 1 / mp.sqrt(2 + e - s)) / mp.sqrt(s),
     }
-    for name, kernel in kernels.items():
-        wanted = against(function, low, high, kernel, e)
+    truths = TRUTHS(
+        f"differences, {column}, {place}",
+        lambda: [against(function, low, high, kernel, e) for kernel in kernels.values()],
+    )
+    for name, wanted in zip(kernels, truths, strict=True):
         # points are not asked for far inside the tail, which is not resolved there
         scale = max(place, math.exp(-8.0)) if name == "rise" else place
-        assert abs(found[name] - float(wanted)) < 4e-15 * math.sqrt(scale), name
+        assert abs(found[name] - wanted) < 4e-15 * math.sqrt(scale), name
