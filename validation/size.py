@@ -36,8 +36,8 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_116, 6_500),
-    Gate("lines in all", 46_471, 23_000),
+    Gate("lines of the core", 13_111, 6_500),
+    Gate("lines in all", 46_466, 23_000),
     Gate("float literals of the core", 314, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 24, 0),

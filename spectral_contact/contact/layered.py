@@ -128,6 +128,10 @@ class _Layered(ABC):
         rounding = solver.sharpest(fields, mean) * ROUNDING * data
         pressure_error = float(indicators.max()) + fields.left
         pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding
+        normal = None
+        if setting.drives:
+            assert isinstance(form, PanelForm)
+            normal = form.driving(fields.pressure, change, solver.thinnest(fields), worst)
         indentation = Indentation(
             a,
             approach,
@@ -143,9 +147,7 @@ class _Layered(ABC):
             stiff_error,
             pressure_error,
             deepest,
-            form.driving(fields.pressure, change, solver.thinnest(fields), worst)
-            if setting.drives
-            else None,
+            normal,
         )
         if setting.load is not None:
             indentation = _under(indentation, setting.load)
