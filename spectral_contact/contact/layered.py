@@ -29,7 +29,7 @@ __all__ = ["CellProblem", "LayeredProblem"]
 Array = NDArray[np.float64]
 
 #: Of errors of integrals, as in `indented`; of what two spaces differ by, and of the stiffness.
-_INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 8.0
+_INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 16.0
 #: Roundings of what follows from the data, and of the pressure.
 _ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
 #: First degree on a cell for a digit (base e).
@@ -120,7 +120,7 @@ class _Layered(ABC):
             + ROUNDING
         )
         stiff_error = (
-            (a * flat + _STIFFNESS * sides * abs(whole.stiffness - less.stiffness))
+            (2.0 * a * flat + _STIFFNESS * sides * abs(whole.stiffness - less.stiffness))
             / whole.stiffness
             + fields.left
             + 2.0 * ROUNDING
@@ -128,6 +128,10 @@ class _Layered(ABC):
         rounding = solver.sharpest(fields, mean) * ROUNDING * data
         pressure_error = float(indicators.max()) + fields.left
         pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding
+        normal = None
+        if setting.drives:
+            assert isinstance(form, PanelForm)
+            normal = form.driving(fields.pressure, change, solver.thinnest(fields), worst)
         indentation = Indentation(
             a,
             approach,
@@ -143,9 +147,7 @@ class _Layered(ABC):
             stiff_error,
             pressure_error,
             deepest,
-            form.driving(fields.pressure, change, solver.thinnest(fields), worst)
-            if setting.drives
-            else None,
+            normal,
         )
         if setting.load is not None:
             indentation = _under(indentation, setting.load)

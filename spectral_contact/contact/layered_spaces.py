@@ -53,20 +53,6 @@ class Form(Protocol):
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
 
-    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
-        """Return the pressure as it drives a traction, where it is on one part.
-
-        Parameters
-        ----------
-        pressure : ndarray
-        change : Change
-            What two degrees less make of it.
-        thin : float
-            Width of its layer at the edge.
-        rate : float
-            By what factor one more degree lowers the change.
-        """
-
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
 
@@ -120,7 +106,18 @@ class PanelForm:
         return np.concatenate(rows)
 
     def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
-        """Return the pressure as it drives a traction, where it is on one part."""
+        """Return the pressure as it drives a traction, where it is on one part.
+
+        Parameters
+        ----------
+        pressure : ndarray
+        change : Change
+            What two degrees less make of it.
+        thin : float
+            Width of its layer at the edge.
+        rate : float
+            By what factor one more degree lowers the change.
+        """
         [(panels, _)] = self._used
         functions = self.space.functions
         last = np.zeros_like(pressure)
@@ -199,10 +196,6 @@ class CellForm:
             row[:terms] = own[:terms]
             rows.append(row)
         return np.concatenate(rows)
-
-    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
-        """Raise `NotImplementedError`: nothing flat has cells."""
-        raise NotImplementedError
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
