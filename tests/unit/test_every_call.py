@@ -110,9 +110,9 @@ NOT_UNDER_LAYERS = {
 }
 REFUSED = {
     **dict.fromkeys(("smooth", "slip inside", "SI", "SI, approach"), FLAT_HAVE_NONE),
-    "coupled": FLAT_HAVE_NONE | {"sweep"},
+    "coupled": FLAT_HAVE_NONE,
     "ball, sticking": {"energies"},
-    "ball, coupled": {"energies", "sweep"},
+    "ball, coupled": {"energies"},
     "power layer": NOT_UNDER_LAYERS,
     "rough spheres": NOT_UNDER_LAYERS | {"indentation", "compare"},  # there is no edge
     "flat on a layer": NOT_UNDER_LAYERS | {"indentation"},
