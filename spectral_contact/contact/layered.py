@@ -29,7 +29,7 @@ __all__ = ["CellProblem", "LayeredProblem"]
 Array = NDArray[np.float64]
 
 #: Of errors of integrals, as in `indented`; of what two spaces differ by, and of the stiffness.
-_INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 4.0
+_INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 8.0
 #: Roundings of what follows from the data, and of the pressure.
 _ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
 #: First degree on a cell for a digit (base e).

@@ -379,7 +379,7 @@ def balanced(setting: LayeredSetting, room: Array, start: Array, spring: float =
             step = w - off / (1.0 + spring * setting.slope(w))
             middle = np.where(np.isfinite(low + high), 0.5 * (low + high), np.minimum(w, room))
             # far up an exponential law Newton's steps are an e-fold each
-            slow = (np.abs(off) > 0.5 * before) & np.isfinite(low + high)
+            slow = (np.abs(off) > 0.1 * before) & np.isfinite(low + high)
             new = np.where((step > low) & (step < high) & ~slow, step, middle)
             before = np.abs(off)
             done = np.abs(new - w) <= _POINTWISE * (np.abs(new) + np.abs(room))

@@ -26,6 +26,7 @@ from spectral_contact.io.documents import (
     read_file,
     reported,
 )
+from spectral_contact.layers.control import layer_from
 from spectral_contact.profiles.control import CONTROLS, profile_from
 from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem
@@ -331,7 +332,9 @@ class _Entry:
     def _scene(self) -> Scene:
         where, body = f"{self.where}, scene", self.body["scene"]
         coupled = "opening" in self.body
+        layered = isinstance(body, dict) and "layer" in body
         more = ("coupling",) * coupled + ("profile", *CONTROLS) * self.pressed
+        more += ("layer",) * layered
         _check_keys(where, body, (*_PARAMETERS, *more))
         values: dict[str, Any] = {
             name: None
@@ -344,6 +347,8 @@ class _Entry:
         try:
             if self.pressed:
                 values["profile"] = profile_from(body["profile"])
+            if layered:
+                values["layer"] = layer_from(body["layer"])
             return Scene(**values)
         except ValueError as error:
             raise Refused(f"{where}: {error}") from error

@@ -88,6 +88,22 @@ class _PowerHeights(Heights):
         return self._power * self.transform(t)
 
 
+class _FlatHeights(Heights):
+    """``h = 0``."""
+
+    def height(self, r: Any) -> Any:
+        """Return h."""
+        return 0 * r
+
+    def transform(self, t: Any) -> Any:
+        """Return H."""
+        return 0 * t
+
+    def rate(self, t: Any) -> Any:
+        """Return the derivative of H times `root`."""
+        return 0 * t
+
+
 class _SphereHeights(Heights):
     """``h = R - sqrt(R^2 - r^2)``."""
 
@@ -309,6 +325,7 @@ def heights(mp: Any, profile: Profile) -> Heights:
 
 
 _KINDS: dict[type[Profile], Callable[[Any, Any], Heights]] = {
+    profiles.Flat: _FlatHeights,
     profiles.Sphere: _SphereHeights,
     profiles.TruncatedCone: _TruncatedConeHeights,
     profiles.RoundedFlat: _RoundedFlatHeights,

@@ -25,7 +25,7 @@ from spectral_contact.precise.zone_trial import panel_points
 from spectral_contact.profiles import Profile
 from spectral_contact.threads import cached_property
 
-__all__ = ["OUTSIDE", "Contact", "RoughContact", "RoughIndented"]
+__all__ = ["OUTSIDE", "Contact", "DiskInParts", "RoughContact", "RoughIndented"]
 
 _LN10 = log(10.0)
 _MOST_SWEEPS = 20
@@ -66,7 +66,7 @@ class RoughContact(Contact):
     """A contact on a layer."""
 
     fixed: Fixed
-    geometry: _DiskInParts
+    geometry: DiskInParts
     series: tuple[AnnulusSeries, ...]
     values: tuple[Ints, ...]
     half: tuple[Ints, ...]
@@ -95,12 +95,25 @@ class RoughContact(Contact):
             if k < len(self.series) - 1:
                 values[rows] = series.at(above, below)
                 continue
+            if not self._vanishes:
+                values[rows] = series.at(above, below)
+                continue
             # in the tail next to the edge the pressure is proportional to the distance
             least = series.mesh.outer_end
             seen = np.maximum(below, least)
             found = series.at(np.where(seen > below, f.one - least, above), seen)
             values[rows] = f.over(f.times(found, below), seen)
         return f.numbers(values)
+
+    @property
+    def _vanishes(self) -> bool:
+        """Whether what has the series is zero at the edge."""
+        return True
+
+    @property
+    def _moved(self) -> Any:
+        """The approach, as the gap counts it."""
+        return self.approach
 
     def law(self) -> tuple[Any, Any]:
         """Return the least pressure inside over its mean, and the least gap over the approach."""
@@ -123,7 +136,7 @@ class RoughContact(Contact):
             if r >= self.heights.reach:
                 break
             lifted = f.numbers(moved) / mp.pi * self.radius
-            gaps.append((self.heights.height(r) - self.approach + lifted) / self.approach)
+            gaps.append((self.heights.height(r) - self._moved + lifted) / self._moved)
         return f.numbers(least) / mean, min(gaps, default=mp.one)
 
 
@@ -131,7 +144,7 @@ class RoughContact(Contact):
 OUTSIDE = (1e-6, 1e-4, 0.01, 0.1, 0.5)
 
 
-class _DiskInParts:
+class DiskInParts:
     """The parts of the disk in the unit of its radius, and the integrals over them."""
 
     def __init__(self, f: Fixed, meshes: list[AnnulusMesh], radius: Any, breaks: list[Any]) -> None:
@@ -292,7 +305,7 @@ class RoughIndented:
             If refinement stalls.
         """
         f, mp = self.fixed, self.fixed.mp
-        places = _DiskInParts(f, self._meshes, radius, self._breaks)
+        places = DiskInParts(f, self._meshes, radius, self._breaks)
         alpha = f.of(self._compliance / radius)
         if self._factor is None:
             matrix = places.matrix()
@@ -338,7 +351,7 @@ class RoughIndented:
         )
 
     def _refined(
-        self, places: _DiskInParts, alpha: Any, right: list[Ints], flat: list[Ints] | None = None
+        self, places: DiskInParts, alpha: Any, right: list[Ints], flat: list[Ints] | None = None
     ) -> tuple[list[Ints], Any]:
         """Return the pressure of a right-hand side.
 
@@ -374,11 +387,11 @@ class RoughIndented:
             f"refinement stalls before {self.digits} digits", "ask for fewer digits"
         )
 
-    def _split(self, places: _DiskInParts, flat: Ints) -> list[Ints]:
+    def _split(self, places: DiskInParts, flat: Ints) -> list[Ints]:
         parts = zip(self._meshes, places.places, strict=True)
         return [flat[own].reshape(mesh.above.shape) for mesh, own in parts]
 
-    def _share(self, places: _DiskInParts, step: Ints, p: Ints) -> float:
+    def _share(self, places: DiskInParts, step: Ints, p: Ints) -> float:
         """Return the largest share of a step in any cell."""
         f, worst = self.fixed, 0.0
         for a, b in zip(self._split(places, step), self._split(places, p), strict=True):

@@ -11,8 +11,11 @@ import numpy as np
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact.errors import ConvergenceError
+from spectral_contact.layers.control import endless
 from spectral_contact.precise.indented import Contact, RoughIndented
 from spectral_contact.precise.indented_smooth import SmoothIndented
+from spectral_contact.precise.layered import Begin, LayeredIndented
+from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import ErrorEstimates
 from spectral_contact.scene import Scene
@@ -44,6 +47,8 @@ class PressedRun:
         Of the contact radius.
     tell : callable
         Is told every step.
+    begin : Begin, optional
+        Of a nonlinear layer: the contact in double precision.
 
     Raises
     ------
@@ -52,16 +57,29 @@ class PressedRun:
     """
 
     def __init__(
-        self, scene: Scene, digits: int, width: float, guess: Any, tell: Callable[[str], None]
+        self,
+        scene: Scene,
+        digits: int,
+        width: float,
+        guess: Any,
+        tell: Callable[[str], None],
+        begin: Begin | None = None,
     ) -> None:
         self.scene, self.digits, self._tell = scene, digits, tell
         profile, alpha = scene.profile, scene.normal_compliance
         assert profile is not None
-        if alpha == 0.0:
+        self._given_radius = isinstance(profile, Flat) or endless(scene)
+        if scene.layer is not None:
+            assert begin is not None
+            tell("operators")
+            layered = LayeredIndented(profile, scene.layer, begin, digits, width)
+            self.mp, self.bits = layered.fixed.mp, layered.fixed.bits
+            self._contact: Callable[[Any], Contact] = layered.solve
+        elif alpha == 0.0:
             mp = self.mp = MPContext()
             mp.dps = digits + _GUARD
             self.bits = mp.prec
-            self._contact: Callable[[Any], Contact] = lambda a: SmoothIndented(mp, profile, a)
+            self._contact = lambda a: SmoothIndented(mp, profile, a)
         else:
             tell("operators")
             solver = RoughIndented(profile, alpha, float(guess), digits, width)
@@ -75,8 +93,14 @@ class PressedRun:
         return self
 
     def _found(self, guess: Any) -> Contact:
-        """Return the contact of the radius, or of the load or approach."""
+        """Return the contact of the radius, or of the load or approach.
+
+        Under a flat punch, and where there is no edge, it is the approach that is looked for.
+        """
         scene, mp = self.scene, self.mp
+        if self._given_radius and scene.approach is not None:
+            self._tell("contact")
+            return self._contact(mp.mpf(scene.approach))
         if scene.contact_radius is not None:
             self._tell("contact")
             return self._contact(mp.mpf(scene.contact_radius))
@@ -84,14 +108,21 @@ class PressedRun:
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
             contact = self._contact(a)
-            if scene.load is not None:
+            if self._given_radius:
+                change = (scene.load - contact.load) / contact.stiffness
+            elif scene.load is not None:
                 change = (scene.load - contact.load) / (contact.stiffness * contact.growth)
             else:
                 change = (mp.mpf(scene.approach) - contact.approach) / contact.growth
-            if abs(change) <= a * mp.mpf(10) ** -self.digits:
+            if abs(change) <= abs(a) * mp.mpf(10) ** -self.digits:
                 return contact
             a += change
         raise ConvergenceError("the contact radius does not settle", "ask for fewer digits")
+
+    @property
+    def place(self) -> Any:
+        """What was looked for: the radius, or the approach where the radius is no unknown."""
+        return self.contact.approach if self._given_radius else self.contact.radius
 
     @property
     def values(self) -> dict[str, Any]:
@@ -100,7 +131,10 @@ class PressedRun:
         of = (found.approach, found.radius, found.load, found.stiffness, found.work)
         given = {name: getattr(self.scene, name) for name in CONTROLS}
         exact = {name: self.mp.mpf(one) for name, one in given.items() if one is not None}
-        return dict(zip(PRESSED, of, strict=True)) | exact
+        values = dict(zip(PRESSED, of, strict=True)) | exact
+        if endless(self.scene):
+            values["domain_radius"] = values.pop("contact_radius")
+        return values
 
     @property
     def unknowns(self) -> int:
@@ -135,11 +169,14 @@ def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]
         return max(2.0 * float(max(shares, default=0.0)), floor)
 
     own, other = run.values, check.values
-    errors = {name: error([(own[name], other[name])]) for name in PRESSED}
-    if run.scene.contact_radius is not None:
+    errors = {name: error([(own[name], other[name])]) for name in PRESSED if name in own}
+    if run.scene.contact_radius is not None or isinstance(run.scene.profile, Flat):
         errors["contact_radius"] = 0.0
     s, rest = _places(run)
-    pairs = zip(run.pressures(s, rest), check.pressures(s, rest), strict=True)
+    pairs = list(zip(run.pressures(s, rest), check.pressures(s, rest), strict=True))
+    if endless(run.scene):  # of the pressure or its mean: it falls below all digits
+        mean = own["load"] / (mp.pi * own["domain_radius"] ** 2)
+        pairs = [(a + mean, mp.mpf(b) + mean) for a, b in pairs]
     errors["pressure"] = error(pairs)
     return replace(ErrorEstimates(), **errors), max(errors.values(), default=inf)
 

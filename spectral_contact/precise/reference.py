@@ -4,22 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf
+from math import ceil, inf
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from mpmath.ctx_mp import MPContext
 
+from spectral_contact.contact.layered_setting import setting_at_approach
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.inputs import checks
-from spectral_contact.layers.control import refuse_layer
+from spectral_contact.layers.control import endless
 from spectral_contact.precise.coupled_run import CoupledRun
+from spectral_contact.precise.laws import law_of
+from spectral_contact.precise.layered import Begin
 from spectral_contact.precise.pressed import PressedRun, compared
 from spectral_contact.precise.run import Run
 from spectral_contact.precise.search import lawful, solved
 from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.profiles import Flat
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
@@ -31,6 +36,9 @@ __all__ = ["reference"]
 #: Digits beyond those asked for and panel width, of the solution and of the one that checks it.
 _SOLUTION, _CHECK = (4, 2.0), (2, 1.5)
 _MOST_DIGITS = 60
+#: Tolerance of the double solution of a nonlinear layer; digits of the pressure that are left out
+#: where there is no edge, beyond those asked for; steps of a bisection.
+_DOUBLE, _SPARE, _STEPS = 1e-11, 8, 40
 #: Where in a stick zone the tractions are compared.
 _SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
 
@@ -60,8 +68,9 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
         For an argument out of its range.
     NotComputedError
         With elastic coupling and slip; with a profile and friction, or so many breaks that a
-        dense system of 12,000 unknowns will not do; if `solve` has slip everywhere as the stick
-        disk is so small.
+        dense system of 12,000 unknowns will not do; with a nonlinear layer that has bends, or
+        pressure at every gap under a tip or a break; if `solve` has slip everywhere as
+        the stick disk is so small.
     ConvergenceError
         If the digits are not reached; it carries the solution. If no zones are found on which the
         friction law holds, or these digits do not decide whether it does; it says where.
@@ -82,7 +91,6 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
-    refuse_layer(scene, "reference")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
@@ -146,12 +154,13 @@ def _pressed(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSolution
     """Solve a scene with a profile with two meshes and precisions, and compare."""
     begin = perf_counter()
     tell("contact radius, in double precision", 0.0)
-    guess = _guessed_radius(scene)
+    begun = None if scene.layer is None else _begun(scene, digits)
+    guess = _guessed(scene, begun)
     first, second = (_on_mesh(number, tell) for number in (1, 2))
-    run = PressedRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first)
+    run = PressedRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first, begun)
     tell("", 0.55)
-    guess = run.mp.mpf(run.contact.radius)
-    check = PressedRun(scene, digits + _CHECK[0], _CHECK[1], guess, second)
+    place = run.mp.mpf(run.place)
+    check = PressedRun(scene, digits + _CHECK[0], _CHECK[1], place, second, begun)
     tell("comparison", 0.95)
     error, worst = compared(run, check)
     run.mp.dps = digits + 3
@@ -177,14 +186,65 @@ def _pressed(scene: Scene, digits: int, tell: ProgressLine) -> ReferenceSolution
     return _certified(solution, worst)
 
 
-def _guessed_radius(scene: Scene) -> float:
-    """Return the contact radius in double precision."""
+def _guessed(scene: Scene, begin: Begin | None) -> float:
+    """Return the contact radius in double precision, or the approach where it is the unknown."""
     if scene.friction:
         raise NotComputedError("the reference", "with a profile it is of normal contact alone")
     if scene.contact_radius is not None:
         return scene.contact_radius
+    if begin is not None:
+        return begin.approach if begin.cuts or isinstance(scene.profile, Flat) else begin.radius
     found = solve(scene, 1e-12, ("contact_radius",), strict=False)
     return float(found.contact_radius)
+
+
+def _begun(scene: Scene, digits: int) -> Begin:
+    """Return a contact through a nonlinear layer in double precision."""
+    layer, profile = scene.layer, scene.profile
+    assert layer is not None
+    assert profile is not None
+    law_of(MPContext(), layer)
+    if scene.friction:
+        raise NotComputedError("the reference", "with a profile it is of normal contact alone")
+    found = solve(scene, _DOUBLE, ("approach", "contact_radius", "pressure"), strict=False)
+    grid = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 200)])
+    most = layer.overclosure(float(np.max(found.pressure(from_edge=grid))))
+    thin = 1.0 / float(layer.stiffness(most))
+    if not endless(scene):
+        return Begin(
+            found.contact_radius, found.approach, lambda d: found.pressure(from_edge=d), thin
+        )
+    cells = setting_at_approach(profile, layer, found.approach).cells
+    if cells is None:
+        told = "a contact without edge takes a profile and a law without tips, breaks and bends"
+        raise NotComputedError("the reference", told)
+    domain = found.domain_radius
+    radius = _domain(scene, found.approach, most, digits)
+    ends = domain * np.sqrt(np.array(cells.offsets[1:-1]) + cells.pivot.square)
+    cuts = [*ends.tolist(), domain]
+    # the last part is no wider than what it adds to
+    cuts += np.linspace(domain, radius, ceil(2.0 * (radius / domain - 1.0)) + 1)[1:-1].tolist()
+
+    def pressure(from_edge: Any) -> Any:
+        s = (1.0 - from_edge) * radius / domain
+        return np.where(s < 1.0, found.pressure(np.minimum(s, 1.0)), 0.0)
+
+    return Begin(radius, found.approach, pressure, thin, tuple(cuts))
+
+
+def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
+    """Return the radius beyond which the pressure is none of the digits."""
+    layer, profile = scene.layer, scene.profile
+    assert layer is not None
+    assert profile is not None
+    room = approach - layer.overclosure(layer.pressure(most) * 10.0 ** -(digits + _SPARE))
+    low, high = 0.0, 1.0
+    while profile.height(high) < room:
+        low, high = high, 2.0 * high
+    for _ in range(_STEPS):
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if profile.height(middle) < room else (low, middle)
+    return high
 
 
 def _on_mesh(number: int, tell: ProgressLine) -> Callable[[str], None]:

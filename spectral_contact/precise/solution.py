@@ -54,6 +54,8 @@ class ReferenceSolution:
         Time that it took.
     contact_radius, load, stiffness, indentation_work : mpf or None
         Of a scene with a profile, in its units; the approach is, too.
+    domain_radius : mpf or None
+        Where there is no edge: the radius in which `pressure` counts.
     """
 
     scene: Scene
@@ -74,6 +76,7 @@ class ReferenceSolution:
     load: Any = None
     stiffness: Any = None
     indentation_work: Any = None
+    domain_radius: Any = None
 
     def pressure(self, s: Any = None, *, from_edge: Any = None) -> Any:
         """Evaluate p* (with a profile p) at radii `s`, or at distances `from_edge` from the edge.

@@ -143,7 +143,6 @@ def test_what_knows_linear_layers_only_says_so(name):
     solution = solve(scene, 1e-6)
     measured = sc.calibration.ApproachData([0.1, 0.2], 0.01)
     calls = (
-        lambda: sc.reference(scene),
         lambda: sc.studies.sensitivity(solution),
         lambda: texts_of(scene),
         lambda: sc.fit(scene, measured, "normal_compliance"),
@@ -152,4 +151,3 @@ def test_what_knows_linear_layers_only_says_so(name):
     for call in calls:
         with pytest.raises(SpectralContactError, match=r"layer|profile"):
             call()
-    assert sc.gold.find(scene) is None

@@ -29,7 +29,7 @@ from typing import Any
 
 from mpmath import mp
 
-from spectral_contact import ConvergenceError, Scene, __version__, profiles
+from spectral_contact import ConvergenceError, Scene, __version__, layers, profiles
 from spectral_contact.inputs.kinds import kind_tree
 from spectral_contact.io.documents import replace_file
 from spectral_contact.precise import reference
@@ -55,12 +55,18 @@ def sliding(*rows: tuple[float, float, float, float]) -> list[Scene]:
     return [Scene(nu, a, b, ratio * Scene(nu).kappa) for nu, a, b, ratio in rows]
 
 
+def layered(*rows: tuple[layers.Layer, Profile, dict[str, float]]) -> list[Scene]:
+    """Return scenes of a nonlinear layer, a profile and what is given of the contact."""
+    return [Scene(0.3, layer=law, profile=shape, **given) for law, shape, given in rows]
+
+
 def pressed(*rows: tuple[float, Profile, dict[str, float]]) -> list[Scene]:
     """Return scenes of a compliance, a profile and what is given of the contact."""
     return [Scene(0.3, alpha, profile=shape, **given) for alpha, shape, given in rows]
 
 
 #: Slopes of polynomials: ``h = r**2 / 2 + r**4 / 8``; and a parabola that a steeper cone continues.
+BALL = profiles.Parabola(1.0)
 BOWL = profiles.Sampled((0.0, 2.0), ((2.25, 2.875, 0.75, 0.125),), rounded=True)
 KINKED = profiles.Sampled((0.0, 0.5, 2.0), ((0.25, 0.25), (1.5,)), rounded=True)
 
@@ -284,6 +290,36 @@ REGIMES: dict[str, tuple[str, list[Scene]]] = {
             (0.01, KINKED, {"contact_radius": 1.0}),
         ),
     ),
+    "layers_edge": (
+        "normal contact through a nonlinear layer that begins at an overclosure",
+        layered(
+            (layers.PowerLaw(5.0, 2.0), BALL, {"contact_radius": 1.0}),
+            (layers.PowerLaw(5.0, 2.0), BALL, {"load": 1.0}),
+            (layers.PowerLaw(1e4, 1.5), BALL, {"approach": 0.5}),
+            (layers.PowerLaw(0.1, 5.0), BALL, {"load": 0.1}),
+            (layers.PowerLaw(2.0, 3.0), profiles.Sphere(1.5), {"contact_radius": 1.0}),
+            (layers.Exponential(0.1, 0.2), BALL, {"load": 1.0}),
+            (layers.Exponential(0.1, 0.2), BALL, {"approach": -0.1}),
+            (layers.Exponential(1.0, 1e-3), profiles.PowerLaw(0.3, 4.0), {"contact_radius": 1.0}),
+            (layers.Linear(0.5), BALL, {"load": 1.0}),
+        ),
+    ),
+    "layers_flat": (
+        "normal contact of a flat punch through a nonlinear layer",
+        layered(
+            (layers.PowerLaw(5.0, 2.0), profiles.Flat(1.0), {"load": 1.0}),
+            (layers.PowerLaw(5.0, 2.0), profiles.Flat(2.0), {"approach": 0.5}),
+            (layers.PowerLaw(1e5, 2.0), profiles.Flat(1.0), {"load": 3.0}),
+            (layers.Exponential(0.1, 0.2), profiles.Flat(1.0), {"load": 0.05}),
+            (layers.CalculixExponential(0.1, 0.2), profiles.Flat(1.5), {"load": 1.0}),
+            (layers.CalculixExponential(0.1, 0.2), profiles.Flat(1.0), {"approach": -0.3}),
+            (
+                layers.GreenwoodWilliamson(9.0, 1.0, 0.5, "exponential"),
+                profiles.Flat(1.0),
+                {"approach": 1.0},
+            ),
+        ),
+    ),
     "no_shear": (
         "friction 0, and an incompressible half-space: no traction",
         [Scene(0.3, 0.5, 0.5, 0.0), Scene(0.5, 1e-3, 0.5, 0.1)],
@@ -297,7 +333,8 @@ def named(scene: Scene) -> str:
     if scene.profile is not None:
         given = {name: getattr(scene, name) for name in CONTROLS}
         told = " ".join(f"{name}={value:g}" for name, value in given.items() if value is not None)
-        return f"{text} {scene.profile.brief} {told}"
+        law = "" if scene.layer is None else f"{scene.layer.brief} "
+        return f"{text} {law}{scene.profile.brief} {told}"
     if scene.friction is None:
         return text
     text += f" beta={scene.tangential_compliance:g} f={scene.friction:.9g}"
@@ -326,7 +363,8 @@ def inputs(scene: Scene) -> dict[str, Any]:
     values = {name: double(getattr(scene, name)) for name in names}
     if scene.profile is not None:
         given = {name: double(getattr(scene, name)) for name in CONTROLS}
-        return {**values, "profile": kind_tree(scene.profile), **given}
+        law = {} if scene.layer is None else {"layer": kind_tree(scene.layer)}
+        return {**values, "profile": kind_tree(scene.profile), **law, **given}
     return {**values, "coupling": True} if scene.coupling else values
 
 

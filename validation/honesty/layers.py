@@ -35,6 +35,8 @@ from spectral_contact.fields.series import Radius
 
 RESULTS = Path(__file__).parents[1] / "results"
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
+#: So many scenes from table to table.
+EVERY = 50
 NAMES = ("approach", "load", "work", "stiffness", "pressure")
 
 
@@ -129,11 +131,13 @@ def _compared(found: Indentation, truth: Indentation, pointwise: bool) -> dict[s
 
 
 def main() -> int:
-    """Run the study, and write its table."""
+    """Run the study, and write its table from time to time."""
     scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
     rng, found, violations, unmet, refused = np.random.default_rng(seed), [], [], [], 0
-    while len(found) + refused < scenes:
+    while (done := len(found) + refused) < scenes:
+        if done and done % EVERY == 0:
+            written(done, seed, refused, found, violations, unmet)
         try:
             one, label, converged = ratios(rng)
         except SceneError:  # the profile ends before the pressure does
@@ -142,6 +146,19 @@ def main() -> int:
         found.append(one)
         unmet += [] if converged else [label]
         violations += [f"{name} {ratio:.2f}: {label}" for name, ratio in one.items() if ratio > 1.0]
+    print(written(scenes, seed, refused, found, violations, unmet))
+    return bool(violations)
+
+
+def written(
+    scenes: int,
+    seed: int,
+    refused: int,
+    found: list[dict[str, float]],
+    violations: list[str],
+    unmet: list[str],
+) -> str:
+    """Write the table, and return it."""
     lines = [
         "# Honesty of contacts through nonlinear layers",
         "",
@@ -160,8 +177,7 @@ def main() -> int:
     lines += ["", *(f"- {one}" for one in violations), *(f"- not met: {one}" for one in unmet)]
     text = "\n".join(lines).rstrip()
     (RESULTS / "honesty_layers.md").write_text(f"{text}\n", encoding="utf-8")
-    print(text)
-    return bool(violations)
+    return text
 
 
 if __name__ == "__main__":

@@ -1,0 +1,214 @@
+"""Laws of layers as mpmath's numbers, with their derivatives and integrals.
+
+Written anew from the definitions: no digit comes from `layers`, which is in double precision.
+Overclosures are counted from where the pressure begins; from 0 where there is some at every gap.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+from spectral_contact import layers
+from spectral_contact.errors import NotComputedError
+from spectral_contact.layers import Layer
+
+__all__ = ["Law", "law_of"]
+
+
+class Law:
+    """A law to many digits.
+
+    Parameters
+    ----------
+    mp : MPContext
+    layer : Layer
+
+    Attributes
+    ----------
+    origin : mpf
+        Overclosure from which it counts.
+    gapless : bool
+        Whether there is pressure at every gap.
+    """
+
+    def __init__(self, mp: Any, layer: Layer) -> None:
+        self.mp = mp
+        self.gapless = layer.start == -inf
+        self.origin = mp.zero if self.gapless else mp.mpf(layer.start)
+
+    def pressure(self, w: Any) -> Any:
+        """Return the pressure."""
+        raise NotImplementedError
+
+    def slope(self, w: Any) -> Any:
+        """Return its derivative."""
+        raise NotImplementedError
+
+    def energy(self, w: Any) -> Any:
+        """Return its integral."""
+        raise NotImplementedError
+
+
+class _Power(Law):
+    """``C w^m``."""
+
+    def __init__(self, mp: Any, layer: Layer, coefficient: Any, exponent: Any) -> None:
+        super().__init__(mp, layer)
+        self._factor, self._power = coefficient, mp.mpf(exponent)
+
+    def pressure(self, w: Any) -> Any:
+        """Return the pressure."""
+        return self._factor * max(w, 0) ** self._power
+
+    def slope(self, w: Any) -> Any:
+        """Return its derivative."""
+        if w < 0:
+            return self.mp.zero
+        return self._factor * self._power * w ** (self._power - 1)
+
+    def energy(self, w: Any) -> Any:
+        """Return its integral."""
+        more = self._power + 1
+        return self._factor / more * max(w, 0) ** more
+
+
+class _Abaqus(Law):
+    """``p0 x (e^x - 1)/(e - 1)`` with ``x = w/c0``."""
+
+    def __init__(self, mp: Any, layer: layers.Exponential) -> None:
+        super().__init__(mp, layer)
+        self._unit = mp.mpf(layer.zero_pressure) / (mp.e - 1)
+        self._size = mp.mpf(layer.clearance)
+
+    def pressure(self, w: Any) -> Any:
+        """Return the pressure."""
+        x = max(w, 0) / self._size
+        return self._unit * x * self.mp.expm1(x)
+
+    def slope(self, w: Any) -> Any:
+        """Return its derivative."""
+        x = max(w, 0) / self._size
+        return self._unit / self._size * (self.mp.expm1(x) + x * self.mp.exp(x))
+
+    def energy(self, w: Any) -> Any:
+        """Return its integral."""
+        mp, x = self.mp, max(w, 0) / self._size
+        # near 0 all but x^3/3 cancels
+        with mp.extraprec(3 * max(-mp.mag(x), 0) + 10 if x else 0):
+            whole = (x - 1) * mp.exp(x) + 1 - x**2 / 2
+        return self._unit * self._size * whole
+
+
+class _Calculix(Law):
+    """``p0 exp(ln(100) w/c0)``."""
+
+    def __init__(self, mp: Any, layer: layers.CalculixExponential) -> None:
+        super().__init__(mp, layer)
+        self._unit = mp.mpf(layer.zero_pressure)
+        self._rate = mp.log(100) / mp.mpf(layer.clearance)
+
+    def pressure(self, w: Any) -> Any:
+        """Return the pressure."""
+        return self._unit * self.mp.exp(self._rate * w)
+
+    def slope(self, w: Any) -> Any:
+        """Return its derivative."""
+        return self._rate * self.pressure(w)
+
+    def energy(self, w: Any) -> Any:
+        """Return its integral."""
+        return self.pressure(w) / self._rate
+
+
+class _Asperities(Law):
+    """Greenwood and Williamson's: moments of the heights beyond the separation ``-w``."""
+
+    def __init__(self, mp: Any, layer: layers.GreenwoodWilliamson) -> None:
+        super().__init__(mp, layer)
+        self._size, self._gaussian = mp.mpf(layer.height_deviation), layer.heights == "gaussian"
+        density, tip = mp.mpf(layer.density), mp.mpf(layer.tip_radius)
+        self._unit = density * mp.sqrt(tip) * 16 / 3 * self._size ** (mp.mpf(3) / 2)
+
+    def _moment(self, w: Any, order: int) -> Any:
+        """Return ``int (z - h)^(order/2) phi(z) dz`` beyond ``h = -w`` over the deviation."""
+        mp, h, power = self.mp, -w / self._size, self.mp.mpf(order) / 2
+        if self._gaussian:  # a parabolic cylinder function
+            scale = mp.gamma(power + 1) / mp.sqrt(2 * mp.pi)
+            return scale * mp.exp(-h * h / 4) * mp.pcfd(-power - 1, h)
+        if h >= 0:
+            return mp.gamma(power + 1) * mp.exp(-h)
+        return mp.exp(-h) * mp.gammainc(power + 1, -h) if h > -1 else self._below(power, -h)
+
+    def _below(self, power: Any, x: Any) -> Any:
+        """Return ``int_x^inf u^power e^(x - u) du + x^power ...`` for exponential heights."""
+        return self.mp.exp(x) * self.mp.gammainc(power + 1, x)
+
+    def pressure(self, w: Any) -> Any:
+        """Return the pressure."""
+        return self._unit * self._moment(w, 3)
+
+    def slope(self, w: Any) -> Any:
+        """Return its derivative."""
+        return self._unit * 3 / (2 * self._size) * self._moment(w, 1)
+
+    def energy(self, w: Any) -> Any:
+        """Return its integral."""
+        return self._unit * 2 * self._size / 5 * self._moment(w, 5)
+
+
+class _Series(Law):
+    """A Chebyshev series between two overclosures."""
+
+    def __init__(self, mp: Any, layer: layers.Sampled) -> None:
+        super().__init__(mp, layer)
+        self._half = (mp.mpf(layer.edges[1]) - self.origin) / 2
+        self._terms = [mp.mpf(one) for one in layer.series[0]]
+
+    def _sum(self, w: Any, function: Any) -> Any:
+        """Return the sum of the terms times functions of the order and of the angle."""
+        local = w / self._half - 1
+        return sum(term * function(n, local) for n, term in enumerate(self._terms))
+
+    def pressure(self, w: Any) -> Any:
+        """Return the pressure."""
+        return self._sum(w, self.mp.chebyt)
+
+    def slope(self, w: Any) -> Any:
+        """Return its derivative."""
+        mp = self.mp
+        return self._sum(w, lambda n, x: n * mp.chebyu(n - 1, x) if n else mp.zero) / self._half
+
+    def energy(self, w: Any) -> Any:
+        """Return its integral."""
+        mp = self.mp
+
+        def integral(n: int, x: Any) -> Any:
+            if n < 2:
+                return x ** (n + 1) / (n + 1)
+            return (mp.chebyt(n + 1, x) / (n + 1) - mp.chebyt(n - 1, x) / (n - 1)) / 2
+
+        return self._half * self._sum(w, lambda n, x: integral(n, x) - integral(n, -mp.one))
+
+
+def law_of(mp: Any, layer: Layer) -> Law:
+    """Return a law to many digits.
+
+    Raises
+    ------
+    NotComputedError
+        If it has bends.
+    """
+    if isinstance(layer, layers.Linear):
+        return _Power(mp, layer, 1 / mp.mpf(layer.compliance), 1)
+    if isinstance(layer, layers.PowerLaw):
+        return _Power(mp, layer, mp.mpf(layer.coefficient), layer.exponent)
+    if isinstance(layer, layers.Exponential):
+        return _Abaqus(mp, layer)
+    if isinstance(layer, layers.CalculixExponential):
+        return _Calculix(mp, layer)
+    if isinstance(layer, layers.GreenwoodWilliamson):
+        return _Asperities(mp, layer)
+    if isinstance(layer, layers.Sampled) and len(layer.series) == 1:
+        return _Series(mp, layer)
+    raise NotComputedError("the reference", "a law with bends does not have so many digits")

@@ -1,0 +1,273 @@
+r"""Normal contact through a nonlinear layer in fixed point: the overclosure at the nodes.
+
+``w + N F(w) = (delta - h - start)/a`` on the disk of radius a, by Newton's method: the residual has
+all digits, the correction comes from a matrix in doubles. Under a law with an edge as much of
+``dw/ddelta`` is added as makes w zero there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from spectral_contact.errors import ConvergenceError
+from spectral_contact.layers import Layer
+from spectral_contact.precise.fixed import Ints
+from spectral_contact.precise.indented import DiskInParts, RoughContact, RoughIndented
+from spectral_contact.precise.laws import Law, law_of
+from spectral_contact.profiles import Flat, Profile
+from spectral_contact.threads import cached_property
+
+__all__ = ["Begin", "LayeredContact", "LayeredIndented"]
+
+_MOST_SWEEPS = 30
+#: Corrections in which the matrix is made anew.
+_ANEW = 3
+
+
+@dataclass(frozen=True)
+class Begin:
+    """A contact in double precision.
+
+    Attributes
+    ----------
+    radius, approach : float
+    pressure : callable
+        At distances from the edge over the radius.
+    thin : float
+        Least of the layer's compliances.
+    cuts : tuple of float
+        Where there is no edge: radii between parts on which all is smooth.
+    """
+
+    radius: float
+    approach: float
+    pressure: Callable[[NDArray[np.float64]], Any]
+    thin: float
+    cuts: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class LayeredContact(RoughContact):
+    """A contact on a nonlinear layer; `values` are those of the overclosure.
+
+    Attributes
+    ----------
+    compression : Law
+    edged : bool
+        Whether the pressure ends with the overclosure.
+    """
+
+    compression: Law
+    edged: bool
+
+    def pressures(self, s: Any, from_edge: Any) -> Any:
+        """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
+        overclosures = super().pressures(s, from_edge)
+        law = np.frompyfunc(lambda w: self.compression.pressure(w * self.radius), 1, 1)
+        return law(overclosures)
+
+    @property
+    def _vanishes(self) -> bool:
+        return self.edged
+
+    def law(self) -> tuple[Any, Any]:
+        """Return the least overclosure inside over the mean pressure, and the least gap.
+
+        Under a law with pressure at every gap nothing has to hold.
+        """
+        if self.compression.gapless:
+            return self.fixed.mp.one, self.fixed.mp.one
+        return super().law()
+
+    @property
+    def _moved(self) -> Any:
+        """The approach from where the layer begins to carry."""
+        return self.approach - self.compression.origin
+
+
+@dataclass(frozen=True)
+class _Fields:
+    """Overclosure, what is added to the approach, ``dw/ddelta``, and the law's slope."""
+
+    overclosure: Ints
+    more: Any
+    rate: Ints
+    slope: Ints
+
+
+class LayeredIndented(RoughIndented):
+    """Contacts of a profile on a nonlinear layer.
+
+    Parameters
+    ----------
+    profile : Profile
+    layer : Layer
+    begin : Begin
+    digits, width
+        As of `RoughIndented`.
+    """
+
+    def __init__(
+        self, profile: Profile, layer: Layer, begin: Begin, digits: int, width: float
+    ) -> None:
+        self._begin = begin
+        super().__init__(profile, begin.thin, begin.radius, digits, width)
+        self._law = law_of(self.fixed.mp, layer)
+        self._edged = not (isinstance(profile, Flat) or begin.cuts)
+        self._w: Ints | None = None
+        self._normal: NDArray[np.float64] | None = None
+        self._solve: Any = None
+
+    def _panels(self, radius: float, width: float) -> list[tuple[int, int]]:
+        """Return the number of panels in the inner and the outer half of every part."""
+        if self._begin.cuts:
+            return [(1, 1)] * (len(self._begin.cuts) + 1)
+        return super()._panels(radius, width)
+
+    @cached_property
+    def _breaks(self) -> list[Any]:
+        if self._begin.cuts:
+            return [self.fixed.mp.mpf(one) for one in self._begin.cuts]
+        return self.heights.breaks[: len(self._meshes) - 1]
+
+    def solve(self, given: Any) -> RoughContact:
+        """Return the contact of a radius; of an approach under a flat punch or without an edge.
+
+        Raises
+        ------
+        ConvergenceError
+            If the iteration stalls.
+        """
+        f, mp, law = self.fixed, self.fixed.mp, self._law
+        radius = given if self._edged else mp.mpf(self._begin.radius)
+        places = DiskInParts(f, self._meshes, radius, self._breaks)
+        of_z = np.frompyfunc(
+            lambda z: f.of(self.heights.height(radius * mp.sqrt(f.numbers(z)))), 1, 1
+        )
+        h = [of_z(z) for z in places.z]
+        smooth = self.heights.transform(+radius) / 2 if self._edged else given - law.origin
+        room = np.concatenate([f.over(f.of(smooth) - v, f.of(radius)).ravel() for v in h])
+        fields = self._newton(places, radius, room)
+        w, rate = fields.overclosure, fields.rate
+        delta = smooth + law.origin + radius * f.numbers(fields.more)
+        flat = self._split(places, f.times(fields.slope, rate))
+        own, at = self._split(places, w), f.numbers(w) * radius
+        pressure = np.frompyfunc(law.pressure, 1, 1)(at)
+        p = self._split(places, f.of(pressure))
+        stored = self._split(places, f.of(np.frompyfunc(law.energy, 1, 1)(at)))
+        bent = [
+            f.times(v, f.over(f.of(delta - law.origin) - z, f.of(radius)) - u)
+            for v, z, u in zip(p, h, own, strict=True)
+        ]
+        energy = places.integral(stored) + radius * places.integral(bent) / 2
+        edge = self._meshes[-1].outer_end
+        growth = mp.zero
+        if self._edged:
+            series = self._meshes[-1].series(own[-1])
+            near = series.at(*(np.array([v], dtype=object) for v in (f.one - edge, edge)))[0]
+            falls = f.over(near, f.times(places.widths[-1], edge))
+            last = self._meshes[-1].limits(self._split(places, rate)[-1])[1]
+            growth = 2 * f.numbers(falls) / f.numbers(last)
+        return LayeredContact(
+            f,
+            places,
+            tuple(mesh.series(v) for mesh, v in zip(self._meshes, own, strict=True)),
+            tuple(own),
+            tuple(places.half(p)),
+            self.heights,
+            radius,
+            delta,
+            2 * mp.pi * radius**2 * places.integral(p),
+            2 * mp.pi * radius * places.integral(flat),
+            2 * mp.pi * radius**2 * energy,
+            growth,
+            places.size,
+            law,
+            self._edged,
+        )
+
+    def _started(self, places: DiskInParts, radius: Any, room: Ints) -> Ints:
+        """Return overclosures at the nodes to begin with."""
+        f = self.fixed
+        rests = [f.floats(y) for y in places.y]
+        p = np.concatenate(
+            [self._begin.pressure(y / (1.0 + np.sqrt(1.0 - y))).ravel() for y in rests]
+        )
+        assert self._normal is not None
+        moved = 0.0
+        if self._edged:
+            moved = self._begin.approach - float(self._law.origin)
+            moved = (moved - float(self.heights.transform(+radius)) / 2.0) / float(radius)
+        return np.asarray(f.of(f.floats(room) + moved - self._normal @ p))
+
+    def _factored(self, w: Ints, radius: Any) -> None:
+        """Factor Newton's matrix at overclosures."""
+        assert self._normal is not None
+        slope = np.frompyfunc(self._law.slope, 1, 1)(self.fixed.numbers(w) * radius) * radius
+        matrix = self._normal * np.array(slope, dtype=float)
+        matrix[np.diag_indices(len(matrix))] += 1.0
+        scale = 1.0 / np.abs(matrix).max(axis=1)
+        matrix *= scale[:, None]
+        factors = lu_factor(matrix, overwrite_a=True, check_finite=False)
+        self._solve = lambda right: lu_solve(factors, right * scale, check_finite=False)
+
+    def _newton(self, places: DiskInParts, radius: Any, room: Ints) -> _Fields:
+        """Return the solution at the nodes."""
+        f, law, edge = self.fixed, self._law, self._meshes[-1]
+        if self._normal is None:
+            self._normal = places.matrix()
+        w = self._started(places, radius, room) if self._w is None else self._w
+        goal, share = 10.0 ** -(self.digits + 2), 0 * f.one
+        one = 0 * room + f.one
+
+        def limit(values: Ints) -> Any:
+            return edge.limits(self._split(places, values)[-1])[1]
+
+        def image(p: Ints) -> Ints:
+            half = places.half(self._split(places, p))
+            return np.concatenate([v.ravel() for v in places.normal(half)])
+
+        def applied(function: Any, values: Ints) -> Ints:
+            numbers = f.numbers(values) * radius
+            return np.asarray(f.of(np.frompyfunc(function, 1, 1)(numbers)))
+
+        for sweep in range(_MOST_SWEEPS):
+            if sweep < _ANEW or self._solve is None:
+                self._factored(w, radius)
+            step = self._corrected(room + share - w - image(applied(law.pressure, w)))
+            if self._edged:
+                rate = self._corrected(one)
+                more = -f.over(limit(w + step), limit(rate))
+                share, step = share + more, step + f.times(more, rate)
+            w = w + step
+            if self._share(places, step, w) <= goal:
+                break
+        else:
+            raise ConvergenceError(
+                f"Newton's method stalls before {self.digits} digits", "ask for fewer digits"
+            )
+        self._w = w
+        slope = applied(lambda v: law.slope(v) * radius, w)
+        rate = self._corrected(one)
+        for _ in range(_MOST_SWEEPS):
+            step = self._corrected(one - rate - image(f.times(slope, rate)))
+            rate = rate + step
+            if self._share(places, step, rate) <= goal:
+                return _Fields(w, share, rate, slope)
+        raise ConvergenceError(
+            f"refinement stalls before {self.digits} digits", "ask for fewer digits"
+        )
+
+    def _corrected(self, misfit: Ints) -> Ints:
+        """Return the correction of a residual, from doubles, whatever its size."""
+        f = self.fixed
+        size = int(np.abs(misfit).max()) or 1
+        lift = max(f.bits - size.bit_length(), 0)  # what is below the range of doubles, too
+        step = self._solve(f.floats(np.asarray(misfit << lift, dtype=object)))
+        return np.asarray(f.of(step) >> lift)
