@@ -211,11 +211,11 @@ def _scene_text(solution: Solution) -> str:
         lengths = {"a": data.radius or data.contact_radius, "delta": data.approach}
         given = [f"{name} = {one!r} m" for name, one in lengths.items() if one is not None]
         given += [] if data.load is None else [f"P = {data.load!r} N"]
-        layer = f"alpha = {data.normal_compliance!r} m/Pa, "
-        layer += f"beta = {data.tangential_compliance!r} m/Pa"
+        layer = f"alpha = {data.normal_compliance!r} m/Pa"
         if data.layer is not None:
             layer = f"{data.layer.brief} in Pa and m"
-        text += f"\nE = {data.youngs_modulus!r} Pa, {', '.join(given)}, {layer}"
+        text += f"\nE = {data.youngs_modulus!r} Pa, {', '.join(given)}, {layer}, "
+        text += f"beta = {data.tangential_compliance!r} m/Pa"
     return text
 
 

@@ -103,6 +103,22 @@ def test_a_flat_punch_has_its_radius():
     assert mean * math.pi * 1e-12 == pytest.approx(1e-5, rel=1e-4)
 
 
+def test_full_stick_under_a_flat_punch_is_the_same_in_other_units():
+    law, own = LAWS["power"]
+    stuck = {"friction": math.inf, "tangential_compliance": 2e-18, "approach": 2e-7}
+    scene = Scene.from_physical(**BODY, profile=profiles.Flat(R), layer=law, **stuck)
+    solution = solve(scene, 1e-7)
+    there = Scene(
+        *(NU, 0.0, 2e-18 * UNIT / R, math.inf),
+        profile=profiles.Flat(1.0),
+        layer=own,
+        approach=2e-7 / R,
+    )
+    expected = solve(there, 1e-7).total_shear * UNIT * R**2
+    assert solution.physical.total_shear == pytest.approx(expected, rel=3e-7)
+    assert "in Pa and m, beta = 2e-18 m/Pa" in report(solution)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
