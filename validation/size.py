@@ -36,11 +36,11 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 12_706, 6_500),
-    Gate("lines in all", 45_983, 23_000),
-    Gate("float literals of the core", 300, 90),
+    Gate("lines of the core", 13_254, 6_500),
+    Gate("lines in all", 47_959, 23_000),
+    Gate("float literals of the core", 314, 90),
     Gate("functions above 15", 0, 0),
-    Gate("names that several classes bear", 24, 0),
+    Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),

@@ -126,12 +126,12 @@ def fit(
     most = whole("max_evaluations", max_evaluations, 1)
     if isinstance(data, IndentationData):
         return fit_indentation(scene, data, free, rtol=rtol, max_evaluations=most)
-    problem = _Problem(scene, _measurements(data), _names(free), rtol)
+    problem = _FitProblem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
 
 
-class _Problem:
+class _FitProblem:
     """Residuals and their derivatives by the logarithms of the parameters over their start."""
 
     def __init__(

@@ -17,7 +17,7 @@ from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_state import CoupledState
 from spectral_contact.contact.resolution import series_of
 
-__all__ = ["StickRadius", "scanned", "stick_radii"]
+__all__ = ["PossibleRadius", "scanned", "stick_radii"]
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ _UNSEEN = 1e-2
 
 
 @dataclass(frozen=True, slots=True)
-class StickRadius:
+class PossibleRadius:
     """A radius at which the traction is continuous, roughly.
 
     Attributes
@@ -57,7 +57,7 @@ class StickRadius:
 
 def stick_radii(
     problem: CoupledProblem, logits: Iterable[float], *, contacts: bool = False
-) -> Iterator[StickRadius]:
+) -> Iterator[PossibleRadius]:
     """Yield the radii at which the traction is continuous, between the first and the last of some.
 
     Parameters
@@ -100,11 +100,11 @@ def _positive(pressure: list[Array]) -> bool:
     return min(float(one.min()) for one in pressure) > 0.0
 
 
-def _described(logit: float, state: CoupledState) -> StickRadius:
+def _described(logit: float, state: CoupledState) -> PossibleRadius:
     """Return what the fields at a radius are like."""
     *pressure, shear = _parts(state)
     if not _positive(pressure):
-        return StickRadius(logit, False, inf)
+        return PossibleRadius(logit, False, inf)
     q = state.system.radii[0].value * np.sqrt(1.0 - _DISTANCES) * np.abs(shear)
     ratio = float((q / (state.system.parameters.friction * pressure[0])).max())
-    return StickRadius(logit, True, max(ratio - 1.0, 0.0))
+    return PossibleRadius(logit, True, max(ratio - 1.0, 0.0))

@@ -58,7 +58,7 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
     """
     field = _field("pressure", pressure)
     inside = real("inside", inside, allowed="in [0, 1)", low=0.0, high=1.0, high_open=True)
-    nodes = _Nodes.between({inside, 1.0, *(b for b in _cuts(breaks) if inside < b < 1.0)})
+    nodes = _NodesBetween.between({inside, 1.0, *(b for b in _cuts(breaks) if inside < b < 1.0)})
     return nodes.integral(lambda: field(nodes.d) * nodes.s)
 
 
@@ -120,7 +120,7 @@ def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] =
     past = real("beyond", beyond, allowed="finite and > 0", low=0.0, low_open=True)
     outside = 1.0 + past
 
-    nodes = _Nodes.between({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
+    nodes = _NodesBetween.between({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
     complement = (past + nodes.d) * (outside + nodes.s) / outside**2
     total = nodes.integral(lambda: field(nodes.d) * nodes.s * ellipkm1(complement))
     return total / (np.pi * outside)
@@ -186,7 +186,7 @@ def shear_lift(
     """
     field, coupling = _field("traction", traction), real("kappa", kappa, **_FINITE)
     place = real("from_edge", from_edge, allowed="in (0, 1]", low=0.0, high=1.0, low_open=True)
-    nodes = _Nodes.between({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
+    nodes = _NodesBetween.between({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
     return coupling * nodes.integral(lambda: field(nodes.d))
 
 
@@ -204,7 +204,7 @@ def _cuts(breaks: object) -> list[float]:
     return [real("breaks", one, **_FINITE) for one in listed("breaks", breaks, "numbers")]
 
 
-class _Nodes(NamedTuple):
+class _NodesBetween(NamedTuple):
     """Nodes of one integral, interval after interval, so that a field is evaluated once."""
 
     d: Array  # distances from the edge
@@ -214,7 +214,7 @@ class _Nodes(NamedTuple):
     cuts: Array
 
     @classmethod
-    def between(cls, ends: set[float]) -> _Nodes:
+    def between(cls, ends: set[float]) -> _NodesBetween:
         """Return the nodes between the least end and the largest."""
         cuts = np.array(sorted(ends))
         near, far = cuts[:-1, None], cuts[1:, None]
@@ -241,6 +241,6 @@ def _potential(
     field: Field, kernel: Callable[..., Array], from_edge: float, breaks: Sequence[float]
 ) -> float:
     """Return ``(1/pi) int_0^1 field K(eta, s) deta`` at ``s = 1 - from_edge``."""
-    nodes = _Nodes.between({0.0, 1.0, from_edge, *(b for b in breaks if 0.0 < b < 1.0)})
+    nodes = _NodesBetween.between({0.0, 1.0, from_edge, *(b for b in breaks if 0.0 < b < 1.0)})
     influence = kernel(nodes.s, 1.0 - from_edge, distance=nodes.from_cut(from_edge))
     return nodes.integral(lambda: field(nodes.d) * influence) / np.pi

@@ -293,13 +293,13 @@ def _table(document: Any) -> GoldTable:
         if digits not in contexts:
             contexts[digits] = MPContext()
             contexts[digits].dps = digits + 3
-        solutions.append(_Entry(where, entry, contexts[digits]).solution(name))
+        solutions.append(_GoldEntry(where, entry, contexts[digits]).solution(name))
     if len({solution.name for solution in solutions}) < len(solutions):
         raise Refused("two scenes have the same name")
     return GoldTable(name, regime, script, tuple(solutions))
 
 
-class _Entry:
+class _GoldEntry:
     """One scene of a document, whose keys are checked."""
 
     def __init__(self, where: str, body: dict[str, Any], mp: Any) -> None:

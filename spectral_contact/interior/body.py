@@ -16,7 +16,7 @@ from spectral_contact.interior.energies import energies
 from spectral_contact.interior.extremes import MEASURES, largest
 from spectral_contact.interior.grids import UnitNames, Units, columns, dataset, own_units
 from spectral_contact.interior.integrals import Integrals
-from spectral_contact.interior.mesh import AXIS, Evaluator, Points
+from spectral_contact.interior.mesh import AXIS, BodyPoints, Evaluator
 from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
 from spectral_contact.interior.sampling import (
     Sampler,
@@ -103,7 +103,7 @@ class Inside:
 
     def _points(
         self, r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None
-    ) -> tuple[Points, tuple[int, ...]]:
+    ) -> tuple[BodyPoints, tuple[int, ...]]:
         length = self._units.length
         depth = _length("z", z, length)
         checks.exactly_one("r", r, "from_edge", from_edge)
@@ -123,7 +123,7 @@ class Inside:
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
         # squares of what is nearer to the edge or the surface would underflow
         distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
-        return Points(np.maximum(radius, AXIS), distance, depth), shape
+        return BodyPoints(np.maximum(radius, AXIS), distance, depth), shape
 
     def displacement(
         self,

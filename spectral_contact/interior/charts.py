@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import CENTRE, Radius
-from spectral_contact.interior.mesh import Points
+from spectral_contact.interior.mesh import BodyPoints
 
 __all__ = ["Chart", "CoordinateLine", "Polar", "Toroidal", "around", "from_toroidal"]
 
@@ -70,7 +70,7 @@ class Chart(Protocol):
     lines: tuple[CoordinateLine, ...]
     net: tuple[Array, Array]
 
-    def points(self, u: Array, v: Array) -> Points:
+    def points(self, u: Array, v: Array) -> BodyPoints:
         """Return the points of coordinates."""
 
     def reflected(self, u: float, v: float) -> tuple[float, float]:
@@ -83,13 +83,13 @@ class Chart(Protocol):
         """Return what a unit of a coordinate is at most, over the distance from the edge."""
 
 
-def from_toroidal(tau: Array, sigma: Array) -> Points:
+def from_toroidal(tau: Array, sigma: Array) -> BodyPoints:
     """Return the points of coordinates; on the axis tau is 0, and at infinity both are."""
     q = -tau + 1j * sigma
     place = -2.0 * np.exp(q) / np.expm1(q)
     d, z = -place.real, np.abs(place.imag)
     z = np.where((sigma == 0.0) | (sigma == np.pi), 0.0, z)
-    return Points(np.maximum(1.0 - d, 1e-30), np.minimum(d, 1.0), z)
+    return BodyPoints(np.maximum(1.0 - d, 1e-30), np.minimum(d, 1.0), z)
 
 
 class Toroidal:
@@ -114,7 +114,7 @@ class Toroidal:
         taus = np.concatenate([np.linspace(0.0, 3.0, _NET[0]), taus[taus > 3.0]])
         self.net = taus, np.linspace(0.0, np.pi, _NET[1])[1:-1]
 
-    def points(self, u: Array, v: Array) -> Points:
+    def points(self, u: Array, v: Array) -> BodyPoints:
         """Return the points of coordinates."""
         return from_toroidal(u, v)
 
@@ -150,13 +150,13 @@ class Polar:
         angles = np.linspace(0.0, self._turn, _POLAR_NET[1])[1:-1]
         self.net = np.linspace(0.0, _NET_FOLDS, _POLAR_NET[0]), angles
 
-    def points(self, u: Array, v: Array) -> Points:
+    def points(self, u: Array, v: Array) -> BodyPoints:
         """Return the points of coordinates."""
         size = self._room * np.exp(-u)
         outward = np.where(v == np.pi / 2.0, 0.0, size * np.cos(v))
         depth = np.where(v == np.pi, 0.0, size * np.sin(v))
         radius = np.maximum(self._place.value + outward, 1e-30)
-        return Points(radius, self._place.from_edge - outward, depth)
+        return BodyPoints(radius, self._place.from_edge - outward, depth)
 
     def reflected(self, u: float, v: float) -> tuple[float, float]:
         """Return coordinates mirrored at axis and surface until they are in range."""

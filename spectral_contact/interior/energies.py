@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError
-from spectral_contact.interior.mesh import Mesh, Points
+from spectral_contact.interior.mesh import BodyMesh, BodyPoints
 from spectral_contact.interior.results import Displacement, Energies
 from spectral_contact.view.progress import ProgressLine
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["energies"]
 
 Array = NDArray[np.float64]
-Move = Callable[[Points], Displacement]
+Move = Callable[[BodyPoints], Displacement]
 
 #: A ring that carries less than this share changes no digit.
 _NEGLIGIBLE = 1e-17
@@ -28,7 +28,7 @@ _PORTIONS = 10
 
 
 def energies(
-    solution: Solution, mesh: Mesh, move: Move, unit: float, tell: ProgressLine
+    solution: Solution, mesh: BodyMesh, move: Move, unit: float, tell: ProgressLine
 ) -> Energies:
     """Return the energies of a solution.
 
@@ -40,7 +40,7 @@ def energies(
     ----------
     solution : Solution
         With approach, pressure, traction and slip.
-    mesh : Mesh
+    mesh : BodyMesh
         Panels to integrate over.
     move : callable
         Dimensionless displacements of the body at points.
@@ -73,7 +73,9 @@ def _external(solution: Solution) -> tuple[float, float]:
     return work, solution.error.indentation_work or 0.0
 
 
-def _parts(solution: Solution, mesh: Mesh, move: Move, tell: ProgressLine) -> tuple[Array, float]:
+def _parts(
+    solution: Solution, mesh: BodyMesh, move: Move, tell: ProgressLine
+) -> tuple[Array, float]:
     """Return strain energy, energy in the layer, friction and defect, and what they may miss by."""
     points, rings = mesh.surface
     inside = mesh.carried()
@@ -89,7 +91,7 @@ def _parts(solution: Solution, mesh: Mesh, move: Move, tell: ProgressLine) -> tu
 
 
 def _of_rings(
-    solution: Solution, points: Points, rings: Array, inside: Array, move: Move
+    solution: Solution, points: BodyPoints, rings: Array, inside: Array, move: Move
 ) -> tuple[Array, float]:
     """Return what some rings add to the parts, and to what these may miss by."""
     scene, error, (pressure, traction) = solution.scene, solution.error, rings

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 
 from spectral_contact.interior.charts import Chart, CoordinateLine, around
-from spectral_contact.interior.mesh import AXIS, Points
+from spectral_contact.interior.mesh import AXIS, BodyPoints
 from spectral_contact.interior.places import boundaries, distance, pointed, singular
 from spectral_contact.interior.results import Extreme, Stress
 
@@ -27,7 +27,7 @@ __all__ = ["MEASURES", "largest"]
 
 Array = NDArray[np.float64]
 #: Stress at points, to a tolerance or to all digits.
-StressAt = Callable[[Points, float | None], Stress]
+StressAt = Callable[[BodyPoints, float | None], Stress]
 
 #: What can be asked for, and how it follows from the stress.
 MEASURES: dict[str, Callable[[Stress], Array]] = {
@@ -53,7 +53,7 @@ class _Found(NamedTuple):
     """A local maximum: where it is, how fast values fall around, and over which distance."""
 
     value: float
-    at: Points
+    at: BodyPoints
     fall: float
     share: float
 
@@ -166,8 +166,8 @@ def _at_places(
     for end in ends:
         if end not in infinite:
             one = np.array([max(end.value, AXIS)]), np.array([end.from_edge]), np.zeros(1)
-            value = float(of(stress(Points(*one), None))[0])
-            found.append(_Found(value, Points(*one), np.inf, 0.0))
+            value = float(of(stress(BodyPoints(*one), None))[0])
+            found.append(_Found(value, BodyPoints(*one), np.inf, 0.0))
     return found
 
 
@@ -246,7 +246,7 @@ def _edge(
     def at(theta: Array) -> Stress:
         d = _AT_EDGE * np.cos(theta)
         z = np.where(np.isin(theta, (0.0, np.pi)), 0.0, _AT_EDGE * np.sin(theta))
-        return stress(Points(1.0 - d, d, z), None)
+        return stress(BodyPoints(1.0 - d, d, z), None)
 
     values = of(at(angles))
     best = angles[int(np.argmax(values))]

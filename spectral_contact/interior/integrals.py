@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.interior.mesh import Mesh, Nodes, Points
+from spectral_contact.interior.mesh import BodyMesh, BodyPoints, MeshNodes
 from spectral_contact.interior.rings import Geometry, geometry
 
 __all__ = ["Integrals", "Kernels", "integrate"]
@@ -54,7 +54,7 @@ class Integrals:
 
 
 def _sums(
-    mesh: Mesh, points: Points, kernels: Kernels, nu: float, floors: tuple[float, float]
+    mesh: BodyMesh, points: BodyPoints, kernels: Kernels, nu: float, floors: tuple[float, float]
 ) -> tuple[Array, Array]:
     """Return the integrals by each rule, and for each load those of the moduli by the first."""
     depth = np.where(points.on_surface, 0.0, points.z)
@@ -108,14 +108,14 @@ class _Adder(NamedTuple):
         return np.bincount(self.owner, each, minlength=self.points).astype(float, copy=False)
 
 
-def _lengths(rows: Nodes) -> NDArray[np.intp]:
+def _lengths(rows: MeshNodes) -> NDArray[np.intp]:
     """Return how many nodes each row has of each rule."""
     return np.tile(rows.counts, len(rows.owner))
 
 
 def integrate(
-    mesh: Mesh,
-    points: Points,
+    mesh: BodyMesh,
+    points: BodyPoints,
     kernels: Kernels,
     nu: float,
     floors: tuple[float, float] = (0.0, 0.0),
@@ -124,10 +124,10 @@ def integrate(
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : BodyMesh
         With the rule that is used, and one that it is compared with; without, `quadrature` is
         rounding alone.
-    points : Points
+    points : BodyPoints
     kernels : tuple of callable
         Of rings of pressure and of traction; the first alone for a contact without traction.
     nu : float

@@ -22,11 +22,11 @@ __all__ = [
     "AXIS",
     "FAST",
     "TIGHT",
+    "BodyMesh",
+    "BodyPoints",
     "Evaluator",
     "Grading",
-    "Mesh",
-    "Nodes",
-    "Points",
+    "MeshNodes",
     "Rule",
     "Shrinking",
     "graded",
@@ -70,7 +70,7 @@ FAST = Rule(10, 14, 1.5, 1.5), Rule(8, 12, 1.5, 1.5)
 
 
 @dataclass(frozen=True, slots=True)
-class Points:
+class BodyPoints:
     """Points of the body, one-dimensional arrays of one length.
 
     Attributes
@@ -98,11 +98,11 @@ class Points:
         """Whether a point is as good as on the surface."""
         return np.asarray(self.z <= 1e-16 * self.to_edge)
 
-    def __getitem__(self, which: slice | NDArray[Any]) -> Points:
-        return Points(self.r[which], self.from_edge[which], self.z[which])
+    def __getitem__(self, which: slice | NDArray[Any]) -> BodyPoints:
+        return BodyPoints(self.r[which], self.from_edge[which], self.z[which])
 
 
-class Nodes(NamedTuple):
+class MeshNodes(NamedTuple):
     """Rows of nodes, each row on one panel for one point; arrays but `owner` are (rows, nodes).
 
     Attributes
@@ -159,7 +159,7 @@ class Grading(NamedTuple):
         value, from_edge = np.array([[one.value, one.from_edge] for one in self.places]).T
         return value[at] + offset, from_edge[at] - offset
 
-    def outward(self, points: Points) -> Array:
+    def outward(self, points: BodyPoints) -> Array:
         """Return how far outward of the boundaries points are, shape (points, boundaries)."""
         return np.stack([points.beyond(place) for place in self.places], axis=1)
 
@@ -219,7 +219,7 @@ def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0)
     return Grading(places, np.concatenate(ends[1]), np.concatenate(ends[0]), runs)
 
 
-class Mesh:
+class BodyMesh:
     """Panels with the loads at their nodes, those of all rules side by side.
 
     Parameters
@@ -270,10 +270,10 @@ class Mesh:
         return len(self._panel)
 
     @property
-    def surface(self) -> tuple[Points, Array]:
+    def surface(self) -> tuple[BodyPoints, Array]:
         """All nodes, as points of the surface, and what their rings carry, (3, nodes)."""
         s, d = self._s.ravel(), self._d.ravel()
-        return Points(s, d, np.zeros_like(s)), self._rings.reshape(3, -1)
+        return BodyPoints(s, d, np.zeros_like(s)), self._rings.reshape(3, -1)
 
     def carried(self) -> Array:
         """Return what all rings within each node carry of pressure, ``int_0^s p s ds``."""
@@ -286,7 +286,7 @@ class Mesh:
         before = np.cumsum(self._rings[0].sum(axis=1)) - self._rings[0].sum(axis=1)
         return np.asarray((before[:, None] + own).ravel())
 
-    def rows(self, points: Points) -> Iterator[tuple[slice, list[Nodes]]]:
+    def rows(self, points: BodyPoints) -> Iterator[tuple[slice, list[MeshNodes]]]:
         """Yield blocks of points, each with all of its rows of nodes, of several lengths."""
         size = _SURFACE_BLOCK if points.on_surface.all() else _BLOCK
         for start in range(0, len(points.r), size):
@@ -303,7 +303,7 @@ class Mesh:
                 rows.append(self._cut(some, near, low, high))
             yield block, rows
 
-    def _tail(self, outward: Array, z: Array, at: int, left: NDArray[np.bool_]) -> Nodes:
+    def _tail(self, outward: Array, z: Array, at: int, left: NDArray[np.bool_]) -> MeshNodes:
         """Return the rows of tails of a run, and strike the panels that they stand for."""
         run, tails = self._ends.runs[at], self._tails[at]
         place = self._ends.at[run.start]
@@ -316,15 +316,19 @@ class Mesh:
         left[:, run.start : run.stop] = ~(covered if run.outward else covered[:, ::-1])
         away = tails.away[longest]
         s, _ = self._ends.radii(place, away)
-        return Nodes(self._tailed, owner, s, beyond[owner, None] - away, *tails.rings[:, longest])
+        return MeshNodes(
+            self._tailed, owner, s, beyond[owner, None] - away, *tails.rings[:, longest]
+        )
 
-    def _whole(self, outward: Array, chosen: NDArray[np.bool_]) -> Nodes:
+    def _whole(self, outward: Array, chosen: NDArray[np.bool_]) -> MeshNodes:
         """Return the rows of panels that are taken whole."""
         owner, panel = np.nonzero(chosen)
         ahead = outward[owner, self._own[panel], None] - self._away[panel]
-        return Nodes(self._panel, owner, self._s[panel], ahead, *self._rings[:, panel])
+        return MeshNodes(self._panel, owner, self._s[panel], ahead, *self._rings[:, panel])
 
-    def _cut(self, points: Points, chosen: NDArray[np.bool_], low: Array, high: Array) -> Nodes:
+    def _cut(
+        self, points: BodyPoints, chosen: NDArray[np.bool_], low: Array, high: Array
+    ) -> MeshNodes:
         """Return the rows of panels that are cut, on either side of the point's radius."""
         unit = 1e-18 * np.maximum(np.minimum(points.to_edge, points.r), 1e-32)
         scale = np.where(points.on_surface, unit, points.z)
@@ -341,12 +345,12 @@ class Mesh:
 
     def _pieces(
         self,
-        points: Points,
+        points: BodyPoints,
         sign: Array,
         owner: NDArray[np.intp],
         scale: Array,
         phases: Array,
-    ) -> Nodes:
+    ) -> MeshNodes:
         """Return rows of pieces of about one width in ``asinh(distance / scale)``."""
         begin, end = phases
         count = np.ceil((end - begin) / self._rule.width).astype(int)
@@ -360,4 +364,4 @@ class Mesh:
         weight = np.abs(unit) * np.cosh(phase) * width[:, None] * self._weights
         s = np.clip(points.r[owner, None] + away, 0.0, 1.0)
         d = np.clip(points.from_edge[owner, None] - away, 0.0, 1.0)
-        return Nodes(self._panel, owner, s, -away, *self._measured(s, d, weight))
+        return MeshNodes(self._panel, owner, s, -away, *self._measured(s, d, weight))

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from spectral_contact.interior.charts import from_toroidal
 from spectral_contact.interior.integrals import Integrals
-from spectral_contact.interior.mesh import Points
+from spectral_contact.interior.mesh import BodyPoints
 
 __all__ = ["Direct", "Relative", "interpolate"]
 
 Array = NDArray[np.float64]
-Direct = Callable[[Points], Integrals]
-Relative = Callable[[Points, Array, Array], Array]
+Direct = Callable[[BodyPoints], Integrals]
+Relative = Callable[[BodyPoints, Array, Array], Array]
 
 #: Nodes of a cell in either direction.
 _ORDER = 12
@@ -61,7 +61,7 @@ class _Fit(NamedTuple):
     tails: Array
 
 
-def _toroidal(points: Points) -> Array:
+def _toroidal(points: BodyPoints) -> Array:
     """Return tau and sigma, stacked; far away both are small, and accurate."""
     d, z = points.from_edge, points.z
     # no point is at the edge itself by more than 1e-30
@@ -119,13 +119,13 @@ def _cut(cell: _Cell, at: Array, bad: NDArray[np.intp], tails: Array) -> list[_C
 
 
 def interpolate(
-    points: Points, rtol: float, direct: Direct, relative: Relative, out: Integrals
+    points: BodyPoints, rtol: float, direct: Direct, relative: Relative, out: Integrals
 ) -> NDArray[np.bool_]:
     """Fill in the integrals at points that many others are close to.
 
     Parameters
     ----------
-    points : Points
+    points : BodyPoints
     rtol : float
         What the polynomials may miss by, as `relative` measures it.
     direct : callable

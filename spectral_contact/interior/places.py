@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
-from spectral_contact.interior.mesh import Evaluator, Grading, Points, graded
+from spectral_contact.interior.mesh import BodyPoints, Evaluator, Grading, graded
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
@@ -96,12 +96,12 @@ def finite(load: Evaluator) -> Evaluator:
     return nudged
 
 
-def distance(points: Points, place: Radius) -> Array:
+def distance(points: BodyPoints, place: Radius) -> Array:
     """Return how far points are from a place on the surface."""
     return np.asarray(np.hypot(points.beyond(place), points.z))
 
 
-def within(points: Points, places: list[Radius]) -> NDArray[np.bool_]:
+def within(points: BodyPoints, places: list[Radius]) -> NDArray[np.bool_]:
     """Return which points are as good as at one of some places."""
     found = np.zeros(len(points.r), dtype=bool)
     for place in places:
@@ -109,7 +109,7 @@ def within(points: Points, places: list[Radius]) -> NDArray[np.bool_]:
     return found
 
 
-def lost(points: Points, solution: Solution) -> Array:
+def lost(points: BodyPoints, solution: Solution) -> Array:
     """Return by how much stress is in doubt next to boundaries of zones, relative to it.
 
     There loads are evaluated at radii that are rounded, and the boundaries themselves are only

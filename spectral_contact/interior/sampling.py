@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
-from spectral_contact.interior.mesh import AXIS, FAST, TIGHT, Evaluator, Grading, Mesh, Points, Rule
+from spectral_contact.interior.mesh import (
+    AXIS,
+    FAST,
+    TIGHT,
+    BodyMesh,
+    BodyPoints,
+    Evaluator,
+    Grading,
+    Rule,
+)
 from spectral_contact.interior.patches import Relative, interpolate
 from spectral_contact.threads import cached_property
 
@@ -78,34 +87,34 @@ class Sampler:
         self._loads = pressure, traction
         self._sheared, self._nu = sheared, nu
 
-    def _mesh(self, rules: Sequence[Rule]) -> Mesh:
-        return Mesh(self._ends, *self._loads, rules)
+    def _mesh(self, rules: Sequence[Rule]) -> BodyMesh:
+        return BodyMesh(self._ends, *self._loads, rules)
 
     @cached_property
-    def coarser(self) -> Mesh:
+    def coarser(self) -> BodyMesh:
         """Panels with the rule that the one for all digits is compared with."""
         return self._mesh(TIGHT[1:])
 
     @cached_property
-    def _tight(self) -> Mesh:
+    def _tight(self) -> BodyMesh:
         return self._mesh(TIGHT)
 
     @cached_property
-    def _fast(self) -> Mesh:
+    def _fast(self) -> BodyMesh:
         return self._mesh(FAST)
 
     @cached_property
-    def _alone(self) -> Mesh:
+    def _alone(self) -> BodyMesh:
         return self._mesh(FAST[:1])
 
-    def stress(self, points: Points, rtol: float) -> Integrals:
+    def stress(self, points: BodyPoints, rtol: float) -> Integrals:
         """Return the integrals zz, rz, ``2 G u_r / r`` and e, on the surface limits from below."""
         kernels = (rings.normal_stress, rings.radial_stress)[: 1 + self._sheared]
 
-        def direct(mesh: Mesh, some: Points) -> Integrals:
+        def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
             return self._limits(some, integrate(mesh, some, kernels, self._nu, self._floors))
 
-        def measure(_points: Points, values: Array, errors: Array) -> Array:
+        def measure(_points: BodyPoints, values: Array, errors: Array) -> Array:
             return stress_error(values, errors, self._nu)
 
         sums = self._sampled(points, rtol, direct, measure)
@@ -114,30 +123,30 @@ class Sampler:
         sums.values[0, on], sums.values[1, on] = -pressure, -traction
         return sums
 
-    def displacement(self, points: Points, rtol: float) -> Integrals:
+    def displacement(self, points: BodyPoints, rtol: float) -> Integrals:
         """Return the integrals ``2 G u_z`` and ``2 G u_r / r``; the other two rows are empty."""
         kernels = (rings.normal_displacement, rings.radial_displacement)[: 1 + self._sheared]
 
-        def direct(mesh: Mesh, some: Points) -> Integrals:
+        def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
             return integrate(mesh, some, kernels, self._nu, self._floors)
 
-        def measure(some: Points, values: Array, errors: Array) -> Array:
+        def measure(some: BodyPoints, values: Array, errors: Array) -> Array:
             return displacement_error(values, errors, some.r)
 
         return self._sampled(points, rtol, direct, measure)
 
     def _sampled(
         self,
-        points: Points,
+        points: BodyPoints,
         rtol: float,
-        direct: Callable[[Mesh, Points], Integrals],
+        direct: Callable[[BodyMesh, BodyPoints], Integrals],
         measure: Relative,
     ) -> Integrals:
         """Return the integrals by the cheapest means that meet the tolerance at each point."""
         if rtol < _FAST_FROM:
             return direct(self._tight, points)
 
-        def at_nodes(some: Points) -> Integrals:
+        def at_nodes(some: BodyPoints) -> Integrals:
             compared = np.arange(len(some.r)) % _COMPARED == 0
             sums = Integrals.empty(len(some.r))
             for mesh, which in ((self._fast, compared), (self._alone, ~compared)):
@@ -152,7 +161,7 @@ class Sampler:
             sums.put(missed, direct(self._tight, points[missed]))
         return sums
 
-    def _limits(self, points: Points, sums: Integrals) -> Integrals:
+    def _limits(self, points: BodyPoints, sums: Integrals) -> Integrals:
         """Add to principal values on the surface what makes them limits from the body."""
         on = points.on_surface
         pressure, traction = self._surface(points[on])
@@ -161,7 +170,7 @@ class Sampler:
         sums.of_traction[1, on] += np.maximum(np.abs(traction), self._floors[1])
         return sums
 
-    def _surface(self, points: Points) -> tuple[Array, Array]:
+    def _surface(self, points: BodyPoints) -> tuple[Array, Array]:
         """Return the loads at points of the surface."""
         under = points.from_edge >= 0.0
         d = np.where(under, points.from_edge, 1.0)

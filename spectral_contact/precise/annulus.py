@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from spectral_contact.precise.fixed import Fixed, Ints, root_rule
 from spectral_contact.threads import cached_property
 
-__all__ = ["AnnulusMesh", "AnnulusSeries", "Blocks", "Near"]
+__all__ = ["AnnulusMesh", "Blocks", "Near", "PreciseAnnulusSeries"]
 
 Array = NDArray[np.float64]
 
@@ -290,16 +290,16 @@ class AnnulusMesh:
         """Return the matrix of `inner_integral` in double precision, (nodes, nodes)."""
         return (self.central if pole else self.reflected).matrix()[::-1, ::-1]
 
-    def series(self, values: Ints) -> AnnulusSeries:
+    def series(self, values: Ints) -> PreciseAnnulusSeries:
         """Return the function through values at the nodes."""
         f = self.fixed
         ordered = values.copy()
         ordered[-1] = values[-1, ::-1]
-        return AnnulusSeries(self, f.dot(ordered, self.blocks.expand.T))
+        return PreciseAnnulusSeries(self, f.dot(ordered, self.blocks.expand.T))
 
 
 @dataclass(frozen=True)
-class AnnulusSeries:
+class PreciseAnnulusSeries:
     """A Legendre series on the cells of an annulus.
 
     Attributes

@@ -9,23 +9,23 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.precise.coupled import CoupledDisk
-from spectral_contact.precise.disk import Disk, Mesh
+from spectral_contact.precise.disk import Disk, PreciseMesh
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.law import Breach, excesses
-from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
-__all__ = ["CoupledRun"]
+__all__ = ["PreciseCoupledRun"]
 
 _LN10 = log(10.0)
 #: Distances below this are no place that `Solution` can be asked about.
 _CLOSEST = 1e-300
 
 
-class CoupledRun:
-    """A scene solved on meshes of one panel width; see `run.Run`.
+class PreciseCoupledRun:
+    """A scene solved on meshes of one panel width; see `run.PreciseRun`.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class CoupledRun:
         Is told every step.
     """
 
-    layout = Layout((0,), ())
+    layout = PreciseLayout((0,), ())
 
     def __init__(
         self, scene: Scene, digits: int, width: float, tell: Callable[[str], None] = silent
@@ -53,7 +53,7 @@ class CoupledRun:
         rate = 1.0 if len(layers) == 2 else 0.5
         powers = [0.0 if c else -0.5 for c in compliances]
         meshes = [
-            Mesh.graded(
+            PreciseMesh.graded(
                 digits,
                 max(layers, default=0.0),
                 rate=rate,

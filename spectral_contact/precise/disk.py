@@ -20,7 +20,7 @@ from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["MOST_SWEEPS", "Disk", "FarField", "Mesh", "Series"]
+__all__ = ["MOST_SWEEPS", "Disk", "FarField", "PreciseMesh", "PreciseSeries"]
 
 _LN10 = log(10.0)
 #: Sweeps after which refinement has stalled.
@@ -28,7 +28,7 @@ MOST_SWEEPS = 30
 
 
 @dataclass(frozen=True)
-class Mesh:
+class PreciseMesh:
     """Panels, degrees and precision for a number of digits.
 
     Attributes
@@ -54,7 +54,7 @@ class Mesh:
         width: float = 2.0,
         power: float = 0.0,
         lowest: int = 4,
-    ) -> Mesh:
+    ) -> PreciseMesh:
         """Return the mesh of a solution that settles like ``exp(-rate x)`` past `layer`.
 
         No degree is below `lowest`.
@@ -75,7 +75,7 @@ class Mesh:
 
 
 @dataclass(frozen=True)
-class Series:
+class PreciseSeries:
     """A Legendre series on panels in ``x = -ln d``, with a tail polynomial in ``d``.
 
     Attributes
@@ -176,7 +176,7 @@ class Disk:
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : PreciseMesh
     fixed : Fixed
 
     Attributes
@@ -191,7 +191,7 @@ class Disk:
         The same in double precision.
     """
 
-    def __init__(self, mesh: Mesh, fixed: Fixed) -> None:
+    def __init__(self, mesh: PreciseMesh, fixed: Fixed) -> None:
         self.mesh, self.fixed = mesh, fixed
         self.panels = mesh.panels
         self._h = fixed.of(mesh.panels.width)
@@ -413,6 +413,6 @@ class Disk:
         density = f.times(2 * f.of(f.mp.pi), self.weights, f.sqrt(self.rest))
         return f.dot(density, self.half_integral(coefficients))
 
-    def series(self, coefficients: Ints) -> Series:
+    def series(self, coefficients: Ints) -> PreciseSeries:
         """Return the function that the coefficients stand for, without the endpoint weight."""
-        return Series(self.fixed, self.panels.width, *self.split(coefficients))
+        return PreciseSeries(self.fixed, self.panels.width, *self.split(coefficients))

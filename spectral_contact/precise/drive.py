@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from spectral_contact.precise.disk import Disk, FarField, Series
+from spectral_contact.precise.disk import Disk, FarField, PreciseSeries
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.threads import cached_property
 
-__all__ = ["Drive", "RoughDrive", "SmoothDrive"]
+__all__ = ["PreciseDrive", "RoughDrive", "SmoothDrive"]
 
 
-class Drive:
+class PreciseDrive:
     """Pressure for unit load, its transform R, and sums over the rim of the contact.
 
     `R` is the half-integral that full stick demands for ``kappa = 1`` (docs/theory).
@@ -45,7 +45,7 @@ class Drive:
         """Let go of the operators; p and R stay."""
 
 
-class SmoothDrive(Drive):
+class SmoothDrive(PreciseDrive):
     """The pressure ``1/(2 pi sqrt(y))`` of a surface that is smooth in normal contact."""
 
     singular = True
@@ -81,7 +81,7 @@ class SmoothDrive(Drive):
         return np.asarray(f.over(f.one - f.sqrt(y), self._tau))
 
 
-class RoughDrive(Drive):
+class RoughDrive(PreciseDrive):
     """The pressure of a rough surface.
 
     Parameters
@@ -138,7 +138,7 @@ class RoughDrive(Drive):
         return np.asarray(f.over(f.one, 2 * f.of(f.mp.pi)) - f.times(y, self._mean.at(y)) // 2)
 
     @cached_property
-    def _mean(self) -> Series:
+    def _mean(self) -> PreciseSeries:
         """``(1/y) int_0^y p dy``, the mean of the pressure outside a radius."""
         f, series = self.fixed, self.series
         h, (count, terms) = f.of(series.width), series.table.shape
@@ -165,7 +165,7 @@ class RoughDrive(Drive):
         for j in reversed(range(count)):
             values = f.dot(matrix, series.table[j]) + f.times(fall, mean)
             mean, table[j] = values[0], values[1:]
-        return Series(f, series.width, f.dot(table, f.expansion(samples).T), tail)
+        return PreciseSeries(f, series.width, f.dot(table, f.expansion(samples).T), tail)
 
     def release(self) -> None:
         """Let go of the operators; p and R stay."""
@@ -173,7 +173,7 @@ class RoughDrive(Drive):
 
     # the transform R
 
-    def _transformed(self) -> Series:
+    def _transformed(self) -> PreciseSeries:
         """Return ``R = (2/t) int_0^t s p ds / sqrt(t^2 - s^2)`` as a series."""
         f, panels = self.fixed, self._disk.panels
         h, count = f.of(panels.width), panels.panels
@@ -205,7 +205,7 @@ class RoughDrive(Drive):
         sums = (sums >> f.bits) + self._outer_tail(d, end, tail)
         sums = f.over(2 * sums, f.sqrt(f.one - d))
         expand = f.expansion(points)
-        return Series(
+        return PreciseSeries(
             f, panels.width, f.dot(values, expand.T), f.dot(f.expansion(TAIL_TERMS + 1), sums)
         )
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.errors import ConvergenceError, NotComputedError
-from spectral_contact.precise.annulus import AnnulusMesh, AnnulusSeries, Blocks
+from spectral_contact.precise.annulus import AnnulusMesh, Blocks, PreciseAnnulusSeries
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.precise.heights import Heights, heights
@@ -67,7 +67,7 @@ class RoughContact(Contact):
 
     fixed: Fixed
     geometry: DiskInParts
-    series: tuple[AnnulusSeries, ...]
+    series: tuple[PreciseAnnulusSeries, ...]
     values: tuple[Ints, ...]
     half: tuple[Ints, ...]
     heights: Heights

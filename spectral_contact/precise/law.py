@@ -92,7 +92,7 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
         stray = 4 * max(abs(moved[k]).max() for k in sticking)
     found = []
     for k, (state, mesh) in enumerate(zip(problem.states, problem.meshes, strict=True)):
-        zone = _Zone(k, mesh, trial.ends[k], trial.ends[k + 1], k > 0, k < count - 1)
+        zone = _LawZone(k, mesh, trial.ends[k], trial.ends[k + 1], k > 0, k < count - 1)
         if state:
             found += zone.below_zero(-state * moved[k], 0, digits, stray)
             continue
@@ -109,7 +109,7 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
 def excesses(mesh: AnnulusMesh, bound: Ints, traction: Ints, digits: int) -> list[Breach]:
     """Return where |q| exceeds a bound on the whole contact, from values at the nodes of a mesh."""
     mp = mesh.fixed.mp
-    zone = _Zone(0, mesh, -mp.inf, mp.inf, False, False)
+    zone = _LawZone(0, mesh, -mp.inf, mp.inf, False, False)
     margins = ((sense, bound - sense * traction) for sense in (1, -1))
     return [one for sense, margin in margins for one in zone.below_zero(margin, sense, digits)]
 
@@ -136,7 +136,7 @@ def obeying(
 
 
 @dataclass(frozen=True)
-class _Zone:
+class _LawZone:
     """A zone, the logits of its ends, and whether the law is an equality at them."""
 
     number: int

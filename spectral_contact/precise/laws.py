@@ -157,7 +157,7 @@ class _Asperities(Law):
         return self._unit * 2 * self._size / 5 * self._moment(w, 5)
 
 
-class _Series(Law):
+class _SeriesLaw(Law):
     """A Chebyshev series between two overclosures."""
 
     def __init__(self, mp: Any, layer: layers.Sampled) -> None:
@@ -210,5 +210,5 @@ def law_of(mp: Any, layer: Layer) -> Law:
     if isinstance(layer, layers.GreenwoodWilliamson):
         return _Asperities(mp, layer)
     if isinstance(layer, layers.Sampled) and len(layer.series) == 1:
-        return _Series(mp, layer)
+        return _SeriesLaw(mp, layer)
     raise NotComputedError("the reference", "a law with bends does not have so many digits")

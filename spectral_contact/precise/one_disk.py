@@ -10,43 +10,43 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.precise.disk import Disk, Series
-from spectral_contact.precise.drive import Drive
+from spectral_contact.precise.disk import Disk, PreciseSeries
+from spectral_contact.precise.drive import PreciseDrive
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
-__all__ = ["OneDisk", "solve_one_disk"]
+__all__ = ["PreciseOneDisk", "solve_one_disk"]
 
 _MOST_TRIALS = 8
 
 
 @dataclass(frozen=True)
-class OneDisk:
+class PreciseOneDisk:
     """A stick disk and its traction.
 
     Attributes
     ----------
     logit : mpf
         ``ln(c^2 / (1 - c^2))``.
-    traction : Series
+    traction : PreciseSeries
         ``q / (s/c)`` in ``1 - s^2/c^2``.
     total_shear : int
     """
 
     logit: Any
-    traction: Series
+    traction: PreciseSeries
     total_shear: Any
 
 
-class _SlipSource:
+class _PreciseSlipSource:
     """The half-integral ``int_c^1 p ds/sqrt(s^2 - t^2)`` where ``c^2 - t^2 = e``.
 
     Next to the rim p is a polynomial, whose integrals obey recurrences: these lose digits like
     powers of a modest number, which more bits make good. Farther out the kernel is a power series.
     """
 
-    def __init__(self, drive: Drive, square: Any, rest: Any, digits: int) -> None:
+    def __init__(self, drive: PreciseDrive, square: Any, rest: Any, digits: int) -> None:
         f = self.fixed = drive.fixed
         self._square, self._rest = square, rest
         terms = ceil(2.2 * digits) + 12
@@ -86,7 +86,7 @@ class _SlipSource:
             powers[n, 1:] += 4 * powers[n - 1, :-1]
         return np.asarray(powers.T @ matrix)
 
-    def _sums(self, drive: Drive, top: Any, count: int) -> Ints:
+    def _sums(self, drive: PreciseDrive, top: Any, count: int) -> Ints:
         """Return the coefficients of the power series of the kernel."""
         f = self.fixed
         y, weights = drive.outside(top)
@@ -147,18 +147,18 @@ class _SlipSource:
 
 
 def solve_one_disk(
-    drive: Drive,
+    drive: PreciseDrive,
     disk: Disk,
     beta: Any,
     friction: Any,
     logit: Any,
     tell: Callable[[str], None] = silent,
-) -> OneDisk:
+) -> PreciseOneDisk:
     """Solve partial slip with one stick disk.
 
     Parameters
     ----------
-    drive : Drive
+    drive : PreciseDrive
     disk : Disk
     beta, friction : int
         ``beta*`` and ``f / kappa`` in fixed point.
@@ -175,11 +175,11 @@ def solve_one_disk(
     mp = drive.fixed.mp
     goal = mp.mpf(10) ** -(disk.mesh.digits + 2)
     tell("stick radius, trial 1")
-    first = _Trial(drive, disk, beta, friction, logit)
+    first = _PreciseTrial(drive, disk, beta, friction, logit)
     step = mp.mpf(10) ** -13
     for number in range(2, _MOST_TRIALS + 2):
         tell(f"stick radius, trial {number}")
-        second = _Trial(drive, disk, beta, friction, first.logit + step)
+        second = _PreciseTrial(drive, disk, beta, friction, first.logit + step)
         if second.mismatch == first.mismatch:
             return second.outcome()
         step *= -second.mismatch / (second.mismatch - first.mismatch)
@@ -189,16 +189,18 @@ def solve_one_disk(
     raise ConvergenceError("the stick radius does not settle", "ask for fewer digits")
 
 
-class _Trial:
+class _PreciseTrial:
     """The problem at one radius."""
 
-    def __init__(self, drive: Drive, disk: Disk, beta: Any, friction: Any, logit: Any) -> None:
+    def __init__(
+        self, drive: PreciseDrive, disk: Disk, beta: Any, friction: Any, logit: Any
+    ) -> None:
         f, mp = drive.fixed, drive.fixed.mp
         self._drive, self._disk, self._friction = drive, disk, friction
         self.logit = logit
         self.square, self.rest = f.of(1 / (1 + mp.exp(-logit))), f.of(1 / (1 + mp.exp(logit)))
         self._compliance = f.over(beta, f.sqrt(self.square))
-        self._source = _SlipSource(drive, self.square, self.rest, disk.mesh.digits)
+        self._source = _PreciseSlipSource(drive, self.square, self.rest, disk.mesh.digits)
         edge = np.array([self.rest], dtype=object)
         if beta:  # the traction is continuous
             mismatch = disk.series(self._coefficients).limit
@@ -215,11 +217,11 @@ class _Trial:
         target = self._drive.target(self.rest + e) - f.times(self._friction, self._source(e))
         return disk.solve(self._compliance, target, tangential=True)
 
-    def outcome(self) -> OneDisk:
+    def outcome(self) -> PreciseOneDisk:
         """Return the solution at this radius."""
         f, disk = self._drive.fixed, self._disk
         outside = f.times(self._friction, self._drive.outside(self.rest)[1].sum())
         shear = f.times(self.square, disk.shear(self._coefficients))
         shear += f.times(2 * f.of(f.mp.pi), outside)
         traction = disk.series(self._coefficients)
-        return OneDisk(self.logit, traction, shear)
+        return PreciseOneDisk(self.logit, traction, shear)

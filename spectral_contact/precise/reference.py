@@ -16,14 +16,14 @@ from spectral_contact.errors import ConvergenceError, NotComputedError, SceneErr
 from spectral_contact.fields.series import Radius
 from spectral_contact.inputs import checks
 from spectral_contact.layers.control import endless
-from spectral_contact.precise.coupled_run import CoupledRun
+from spectral_contact.precise.coupled_run import PreciseCoupledRun
 from spectral_contact.precise.laws import law_of
 from spectral_contact.precise.layered import Begin
 from spectral_contact.precise.pressed import PressedRun, compared
-from spectral_contact.precise.run import Run
+from spectral_contact.precise.run import PreciseRun
 from spectral_contact.precise.search import lawful, solved
 from spectral_contact.precise.solution import ReferenceSolution
-from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.profiles import Flat
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
@@ -252,13 +252,13 @@ def _on_mesh(number: int, tell: ProgressLine) -> Callable[[str], None]:
     return lambda step: tell(f"mesh {number} of 2: {step}")
 
 
-def _layout(scene: Scene) -> Layout | None:
+def _layout(scene: Scene) -> PreciseLayout | None:
     """Return a guess of the zones; None if q = 0."""
     if not scene.friction or scene.kappa == 0.0:
         return None
     if scene.couples:
         _check_stuck(scene)
-        return Layout((0,), ())
+        return PreciseLayout((0,), ())
     solution = solve(scene, 1e-9, ("zones", "traction"), strict=False)
     zones = solution.zones
     middles = [(z.inner_from_edge + z.outer_from_edge) / 2.0 for z in zones]
@@ -271,9 +271,9 @@ def _layout(scene: Scene) -> Layout | None:
     if error is not None and not error < 1.0:  # slip about to begin: full stick says where
         if compliance == 0.0:
             raise NotComputedError("the reference", "double precision does not resolve its zones")
-        return Layout((0,), ())
+        return PreciseLayout((0,), ())
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
-    return Layout(tuple(states), radii)
+    return PreciseLayout(tuple(states), radii)
 
 
 def _check_stuck(scene: Scene) -> None:
@@ -290,7 +290,7 @@ def _check_stuck(scene: Scene) -> None:
         )
 
 
-def _zones(run: Run | CoupledRun) -> tuple[Zone, ...]:
+def _zones(run: PreciseRun | PreciseCoupledRun) -> tuple[Zone, ...]:
     """Return the zones as mpmath's numbers."""
     scene, mp = run.scene, run.fixed.mp
     if scene.friction is None:
@@ -305,7 +305,9 @@ def _zones(run: Run | CoupledRun) -> tuple[Zone, ...]:
     )
 
 
-def _compare(run: Run | CoupledRun, check: Run | CoupledRun) -> tuple[ErrorEstimates, float]:
+def _compare(
+    run: PreciseRun | PreciseCoupledRun, check: PreciseRun | PreciseCoupledRun
+) -> tuple[ErrorEstimates, float]:
     """Return twice the relative differences, and no less than the check aims at, and the worst."""
     mp = run.fixed.mp
     floor = 10.0**-check.digits
@@ -348,7 +350,7 @@ def _compare(run: Run | CoupledRun, check: Run | CoupledRun) -> tuple[ErrorEstim
     return found, max(one for one in asked if one is not None)
 
 
-def _sizes(run: Run | CoupledRun, s: Any, p: Any, q: Any) -> tuple[Any, Any]:
+def _sizes(run: PreciseRun | PreciseCoupledRun, s: Any, p: Any, q: Any) -> tuple[Any, Any]:
     """Return what errors of p and q are relative to: where one changes sign, the two together."""
     if not run.scene.couples or min(p.min(), q.min()) > 0:
         return p, q

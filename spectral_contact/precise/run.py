@@ -9,25 +9,25 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.precise.disk import Disk, Mesh
-from spectral_contact.precise.drive import Drive, RoughDrive, SmoothDrive
+from spectral_contact.precise.disk import Disk, PreciseMesh
+from spectral_contact.precise.drive import PreciseDrive, RoughDrive, SmoothDrive
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.precise.law import Breach, breaches
-from spectral_contact.precise.one_disk import OneDisk, solve_one_disk
-from spectral_contact.precise.zone_trial import Layout, ZoneProblem, Zones, ZoneTrial
+from spectral_contact.precise.one_disk import PreciseOneDisk, solve_one_disk
+from spectral_contact.precise.zone_trial import PreciseLayout, ZoneProblem, Zones, ZoneTrial
 from spectral_contact.precise.zones import solve_zones
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
-__all__ = ["Run"]
+__all__ = ["PreciseRun"]
 
 _LN10 = log(10.0)
 #: A mesh with so many panels more than needed is used if it is there.
 _SPARE = 12
 
 
-class Run:
+class PreciseRun:
     """A scene solved on meshes of one panel width.
 
     Parameters
@@ -37,7 +37,7 @@ class Run:
         Relative accuracy aimed at.
     width : float
         Panel width in ``-ln d``.
-    layout : Layout, optional
+    layout : PreciseLayout, optional
         The zones, roughly. None leaves the tangential problem out.
     tell : callable
         Is told every step.
@@ -53,7 +53,7 @@ class Run:
         scene: Scene,
         digits: int,
         width: float,
-        layout: Layout | None,
+        layout: PreciseLayout | None,
         tell: Callable[[str], None] = silent,
         *,
         held: bool = False,
@@ -103,7 +103,7 @@ class Run:
 
     def _disk(self, layer: float, rate: float, power: float) -> Disk:
         """Return operators on a mesh fine enough."""
-        mesh = Mesh.graded(self.digits, layer, rate=rate, width=self._width, power=power)
+        mesh = PreciseMesh.graded(self.digits, layer, rate=rate, width=self._width, power=power)
         for disk in self._disks:
             have = disk.mesh
             spare = len(have.degrees) - len(mesh.degrees)
@@ -124,7 +124,7 @@ class Run:
     # the normal problem
 
     @cached_property
-    def drive(self) -> Drive:
+    def drive(self) -> PreciseDrive:
         """The pressure and its transforms."""
         f, alpha = self.fixed, self.scene.normal_compliance
         if alpha == 0.0:
@@ -176,14 +176,14 @@ class Run:
         return self.fixed.of(self.fixed.mp.mpf(self.scene.friction) / self.kappa)
 
     @cached_property
-    def disk(self) -> OneDisk:
+    def disk(self) -> PreciseOneDisk:
         """The stick disk if there is but one, for ``kappa = 1``."""
         f, rim = self.fixed, self._rim
         beta = f.of(self.scene.tangential_compliance)
         disk = self._disk(self._stick_layer, self._rate, self._power)
         if rim.from_edge == 0.0:
             unit = disk.solve(beta, self.drive.target(disk.d), tangential=True)
-            return OneDisk(f.mp.inf, disk.series(unit), disk.shear(unit))
+            return PreciseOneDisk(f.mp.inf, disk.series(unit), disk.shear(unit))
         mp = f.mp
         logit = 2 * mp.log(mp.mpf(rim.value)) - mp.log(mp.mpf(rim.from_edge) * (1 + rim.value))
         return solve_one_disk(self.drive, disk, beta, self._friction, logit, self._tell)

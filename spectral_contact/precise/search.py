@@ -8,10 +8,10 @@ from typing import Any
 
 from spectral_contact.errors import ConvergenceError, NotComputedError
 from spectral_contact.fields.series import Radius
-from spectral_contact.precise.coupled_run import CoupledRun
+from spectral_contact.precise.coupled_run import PreciseCoupledRun
 from spectral_contact.precise.law import Breach, obeying
-from spectral_contact.precise.run import Run
-from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.scene import Scene
 from spectral_contact.view.progress import silent
 
@@ -26,15 +26,15 @@ def solved(
     scene: Scene,
     digits: int,
     width: float,
-    layout: Layout | None,
+    layout: PreciseLayout | None,
     tell: Callable[[str], None] = silent,
     *,
     held: bool = False,
-) -> Run | CoupledRun:
+) -> PreciseRun | PreciseCoupledRun:
     """Return the solution on one mesh and these zones, the friction law aside."""
     if scene.couples:
-        return CoupledRun(scene, digits, width, tell)
-    run = Run(scene, digits, width, layout, tell, held=held)
+        return PreciseCoupledRun(scene, digits, width, tell)
+    run = PreciseRun(scene, digits, width, layout, tell, held=held)
     _ = run.approach, run.total_shear
     return run
 
@@ -43,9 +43,9 @@ def lawful(
     scene: Scene,
     digits: int,
     width: float,
-    layout: Layout | None,
+    layout: PreciseLayout | None,
     tell: Callable[[str], None] = silent,
-) -> Run | CoupledRun:
+) -> PreciseRun | PreciseCoupledRun:
     """Return the solution on zones on which the friction law holds.
 
     Parameters
@@ -55,7 +55,7 @@ def lawful(
         Relative accuracy aimed at.
     width : float
         Panel width.
-    layout : Layout or None
+    layout : PreciseLayout or None
         Where the search begins.
     tell : callable
         Is told every step.
@@ -81,7 +81,7 @@ def lawful(
         found = run.breaches()
         if not (found or held or _moved(layout, run) > _FAR):
             return run
-        if isinstance(run, CoupledRun):
+        if isinstance(run, PreciseCoupledRun):
             raise NotComputedError("the reference", f"it slips: {found[0]}")
         layout, held = _changed(run, found), False
     raise _no_zones(found)
@@ -93,12 +93,12 @@ def _no_zones(found: list[Breach]) -> ConvergenceError:
     return ConvergenceError(cause, "ask for more digits")
 
 
-def _can_be_held(scene: Scene, layout: Layout | None) -> bool:
+def _can_be_held(scene: Scene, layout: PreciseLayout | None) -> bool:
     """Return whether there are boundaries, and a solution wherever they are."""
     return layout is not None and bool(layout.radii) and scene.tangential_compliance > 0.0
 
 
-def _changed(run: Run, found: list[Breach]) -> Layout:
+def _changed(run: PreciseRun, found: list[Breach]) -> PreciseLayout:
     """Return the zones as the friction law asks for them."""
     assert run.layout is not None
     states, logits = run.layout.states, run.logits
@@ -110,18 +110,18 @@ def _changed(run: Run, found: list[Breach]) -> Layout:
     slip_meets_slip = any(a and b for a, b in pairwise(states))
     if states[0] or slip_meets_slip:
         raise _no_zones(found)
-    return Layout(states, tuple(_radius(run, x) for x in logits))
+    return PreciseLayout(states, tuple(_radius(run, x) for x in logits))
 
 
-def _radius(run: Run, logit: Any) -> Radius:
+def _radius(run: PreciseRun, logit: Any) -> Radius:
     mp = run.fixed.mp
     value = 1 / mp.sqrt(1 + mp.exp(-logit))
     return Radius(float(value), float(1 / ((1 + mp.exp(logit)) * (1 + value))))
 
 
-def _moved(layout: Layout | None, run: Run | CoupledRun) -> float:
+def _moved(layout: PreciseLayout | None, run: PreciseRun | PreciseCoupledRun) -> float:
     """Return by how much the boundaries are not where they were thought to be."""
-    if layout is None or isinstance(run, CoupledRun):
+    if layout is None or isinstance(run, PreciseCoupledRun):
         return 0.0
     pairs = zip(layout.radii, run.logits, strict=True)
     return max((abs(float(x) - radius.logit) for radius, x in pairs), default=0.0)

@@ -9,8 +9,8 @@ import numpy as np
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
-from spectral_contact.precise.coupled_run import CoupledRun
-from spectral_contact.precise.run import Run
+from spectral_contact.precise.coupled_run import PreciseCoupledRun
+from spectral_contact.precise.run import PreciseRun
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 
@@ -71,7 +71,7 @@ class ReferenceSolution:
     unknowns: int
     bits: int
     seconds: float = field(compare=False)
-    _run: Run | CoupledRun | PressedRun = field(repr=False, compare=False)
+    _run: PreciseRun | PreciseCoupledRun | PressedRun = field(repr=False, compare=False)
     contact_radius: Any = None
     load: Any = None
     stiffness: Any = None

@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.precise.annulus import AnnulusMesh, AnnulusSeries, Blocks
+from spectral_contact.precise.annulus import AnnulusMesh, Blocks, PreciseAnnulusSeries
 from spectral_contact.precise.between import Between
-from spectral_contact.precise.drive import Drive
+from spectral_contact.precise.drive import PreciseDrive
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.threads import cached_property
 
-__all__ = ["Layout", "ZoneProblem", "ZoneTrial", "Zones", "panel_points"]
+__all__ = ["PreciseLayout", "ZoneProblem", "ZoneTrial", "Zones", "panel_points"]
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ _LN10 = log(10.0)
 
 
 @dataclass(frozen=True)
-class Layout:
+class PreciseLayout:
     """What every zone does, and roughly where it ends.
 
     Attributes
@@ -93,14 +93,14 @@ class Zones:
     ----------
     logits : tuple of mpf
         ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
-    tractions : tuple of AnnulusSeries or None
+    tractions : tuple of PreciseAnnulusSeries or None
         ``q / s`` in every zone that sticks.
     total_shear : int
     unknowns : int
     """
 
     logits: tuple[Any, ...]
-    tractions: tuple[AnnulusSeries | None, ...]
+    tractions: tuple[PreciseAnnulusSeries | None, ...]
     total_shear: Any
     unknowns: int
 
@@ -116,12 +116,12 @@ class ZoneProblem:
 
     Parameters
     ----------
-    drive : Drive
+    drive : PreciseDrive
     alpha, beta : float
         ``alpha*`` and ``beta*``.
     friction : int
         ``f / kappa`` in fixed point.
-    layout : Layout
+    layout : PreciseLayout
     digits : int
         Relative accuracy aimed at.
     width : float
@@ -130,11 +130,11 @@ class ZoneProblem:
 
     def __init__(
         self,
-        drive: Drive,
+        drive: PreciseDrive,
         alpha: float,
         beta: float,
         friction: Any,
-        layout: Layout,
+        layout: PreciseLayout,
         digits: int,
         width: float,
     ) -> None:

@@ -149,7 +149,7 @@ class SmoothWeight:
 
 
 @dataclass(frozen=True, slots=True)
-class _Stretch:
+class _Span:
     """A panel of the history with ``d delta/du`` over ``H`` at its nodes.
 
     Attributes
@@ -199,16 +199,16 @@ class CoupledWeight:
         growth = self._rate * weights * self._transform(low + np.log1p(-points))
         approach = float((growth / (1.0 - points)).sum())
         load = math.exp(low) * float(growth.sum()) / first.approach
-        self._panels: list[_Stretch] = []
+        self._panels: list[_Span] = []
         #: load and approach at the ends of the panels, and where they begin
         self._ends = [(load, approach)]
         #: what was looked at last, and its end
-        self._looked: _Stretch | None = None
+        self._looked: _Span | None = None
         self._end = load, approach
 
     def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
         """Return the weights of a panel."""
-        panel = _Stretch(low, high, np.zeros(COUNT), [self._surface(one) for one in flats])
+        panel = _Span(low, high, np.zeros(COUNT), [self._surface(one) for one in flats])
         points, weights = self._graded
         rows, right = [], []
         for r in low + (high - low) * (1.0 + _RADAU) / 2.0:
@@ -228,7 +228,7 @@ class CoupledWeight:
             self._last = flat, outside_displacement(flat)
         return self._last[1]
 
-    def _weights(self, panel: _Stretch, flats: tuple[Solution, ...]) -> Weights:
+    def _weights(self, panel: _Span, flats: tuple[Solution, ...]) -> Weights:
         """Return load and approach at the nodes, by integrals from the beginning of the panel."""
         ends = np.append(NODES, 1.0)[:, None]
         extent = (panel.high - panel.low) * (1.0 + ends) / 2.0
@@ -264,7 +264,7 @@ class CoupledWeight:
         growth = self._rate * self._transform(self._low + np.log1p(-points)) / (1.0 - points)
         return float((weights * growth) @ (1.0 - reached(self._around, ahead)[0]))
 
-    def _from_panel(self, panel: _Stretch, r: float) -> float:
+    def _from_panel(self, panel: _Span, r: float) -> float:
         """Return what a panel of the history adds to the height at a radius."""
         extent = panel.high - panel.low
         points, weights = self._graded if r - panel.high < _FAR else self._smooth

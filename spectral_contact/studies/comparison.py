@@ -197,7 +197,7 @@ def compare(
     if not given:
         raise SceneError("approach, pressure, …", None, "given, at least one of them")
     source = "given" if truth is not None else f"solve, rtol = {_RTOL:g}"
-    problem = _Problem(scene, _truth(scene, given) if truth is None else truth)
+    problem = _ComparedScene(scene, _truth(scene, given) if truth is None else truth)
     places = problem.places(s, from_edge)
     unplaced = s is None and from_edge is None
     agreements = []
@@ -218,7 +218,7 @@ def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
     return solve(scene, _RTOL, tuple(needed), strict=False)
 
 
-class _Problem:
+class _ComparedScene:
     """The truth about a scene, in the units in which numbers are given."""
 
     def __init__(self, scene: Scene, truth: Any) -> None:

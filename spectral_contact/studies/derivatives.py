@@ -155,11 +155,11 @@ def sensitivity(
         raise NotComputedError("the sensitivity", "with elastic coupling there is none yet")
     places = None if s is None and from_edge is None else radii(s, from_edge)
     with ProgressLine(progress) as tell:
-        problem = _Problem(scene, places, tell)
+        problem = _Differentiated(scene, places, tell)
         return Sensitivity(scene, problem.derivatives(asked), problem.fields(asked))
 
 
-class _Problem:
+class _Differentiated:
     """A scene and those around it; radii and distances from the edge if fields are asked for."""
 
     def __init__(

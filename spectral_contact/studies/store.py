@@ -24,7 +24,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.files import point_from_row, point_row
 from spectral_contact.studies.results import Point
 
-__all__ = ["Store"]
+__all__ = ["StudyStore"]
 
 _SCHEMA: Final = "spectral_contact.study.point"
 _VERSION: Final = 1
@@ -34,7 +34,7 @@ _MEMBERS: Final = ("schema", "version", "study", "truth", "point")
 _OTHER: Final = "use another store for another study"
 
 
-class Store:
+class StudyStore:
     """The points of one study; without a path they are kept in memory alone.
 
     Parameters

@@ -16,7 +16,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.solvers import Solver, solver_name
-from spectral_contact.studies.store import Store
+from spectral_contact.studies.store import StudyStore
 from spectral_contact.studies.timing import Stopwatch, Times, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_named, truth_of
 from spectral_contact.view.progress import ProgressLine
@@ -233,7 +233,7 @@ class _Study:
             "machine": asdict(self.machine),
         }
         known = {(case.name, case.truth.scene): case.truth.identity for case in cases}
-        self._store = Store(store, identity, known)
+        self._store = StudyStore(store, identity, known)
         self._tell = tell
 
     def point(self, case: _Case, resolution: float, share: float) -> Point:

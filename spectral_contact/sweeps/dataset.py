@@ -13,14 +13,14 @@ from spectral_contact.errors import optional
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.chunk import Outcome, outcome_of
-from spectral_contact.sweeps.parameters import Indices, Parameters, alone
+from spectral_contact.sweeps.parameters import Indices, SweepParameters, alone
 from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request, requested
 from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Table", "assembled", "needed", "of_solution"]
+__all__ = ["Collected", "assembled", "needed", "of_solution"]
 
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
@@ -63,7 +63,7 @@ _WITH_PROFILE: Final = {
 }
 
 
-class Table:
+class Collected:
     """The results of all scenes, filled chunk by chunk.
 
     Parameters
@@ -111,7 +111,7 @@ def needed() -> Any:
     return optional("xarray", "sweep")
 
 
-def assembled(parameters: Parameters, request: Request, table: Table) -> xarray.Dataset:
+def assembled(parameters: SweepParameters, request: Request, table: Collected) -> xarray.Dataset:
     """Return the dataset of a finished sweep."""
     dims, shape, shaped = parameters.dims, parameters.shape, parameters.shaped
     coordinates = _coordinates(parameters, request)
@@ -155,12 +155,12 @@ def of_solution(
     if radii is not None:  # each from the side on which it is accurate
         for name in set(FIELDS).intersection(quantities):
             outcome.values[name][0] = radii.evaluate(getattr(solution, name))
-    table = Table(1)
+    table = Collected(1)
     table.put(np.arange(1), outcome)
     return assembled(alone(scene), request, table)
 
 
-def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
+def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any]:
     """Return what varies as dimensions, the rest as scalars, and both forms of the places."""
     found: dict[str, Any] = {}
     for k, name in enumerate(parameters.names):
@@ -186,7 +186,7 @@ def _coordinates(parameters: Parameters, request: Request) -> dict[str, Any]:
     return found
 
 
-def _briefs(parameters: Parameters, part: str) -> list[str]:
+def _briefs(parameters: SweepParameters, part: str) -> list[str]:
     """Return profiles or layers in a line each, without what varies; empty where there is none."""
     forms = [getattr(one, part) for one in parameters.forms]
     briefs = ["" if one is None else one.brief for one in forms]

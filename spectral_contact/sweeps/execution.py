@@ -9,7 +9,7 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from typing import Final
 
 from spectral_contact.sweeps.chunk import Outcome, solve_chunk
-from spectral_contact.sweeps.parameters import Columns, Indices, Parameters
+from spectral_contact.sweeps.parameters import Columns, Indices, SweepParameters
 from spectral_contact.sweeps.request import Request
 
 __all__ = ["outcomes"]
@@ -21,7 +21,7 @@ _AHEAD: Final = 64
 
 
 def outcomes(
-    parameters: Parameters,
+    parameters: SweepParameters,
     chunks: Sequence[tuple[int, Indices]],
     request: Request,
     executor: Executor | None,
@@ -33,7 +33,7 @@ def outcomes(
 
     Parameters
     ----------
-    parameters : Parameters
+    parameters : SweepParameters
     chunks : sequence of (int, ndarray)
         Number and scenes of each.
     request : Request
@@ -54,7 +54,7 @@ def outcomes(
 
 def _through(
     executor: Executor,
-    parameters: Parameters,
+    parameters: SweepParameters,
     chunks: Sequence[tuple[int, Indices]],
     request: Request,
 ) -> Generator[tuple[int, Outcome], None, None]:

@@ -24,8 +24,8 @@ __all__ = [
     "PARAMETERS",
     "Columns",
     "Indices",
-    "Parameters",
     "SceneForm",
+    "SweepParameters",
     "alone",
     "changed",
     "grid",
@@ -114,7 +114,7 @@ class Columns:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Parameters:
+class SweepParameters:
     """All scenes of a sweep.
 
     Attributes
@@ -207,7 +207,9 @@ class Parameters:
         return digest.hexdigest()
 
 
-def grid(base: Scene, axes: Mapping[str, Any], law: Mapping[str, Any] | None = None) -> Parameters:
+def grid(
+    base: Scene, axes: Mapping[str, Any], law: Mapping[str, Any] | None = None
+) -> SweepParameters:
     """Return the scenes in which every given parameter takes every one of its values.
 
     Parameters
@@ -240,7 +242,7 @@ def grid(base: Scene, axes: Mapping[str, Any], law: Mapping[str, Any] | None = N
     return replace(whole, fixed=fixed, axes=given, law=tuple(axes_of_law))
 
 
-def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> Parameters:
+def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> SweepParameters:
     """Return the scenes of a list, with changes to all of them.
 
     Raises
@@ -266,7 +268,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
     count = len(PARAMETERS) if shaped else _FLAT
     table = np.array(rows).T[:count].copy()
     alike = not shaped and len(set(forms)) == 1
-    return Parameters((math.nan,) * count, {}, table, tuple(forms[:1] if alike else forms))
+    return SweepParameters((math.nan,) * count, {}, table, tuple(forms[:1] if alike else forms))
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -281,10 +283,10 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     return replace(scene, **{**dropped, **changes})
 
 
-def alone(scene: Scene) -> Parameters:
+def alone(scene: Scene) -> SweepParameters:
     """Return one scene as a grid without dimensions."""
     count = _FLAT if scene.profile is None else len(PARAMETERS)
-    return Parameters(_row(scene)[:count], {}, forms=(SceneForm.of(scene),))
+    return SweepParameters(_row(scene)[:count], {}, forms=(SceneForm.of(scene),))
 
 
 def _row(scene: Scene) -> tuple[float, ...]:

@@ -18,13 +18,13 @@ import spectral_contact
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
-from spectral_contact.sweeps.dataset import Table, assembled, needed
+from spectral_contact.sweeps.dataset import Collected, assembled, needed
 from spectral_contact.sweeps.execution import outcomes
 from spectral_contact.sweeps.lines import LEAST
 from spectral_contact.sweeps.parameters import (
     PARAMETERS,
     Indices,
-    Parameters,
+    SweepParameters,
     changed,
     grid,
     listed,
@@ -150,13 +150,13 @@ def sweep(
     slow = parameters.shaped or parameters.coupled
     request = replace(request, shared=parameters.pairs >= _MANY and not slow)
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
-    run = _Run(parameters, request, size, store)
+    run = _SweepRun(parameters, request, size, store)
     with one_thread(), tell:
         run.finish(executor, tell)
     return assembled(parameters, request, run.table)
 
 
-def _chunk(parameters: Parameters, request: Request) -> int:
+def _chunk(parameters: SweepParameters, request: Request) -> int:
     """Return how many scenes make some tenths of a second of work."""
     if parameters.shaped or parameters.coupled:
         return _SLOW_CHUNK
@@ -171,7 +171,7 @@ def _chunk(parameters: Parameters, request: Request) -> int:
     return _QUICK_CHUNK if quick.mean() > 0.99 else whole
 
 
-def _whole_lines(parameters: Parameters) -> int:
+def _whole_lines(parameters: SweepParameters) -> int:
     """Return `_CHUNK`, or somewhat more so that frictions which are solved together stay so."""
     frictions = np.size(parameters.axes.get("friction", 0.0))
     if not LEAST <= frictions <= _LONGEST:
@@ -181,7 +181,7 @@ def _whole_lines(parameters: Parameters) -> int:
 
 def _parameters(
     scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
-) -> Parameters:
+) -> SweepParameters:
     """Return the scenes that are meant."""
     alone: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
@@ -201,19 +201,19 @@ def _parameters(
     return listed(several, alone)
 
 
-class _Run:
+class _SweepRun:
     """A sweep as it is done."""
 
     def __init__(
         self,
-        parameters: Parameters,
+        parameters: SweepParameters,
         request: Request,
         size: int,
         store: str | os.PathLike[str] | None,
     ) -> None:
         self.parameters = parameters
         self.request = request
-        self.table = Table(parameters.size)
+        self.table = Collected(parameters.size)
         order = parameters.order()
         self.chunks = [order[i : i + size] for i in range(0, len(order), size)]
         self.store = None

@@ -115,7 +115,7 @@ def plot_solution(solution: Solution) -> Figure:
     instance("solution", solution, Solution)
     check(solution.plan)
     radii = graded_radii(solution, 600)
-    units = _Units.of(solution)
+    units = _AxisUnits.of(solution)
     rows = _field_rows(solution, radii, units)
     with style():
         heights = [2.5] * len(rows) + [0.5 + 0.22 * len(_estimates(solution))]
@@ -144,7 +144,7 @@ class _Curve:
 
 
 @dataclass(frozen=True, slots=True)
-class _Units:
+class _AxisUnits:
     """What one of a length and of a stress is on the axes, and how they are called."""
 
     length: float
@@ -156,7 +156,7 @@ class _Units:
     title: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, solution: Solution) -> _Units:
+    def of(cls, solution: Solution) -> _AxisUnits:
         """Return the units of the scene; dimensionless if the load is not known."""
         profile, data = solution.scene.profile, solution.scene.physical
         if profile is not None and data is None:
@@ -231,7 +231,9 @@ def _prefix_power(scale: float) -> int:
     return min(max(power, min(_PREFIXES)), max(_PREFIXES))
 
 
-def _field_rows(solution: Solution, radii: Radii, units: _Units) -> list[tuple[str, list[_Curve]]]:
+def _field_rows(
+    solution: Solution, radii: Radii, units: _AxisUnits
+) -> list[tuple[str, list[_Curve]]]:
     """Return the rows of panels: the axis label and the curves of each."""
     present, friction = solution.plan.quantities, solution.scene.friction
     rows = []
@@ -253,7 +255,7 @@ def _field_rows(solution: Solution, radii: Radii, units: _Units) -> list[tuple[s
 
 
 def _draw_over_radius(
-    axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _Units
+    axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _AxisUnits
 ) -> None:
     a = units.length
     for curve in curves:
@@ -283,7 +285,7 @@ def _draw_over_radius(
 
 
 def _draw_over_distance(
-    axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _Units
+    axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _AxisUnits
 ) -> None:
     depth, d, a = layer_depth(solution), radii.from_edge, units.length
     shown = (d > 0.0) & (d < 1.0)

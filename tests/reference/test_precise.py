@@ -22,10 +22,10 @@ from spectral_contact.closed_forms import (
 )
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
-from spectral_contact.precise.coupled_run import CoupledRun
-from spectral_contact.precise.run import Run
+from spectral_contact.precise.coupled_run import PreciseCoupledRun
+from spectral_contact.precise.run import PreciseRun
 from spectral_contact.precise.search import lawful
-from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.precise.zone_trial import PreciseLayout
 
 DIGITS = 15
 NU = 0.3
@@ -101,8 +101,8 @@ def integral(function, breaks, digits=30):
 def one_disk(scene, digits):
     """Return the solution on one mesh, whose zones are those of the double one."""
     [boundary] = solve(scene, 1e-9).zones[:-1]
-    layout = Layout((0, 1), (Radius(boundary.outer, boundary.outer_from_edge),))
-    return Run(scene, digits, 2.0, layout)
+    layout = PreciseLayout((0, 1), (Radius(boundary.outer, boundary.outer_from_edge),))
+    return PreciseRun(scene, digits, 2.0, layout)
 
 
 def error_of(estimate, value, truth):
@@ -209,7 +209,9 @@ def test_values_and_slope_of_the_approach():
     # 2 pi alpha p(1)^2 = delta + alpha d(delta)/d(alpha)
     precise, mp = solved("frictionless"), context()
     alpha, step = precise.scene.normal_compliance, 2.0**-36
-    above, below = (Run(Scene(NU, alpha + h), DIGITS, 2.0, None).approach for h in (step, -step))
+    above, below = (
+        PreciseRun(Scene(NU, alpha + h), DIGITS, 2.0, None).approach for h in (step, -step)
+    )
     slope = (above - below) / (2 * step)
     left = 2 * mp.pi * alpha * precise.pressure(1) ** 2
     assert abs(left / (precise.approach + alpha * slope) - 1) <= 1e-9
@@ -318,7 +320,7 @@ def test_bad_digits_are_refused(bad):
 
 def test_the_coupled_smooth_punch_is_the_closed_form():
     nu = -0.9
-    run, mp = CoupledRun(Scene(nu, friction=math.inf, coupling=True), 12, 2.0), context()
+    run, mp = PreciseCoupledRun(Scene(nu, friction=math.inf, coupling=True), 12, 2.0), context()
     theta = mp.log(3 - 4 * mp.mpf(nu)) / (2 * mp.pi)
     approach = (1 - 2 * mp.mpf(nu)) / (16 * (1 - mp.mpf(nu)) * mp.pi * theta)
     # the error of an energy is the square of that of the fields
@@ -343,7 +345,7 @@ def test_the_coupled_smooth_punch_is_the_closed_form():
 
 def test_the_opening_of_a_thin_layer():
     scene = Scene(0.0, 1e-6, 1e-6, math.inf, coupling=True)
-    run, double = CoupledRun(scene, 8, 2.0), solve(scene, 1e-12)
+    run, double = PreciseCoupledRun(scene, 8, 2.0), solve(scene, 1e-12)
     assert abs(run.opening / double.opening - 1) <= 1e-9
     at = np.array([run.opening])
     assert abs(run.pressures(1 - at, at)[0]) <= 1e-12
@@ -351,17 +353,17 @@ def test_the_opening_of_a_thin_layer():
 
 
 def test_the_other_edges_with_coupling():
-    smooth = CoupledRun(Scene(0.3, 0.0, 0.5, math.inf, coupling=True), 4, 2.0)
+    smooth = PreciseCoupledRun(Scene(0.3, 0.0, 0.5, math.inf, coupling=True), 4, 2.0)
     mp = smooth.fixed.mp
     edge = np.array([mp.one]), np.array([mp.zero])
     assert smooth.edge_ratio() == 0
     assert smooth.opening is None
     assert smooth.pressures(*edge)[0] == mp.inf
     assert mp.isfinite(smooth.tractions(*edge)[0])
-    thin = CoupledRun(Scene(-0.9, 0.0, 1e-3, math.inf, coupling=True), 4, 2.0)
+    thin = PreciseCoupledRun(Scene(-0.9, 0.0, 1e-3, math.inf, coupling=True), 4, 2.0)
     assert thin.opening is not None
     assert thin.pressures(*edge)[0] == solve(thin.scene).pressure(1.0) == -mp.inf
-    rough = CoupledRun(Scene(0.3, 0.5, 0.0, math.inf, coupling=True), 4, 2.0)
+    rough = PreciseCoupledRun(Scene(0.3, 0.5, 0.0, math.inf, coupling=True), 4, 2.0)
     assert rough.edge_ratio() == rough.tractions(*edge)[0] == mp.inf
     assert mp.isfinite(rough.pressures(*edge)[0])
 

@@ -7,19 +7,19 @@ import pytest
 from spectral_contact import ConvergenceError, NotComputedError, Scene
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import search
-from spectral_contact.precise.coupled_run import CoupledRun
+from spectral_contact.precise.coupled_run import PreciseCoupledRun
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.law import Breach, excesses, obeying
 from spectral_contact.precise.search import lawful
-from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.precise.zone_trial import PreciseLayout
 
 NU = 0.3
-STUCK = Layout((0,), ())
+STUCK = PreciseLayout((0,), ())
 KAPPA = Scene(NU).kappa
 
 
 def disk(c):
-    return Layout((0, 1), (Radius(c, 1.0 - c),))
+    return PreciseLayout((0, 1), (Radius(c, 1.0 - c),))
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +93,7 @@ def test_slip_that_double_precision_does_not_resolve():
 
 def test_zones_from_wrong_ones():
     """One zone too many, whose boundaries go nowhere: held, they say what is wrong."""
-    wrong = Layout((0, 1, 0), (Radius(0.5, 0.5), Radius(0.99, 0.01)))
+    wrong = PreciseLayout((0, 1, 0), (Radius(0.5, 0.5), Radius(0.99, 0.01)))
     run = lawful(Scene(NU, 0.05, 1.0, 0.15 * KAPPA), 5, 2.0, wrong)
     assert run.layout.states == (0, 1)
     assert float(run.radii[0][0]) == pytest.approx(0.373443, rel=1e-5)
@@ -124,7 +124,7 @@ def test_a_search_that_finds_nothing_says_where_the_law_is_broken(monkeypatch):
 )
 def test_full_stick_with_coupling(alpha, beta, friction, sticks):
     scene = Scene(NU if alpha else 0.2, alpha, beta, friction, coupling=True)
-    assert (not CoupledRun(scene, 6, 2.0).breaches()) == sticks
+    assert (not PreciseCoupledRun(scene, 6, 2.0).breaches()) == sticks
 
 
 def test_coupled_slip_is_told():

@@ -7,10 +7,10 @@ from mpmath.ctx_mp import MPContext
 
 from spectral_contact import Scene, solve
 from spectral_contact.fields.series import Radius
-from spectral_contact.precise.drive import Drive
+from spectral_contact.precise.drive import PreciseDrive
 from spectral_contact.precise.fixed import Fixed
-from spectral_contact.precise.run import Run
-from spectral_contact.precise.zone_trial import Layout, ZoneProblem
+from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.zone_trial import PreciseLayout, ZoneProblem
 from spectral_contact.precise.zones import solve_zones
 
 
@@ -18,8 +18,8 @@ def test_the_two_ways_to_one_stick_disk_agree():
     """One graded to the rim and refined by Cholesky, one collocated in the odds: no shared step."""
     scene, digits = Scene(0.1, 0.5, 0.5, 0.1), 18
     [boundary] = solve(scene, 1e-9).zones[:-1]
-    layout = Layout((0, 1), (Radius(boundary.outer, boundary.outer_from_edge),))
-    run = Run(scene, digits, 2.0, layout)
+    layout = PreciseLayout((0, 1), (Radius(boundary.outer, boundary.outer_from_edge),))
+    run = PreciseRun(scene, digits, 2.0, layout)
     f = run.fixed
     parameters = scene.normal_compliance, scene.tangential_compliance
     friction = f.of(f.mp.mpf(scene.friction) / run.kappa)
@@ -35,7 +35,7 @@ def test_the_two_ways_to_one_stick_disk_agree():
     assert max(abs(mine / its - 1)) <= 10.0**-digits
 
 
-class Dipped(Drive):
+class Dipped(PreciseDrive):
     """Uniform pressure drives the traction, and another one that dips bounds it in slip."""
 
     def __init__(self, fixed):
@@ -53,7 +53,7 @@ def test_four_zones():
     """No scene is known to have as many: the tangential problem alone, with a made-up bound."""
     fixed, digits, friction = Fixed(240), 12, 0.4
     guess = tuple(Radius(b, 1.0 - b) for b in (0.555809, 0.813785, 0.897012))
-    layout = Layout((0, 1, 0, 1), guess)
+    layout = PreciseLayout((0, 1, 0, 1), guess)
     drive = Dipped(fixed)
     zones, check = (
         solve_zones(

@@ -20,7 +20,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
 from spectral_contact.precise.search import solved
 from spectral_contact.precise.solution import ReferenceSolution
-from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.precise.zone_trial import PreciseLayout
 
 DIGITS = 20
 #: Distances from the edge at which fields are compared.
@@ -93,7 +93,7 @@ def _without_edge_zone(scene: Scene) -> ReferenceSolution:
     """Solve with one stick disk and nothing but slip outside, where the law does not hold."""
     disk = solve(replace(scene, tangential_compliance=0.0), 1e-9).zones[0]
     module = sys.modules["spectral_contact.precise.reference"]
-    found = Layout((0, 1), (Radius(disk.outer, disk.outer_from_edge),))
+    found = PreciseLayout((0, 1), (Radius(disk.outer, disk.outer_from_edge),))
     with mock.patch.multiple(module, _layout=lambda scene: found, lawful=solved):
         return reference(scene, DIGITS)
 

@@ -24,7 +24,7 @@ import numpy as np
 import spectral_contact
 from spectral_contact import Scene, solve
 from spectral_contact.contact.coupled_problem import CoupledProblem
-from spectral_contact.contact.coupled_radii import StickRadius, scanned, stick_radii
+from spectral_contact.contact.coupled_radii import PossibleRadius, scanned, stick_radii
 from spectral_contact.contact.layout import Layout
 from spectral_contact.spectral.parameters import Parameters
 
@@ -56,7 +56,7 @@ def draw(number: int) -> Scene:
     return Scene(ratio, alpha, beta, friction, coupling=True)
 
 
-def radii(scene: Scene) -> list[StickRadius]:
+def radii(scene: Scene) -> list[PossibleRadius]:
     """Return all stick radii of a scene."""
     compliances = scene.normal_compliance, scene.tangential_compliance
     assert scene.friction is not None

@@ -6,7 +6,7 @@ import pytest
 from spectral_contact import Scene, solve
 from spectral_contact.contact import coupled_search
 from spectral_contact.contact.coupled_problem import CoupledProblem
-from spectral_contact.contact.coupled_radii import StickRadius, stick_radii
+from spectral_contact.contact.coupled_radii import PossibleRadius, stick_radii
 from spectral_contact.contact.layout import Layout
 from spectral_contact.spectral.parameters import Parameters
 
@@ -60,8 +60,8 @@ def test_others_are_looked_for_where_there_may_be_some_and_named(monkeypatch, sc
         logits = list(logits)
         seen.append(logits[0])
         assert contacts
-        yield StickRadius(5.0, True, 0.0)
-        yield StickRadius(6.0, True, 0.5)
+        yield PossibleRadius(5.0, True, 0.0)
+        yield PossibleRadius(6.0, True, 0.5)
 
     monkeypatch.setattr(coupled_search, "stick_radii", all_possible)
     solution = solve(scene, 1e-3)

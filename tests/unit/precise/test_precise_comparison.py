@@ -6,8 +6,8 @@ import pytest
 
 from spectral_contact import ConvergenceError, Scene, gold
 from spectral_contact.precise import reference
-from spectral_contact.precise.run import Run
-from spectral_contact.precise.zone_trial import Layout
+from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.zone_trial import PreciseLayout
 
 
 def test_approach_and_shear_are_those_of_the_gold_tables_to_their_last_digits():
@@ -18,7 +18,7 @@ def test_approach_and_shear_are_those_of_the_gold_tables_to_their_last_digits():
         for solution in table.solutions
         if solution.name == "nu=0.1 alpha=0.5 beta=0.5 f=inf"
     ]
-    run = Run(true.scene, 14, 2.0, Layout((0,), ()))
+    run = PreciseRun(true.scene, 14, 2.0, PreciseLayout((0,), ()))
     assert abs(run.approach / true.approach - 1) <= 1e-26
     assert abs(run.total_shear / true.total_shear - 1) <= 1e-26
 
@@ -28,7 +28,7 @@ def second_mesh_off(monkeypatch):
     """Return a function that makes the approach of the second mesh wrong by a share."""
 
     def off(share):
-        runs, own = [], Run.approach.fget
+        runs, own = [], PreciseRun.approach.fget
 
         def approach(run):
             if run not in runs:
@@ -36,7 +36,7 @@ def second_mesh_off(monkeypatch):
             value = own(run)
             return value + value * share * runs.index(run)
 
-        monkeypatch.setattr(Run, "approach", property(approach))
+        monkeypatch.setattr(PreciseRun, "approach", property(approach))
 
     return off
 
