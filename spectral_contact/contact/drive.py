@@ -24,7 +24,7 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
-__all__ = ["Drive"]
+__all__ = ["Drive", "Targets"]
 
 Array = NDArray[np.float64]
 

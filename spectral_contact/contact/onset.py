@@ -65,7 +65,10 @@ def full_stick_violations(
     def excess(x: Array) -> Array:
         y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
         q = traction(s, y / (1.0 + s))
-        return np.asarray(np.abs(q) - friction * pressure.at(y))
+        p = pressure.at(y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
+        return np.asarray(np.minimum(ratio, 2.0 * friction) - friction)
 
     x = np.linspace(1e-3, depth, 4001)
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth

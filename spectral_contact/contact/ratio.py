@@ -13,7 +13,7 @@ from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 
-__all__ = ["AT_ONE_PLACE", "largest_ratio"]
+__all__ = ["AT_ONE_PLACE", "LargestRatio", "largest_ratio"]
 
 Array = NDArray[np.float64]
 

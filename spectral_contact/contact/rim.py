@@ -24,7 +24,7 @@ from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.samples import Samples, root_sums
 
-__all__ = ["SlipSource", "disk_resolution", "rim_target"]
+__all__ = ["RimRule", "SlipSource", "disk_resolution", "rim_target"]
 
 Array = NDArray[np.float64]
 

@@ -42,6 +42,7 @@ from spectral_contact.spectral.samples import root_sums
 from spectral_contact.spectral.transforms import transforms
 
 __all__ = [
+    "SlipFields",
     "Slipping",
     "Stuck",
     "annulus_between",

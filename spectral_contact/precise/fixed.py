@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import gauss_rule
 
-__all__ = ["Fixed", "Ints", "root_rule"]
+__all__ = ["Fixed", "FixedRule", "Ints", "root_rule"]
 
 Ints = NDArray[np.object_]
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,7 @@ from spectral_contact.spectral.graded import (
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.products import OwnColumns, PartProduct, SideBySide
 from spectral_contact.spectral.samples import root_sums
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
@@ -116,30 +117,6 @@ class Block:
         return sums if self.gathered is None else self.gathered.T @ sums
 
 
-class PartProduct(NamedTuple):
-    """The product of the integrals of two parts."""
-
-    row: int
-    column: int
-    values: Array
-
-
-class _OwnColumns(NamedTuple):
-    """Which columns are those of a part, and whether they are at the samples."""
-
-    part: int
-    columns: slice
-    sampled: bool
-
-
-class _SideBySide(NamedTuple):
-    """Integrals of several parts: whose the columns are, and those at nodes and at samples."""
-
-    places: list[_OwnColumns]
-    direct: Array
-    sampled: Array
-
-
 @dataclass(frozen=True, slots=True)
 class Seen:
     """Integrals of several parts at the nodes of one.
@@ -178,15 +155,15 @@ class Seen:
         for k, one in self.blocks.items():
             yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
 
-    def _columns(self, *, whole: bool) -> _SideBySide:
+    def _columns(self, *, whole: bool) -> SideBySide:
         """Return the integrals of all parts side by side."""
-        places: list[_OwnColumns] = []
+        places: list[OwnColumns] = []
         parts: tuple[list[Array], list[Array]] = [], []
         ends = [0, 0]
         for k, one in self.blocks.items():
             values, kind = one.whole if whole else one.more, int(one.sampled)
             own = slice(ends[kind], ends[kind] + values.shape[1])
-            places.append(_OwnColumns(k, own, one.sampled))
+            places.append(OwnColumns(k, own, one.sampled))
             parts[kind].append(values)
             ends[kind] += values.shape[1]
         shapes = len(self.nodes.d), len(self.nodes.samples)
@@ -194,7 +171,7 @@ class Seen:
             np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
             for each, rows in zip(parts, shapes, strict=True)
         )
-        return _SideBySide(places, direct, sampled)
+        return SideBySide(places, direct, sampled)
 
     def products(
         self, other: Seen, weights: Array, *, whole: bool = False, own: Array | None = None
@@ -215,9 +192,7 @@ class Seen:
         w = weights[:, None]
         if own is not None:
             on_nodes = own
-        elif (
-            other is self and whole
-        ):  # of a matrix and its own transpose NumPy computes one triangle
+        elif other is self and whole:  # of one and its transpose NumPy computes one triangle
             root = np.sqrt(w) * direct
             on_nodes = root.T @ root
         else:

@@ -20,7 +20,7 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["inner_moments", "moments", "outer_moments", "tail_rule", "unit_masses"]
+__all__ = ["BasisRule", "inner_moments", "moments", "outer_moments", "tail_rule", "unit_masses"]
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.charges import EXTRA
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
-__all__ = ["SAMPLES", "LogPanels", "Nodes", "top_functions"]
+__all__ = ["SAMPLES", "LogPanels", "Nodes", "PanelNodes", "top_functions"]
 
 Array = NDArray[np.float64]
 

@@ -62,7 +62,7 @@ CALLS = {
         import_module("spectral_contact.precise.reference"),
         "_compare",
     ),
-    "sweep": (lambda: sweep(SCENE, poisson_ratio=[0.1, 0.2]), sweep_run._Run, "finish"),
+    "sweep": (lambda: sweep(SCENE, poisson_ratio=[0.1, 0.2]), sweep_run._SweepRun, "finish"),
     "chunk": (solve_chunk, chunk._Rows, "take"),
     "command": (lambda: cli.main(["solve", "--poisson-ratio", "0.1"]), cli, "report"),
 }
