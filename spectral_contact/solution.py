@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +33,10 @@ from spectral_contact.records import (
     Zone,
 )
 from spectral_contact.scene import Scene
-from spectral_contact.view.output import Output
+from spectral_contact.view.output import Output, above
+
+if TYPE_CHECKING:
+    from spectral_contact.interior import Inside
 
 __all__ = [
     "COUPLING",
@@ -316,6 +319,12 @@ class Solution(Output):
         Parameters, return value and errors are those of `pressure`.
         """
         return self._field(self.slip_field, "slip", s, from_edge)
+
+    @property
+    def inside(self) -> Inside:
+        """Stress and displacement anywhere in the half-space; needs pressure and traction."""
+        inside: Inside = above("interior").Inside(self)
+        return inside
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):

@@ -61,7 +61,7 @@ class LawComparison:
 
     @property
     def alike(self) -> tuple[str, ...]:
-        """Laws that the data do not rule out: the best, and those within 6 of its criterion."""
+        """Laws that the data do not rule out, which are those within 6 of the best criterion."""
         least = min(self.criterion)
         both = zip(self.names, self.criterion, strict=True)
         return tuple(name for name, one in both if one - least <= _RULED_OUT)

@@ -13,15 +13,14 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-    from spectral_contact.interior import Inside
     from spectral_contact.solution import Solution
     from spectral_contact.studies.derivatives import Sensitivity
     from spectral_contact.view.physical import PhysicalSolution
 
-__all__ = ["Output"]
+__all__ = ["Output", "above"]
 
 
-def _above(module: str) -> Any:
+def above(module: str) -> Any:
     """Return a module that knows solutions, by name: an import would go up the layers."""
     return import_module(f"spectral_contact.{module}")
 
@@ -49,7 +48,7 @@ def _loaded(path: str | os.PathLike[str]) -> Solution:
     SolutionFileError
         For a file that is not there, not ours, damaged, or of another version.
     """
-    solution: Solution = _above("io.storage").load(path)
+    solution: Solution = above("io.storage").load(path)
     return solution
 
 
@@ -59,14 +58,9 @@ class Output:
     __slots__ = ()
 
     @property
-    def inside(self) -> Inside:
-        """Stress and displacement anywhere in the half-space; needs pressure and traction."""
-        return _above("interior").Inside(self)  # type: ignore[no-any-return]
-
-    @property
     def _comparable(self) -> object:
         """What is the same of equal solutions."""
-        return _above("io.storage").comparable(self)
+        return above("io.storage").comparable(self)
 
     @property
     def physical(self) -> PhysicalSolution:
@@ -77,12 +71,12 @@ class Output:
         NotComputedError
             If the scene was not made by `Scene.from_physical`.
         """
-        found: PhysicalSolution = _above("view.physical").PhysicalSolution(self)
+        found: PhysicalSolution = above("view.physical").PhysicalSolution(self)
         return found
 
     def summary(self) -> str:
         """Return what the command line prints: quantities with errors, zones, plan and work."""
-        return str(_above("view.report").report(self))
+        return str(above("view.report").report(self))
 
     def plot(self) -> Figure:
         """Draw the fields, the zones and the errors; see `plotting.plot_solution`.
@@ -94,7 +88,7 @@ class Output:
         MissingDependencyError
             If matplotlib is not installed (extra: plot).
         """
-        figure: Figure = _above("view.plotting").plot_solution(self)
+        figure: Figure = above("view.plotting").plot_solution(self)
         return figure
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -109,7 +103,7 @@ class Output:
         SolutionFileError
             If the path cannot be written.
         """
-        _above("view.report").write_csv(self, path)
+        above("view.report").write_csv(self, path)
 
     def to_xarray(
         self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
@@ -134,7 +128,7 @@ class Output:
         MissingDependencyError
             If xarray is not installed (extra: sweep).
         """
-        dataset: xarray.Dataset = _above("sweeps.dataset").of_solution(self, s, from_edge)
+        dataset: xarray.Dataset = above("sweeps.dataset").of_solution(self, s, from_edge)
         return dataset
 
     def sensitivity(
@@ -174,14 +168,14 @@ class Output:
         NotComputedError
             With elastic coupling.
         """
-        study = _above("studies.derivatives")
+        study = above("studies.derivatives")
         found: Sensitivity = study.sensitivity(
             self, parameters, s=s, from_edge=from_edge, progress=progress
         )
         return found
 
     def _repr_html_(self) -> str:
-        return str(_above("view.html").of_solution(self))
+        return str(above("view.html").of_solution(self))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Store the solution in one ``.npz`` or ``.json`` file, every value exactly.
@@ -191,7 +185,7 @@ class Output:
         SolutionFileError
             For another suffix, or a path that cannot be written.
         """
-        _above("io.storage").save(self, path)
+        above("io.storage").save(self, path)
 
     #: Of the class, ``Solution.load(path)``: load what `save` stored. Of a solution with a profile,
     #: ``solution.load``: its load, in E'L² with E' = E/(4(1−ν²)).
@@ -205,7 +199,7 @@ class Output:
         SolutionFileError
             If it holds NaN.
         """
-        return str(_above("io.storage").to_json(self))
+        return str(above("io.storage").to_json(self))
 
     @classmethod
     def from_json(cls, text: str) -> Solution:
@@ -216,5 +210,5 @@ class Output:
         SolutionFileError
             If the text is not JSON, not ours, damaged, or of another version.
         """
-        solution: Solution = _above("io.storage").from_json(text)
+        solution: Solution = above("io.storage").from_json(text)
         return solution

@@ -70,7 +70,7 @@ class PhysicalSolution:
 
     @property
     def radius(self) -> float:
-        """Radius at s = 1 [m]: of the contact, that of a flat punch is the punch's.
+        """Radius at ``s = 1`` [m], that of the contact; under a flat punch it is the punch's.
 
         Under a layer with pressure at every gap it is `Solution.domain_radius`.
         """
