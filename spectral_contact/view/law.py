@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import trapezoid
 
 from spectral_contact.errors import NotComputedError
 from spectral_contact.inputs.choices import instance
@@ -103,7 +104,7 @@ def _used(solution: Solution, unit: float) -> _Used:
     mean = solution.load / (pi * solution.domain_radius**2)
     if isinf(layer.start):  # over what bears the load: the domain ends at no edge
         weight = radii.s * values
-        mean = float(np.trapezoid(weight * values, radii.s) / np.trapezoid(weight, radii.s))
+        mean = float(trapezoid(weight * values, radii.s) / trapezoid(weight, radii.s))
     first = layer.start if not isinf(layer.start) else layer.overclosure(_LEAST * largest)
     last = layer.overclosure(largest)
     last = min(last + (_BEYOND - 1.0) * (last - first), layer.limit)
