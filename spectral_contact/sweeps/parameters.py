@@ -203,7 +203,9 @@ class SweepParameters:
             digest.update(repr(values.shape).encode() + values.astype("<f8").tobytes())
         for one in self.forms:
             kinds = [kind_tree(part) for part in one[:2] if part is not None]
-            digest.update("".join(map(repr, [*kinds, *[True] * one.coupling])).encode())
+            digest.update("".join(map(repr, kinds)).encode())
+        if self.coupled:
+            digest.update(repr([one.coupling for one in self.forms]).encode())
         return digest.hexdigest()
 
 

@@ -225,6 +225,12 @@ def test_stores_know_coupling(coupling, tmp_path):
         sweep(Scene(0.3, 0.5, 0.5, coupling=not coupling), **asked)
 
 
+def test_which_of_like_scenes_is_coupled_makes_another_sweep():
+    plain, coupled = (Scene(0.3, 0.5, 0.5, 0.1, coupling=on) for on in (False, True))
+    orders = [plain, coupled], [coupled, plain], [plain, plain], [coupled, coupled]
+    assert len({run.listed(scenes).fingerprint() for scenes in orders}) == 4
+
+
 def test_neither_spectra_nor_lines_take_coupled_scenes_for_others():
     friction = np.geomspace(0.02, 0.2, 30)
     scenes = [Scene(0.3, 0.5, 0.5, f, coupling=True) for f in friction]
