@@ -81,8 +81,10 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
         for name in ("slip", *sorted(_STICK_ONLY)):
             missing[name] = _NO_FRICTION
     elif scene.profile is not None:
+        flat = isinstance(scene.profile, Flat)
+        kind = "under profiles" if flat else "of growing contacts"
         for name in ("slip", *sorted(_STICK_ONLY)):
-            missing[name] = "it is not computed under profiles"
+            missing[name] = f"it is not computed {kind}"
     if endless(scene):
         missing["contact_radius"] = "the layer has pressure at every gap: there is no edge"
     present = tuple(name for name in _present(scene) if name not in missing)
