@@ -325,18 +325,21 @@ def pointwise_errors(
 
     They are relative to the pressure, or to its mean if that is larger.
     """
-    rates, shares = [], []
+    rates, errors = [], []
     parts = zip(
         used, series, split_parts(used, whole), split_parts(used, change.coefficients), strict=True
     )
+    # a change next to a break says less about the one after it
+    factor = _BROKEN if len(used) > 1 else 1.0
     for (panels, degrees), one, own, changed in parts:
         rates.append(table_rates(degrees, panel_table(panels, own)))
         size = np.maximum(np.abs(one.at_ends()), mean)
-        shares.append(share_of_change(panels, changed, size))
-    all_rates = np.concatenate(rates)
-    expected = expected_error(np.concatenate(shares), all_rates)
-    # a change next to a break says less about the one after it
-    return (_BROKEN * expected if len(used) > 1 else expected), all_rates
+        expected = factor * expected_error(share_of_change(panels, changed, size), rates[-1])
+        # no degree lowers what the tail lacks: a root at a tip 1.8 times what it sheds
+        tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])
+        expected[-1] = max(float(expected[-1]), 2.0 * tail)
+        errors.append(expected)
+    return np.concatenate(errors), np.concatenate(rates)
 
 
 def series_on_parts(used: tuple[Used, ...], coefficients: Array) -> list[LogSeries]:

@@ -14,6 +14,7 @@ from spectral_contact.contact.layered_spaces import Form
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.cells import DiskCells
+from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.parted import Parts
 from spectral_contact.spectral.regularised import Change
 
@@ -37,6 +38,8 @@ _SOFT, _STIFFER, _EASED, _NEAR = 10.0, 0.2, 12, 0.02
 _LOW = 5
 #: Where next to the edge the slope is taken, in units of the layer.
 _SLOPE = 1e-4
+#: A rule that integrates any power there: its points, and how they crowd to the edge.
+_EDGE_POINTS, _EDGE_GRADE = 24, 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,6 +333,28 @@ class LayeredNewton:
             stored + a**3 * float(weights @ half**2),
             fields.shift,
         )
+
+    def missed(self, fields: LayeredFields) -> float:
+        """Return what the stiffness lacks where the overclosure vanishes.
+
+        Next to the edge the slope of a law falls as some power of the overclosure, small or not,
+        which three sampling points do not integrate.
+        """
+        if self._fixed:
+            return 0.0
+        g, weights = gauss_rule(_EDGE_POINTS)
+        grade = ((1.0 + g) / 2.0) ** (_EDGE_GRADE - 1)
+        u = grade * (1.0 + g) / 2.0
+        values = self.form.in_tail(np.array([fields.overclosure, fields.rate, fields.flat]), u)
+        lacks = self.setting.slope(np.maximum(values[0], 0.0)) * values[1] - values[2]
+        whole = float(weights * _EDGE_GRADE / 2.0 * grade @ lacks)
+        return pi * self.setting.radius * self.form.tail_extent * abs(whole)
+
+    def carried(self, flat: Array) -> Array:
+        """Return what every panel adds to the stiffness."""
+        own = self.functions
+        each = 4.0 * self.setting.radius * own.constant_moments * flat[own.index]
+        return np.asarray(np.bincount(own.panel, each, own.panels + 1)[:-1], dtype=float)
 
     def change(self, p: Array, p_less: Array, w: Array, w_less: Array) -> Change:
         """Return the difference of two pressures, and its energy with that of overclosures."""

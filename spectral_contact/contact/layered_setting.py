@@ -76,10 +76,13 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Laye
         turns = [Radius(knee / radius, (radius - knee) / radius)]
     breaks = sorted([*own.breaks, *turns], key=lambda one: one.value)
     parts = Parts(tuple(breaks), own.pointed, tuple(turns))
+    central = layer._overclosure(_central(layer, approach, max(turn, layer._size)))
+    thin = 1.0 / max(float(layer._slope(np.array(central))) * radius, 1.0)
     depths, smooth = [], []
-    for boundary, _, _ in parts.ends:
-        depths.append(depth if boundary in turns and turn == knee else 0.0)
+    for boundary, _, extent in parts.ends:
         smooth.append(boundary in turns or boundary is EDGE)
+        known = depth if boundary in turns and turn == knee else 0.0
+        depths.append(known if smooth[-1] else _depth(thin, boundary, extent))
     return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), tuple(smooth))
 
 
@@ -112,12 +115,14 @@ def _to_edge(
     centre = np.array([room / radius])
     slope = float(setting.slope(balanced(setting, centre, np.minimum(centre, 0.0)))[0])
     thin = 1.0 / max(slope, 1.0)
-    depths = [
-        max(-log(thin * max(boundary.value, thin) / extent), 0.0)
-        for boundary, _, extent in parts.ends
-    ]
+    depths = tuple(_depth(thin, boundary, extent) for boundary, _, extent in parts.ends)
     smooth = (False,) * len(depths)
-    return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), smooth)
+    return LayeredSetting(profile, layer, radius, approach, parts, depths, smooth)
+
+
+def _depth(thin: float, boundary: Radius, extent: float) -> float:
+    """Return how deep in ``x`` a layer of this width next to a boundary is."""
+    return max(-log(thin * max(boundary.value, thin) / extent), 0.0)
 
 
 def _domain(profile: Profile, layer: Layer, approach: float) -> float:

@@ -19,6 +19,7 @@ from spectral_contact.contact.resolution import expected_error, series_of, table
 from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.cells import DiskCells, cell_space
+from spectral_contact.spectral.jacobi import legendre_values
 from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change
@@ -38,11 +39,14 @@ class Form(Protocol):
     sampling : Sampling
     z : ndarray
         ``s**2`` at the sampling points.
+    tail_extent : float
+        Width in ``s**2`` of the last piece, next to the edge.
     """
 
     space: PressureSpace
     sampling: Sampling
     z: Array
+    tail_extent: float
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -58,6 +62,9 @@ class Form(Protocol):
 
     def next_to_edge(self, coefficients: Array, y: float) -> float:
         """Return the value at a ``1 - s**2``."""
+
+    def in_tail(self, rows: Array, u: Array) -> Array:
+        """Return values of functions, (k, size), on the last piece, from the edge at ``u = 0``."""
 
     def lost_at_edge(self, change: Array) -> float:
         """Return a bound of what a change is at the edge."""
@@ -81,6 +88,7 @@ class PanelForm:
         self.z: Array = np.concatenate(
             [Family(*end, panels).sampling().z for end, (panels, _) in ends]
         )
+        self.tail_extent = parts.ends[-1][2] * used[-1][0].end
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -146,6 +154,11 @@ class PanelForm:
         series = series_on_parts(self._used, coefficients)[-1]
         return series.value(y / self._parts.ends[-1][2])
 
+    def in_tail(self, rows: Array, u: Array) -> Array:
+        """Return values of functions, (k, size), on the last piece, from the edge at ``u = 0``."""
+        terms = self._used[-1][0].tail_terms
+        return rows[:, -terms:] @ legendre_values(2.0 * u - 1.0, terms - 1).T
+
     def lost_at_edge(self, change: Array) -> float:
         """Return a bound of what a change is at the edge."""
         return float(np.abs(change[-self._used[-1][0].tail_terms :]).sum())
@@ -165,6 +178,7 @@ class CellForm:
         self.space: PressureSpace = cell_space(cells, degrees)
         self.sampling = Sampling(polynomials=degrees)
         self.z: Array = cells.from_centre(self.sampling.places())
+        self.tail_extent = cells.lengths[-1]
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -203,8 +217,12 @@ class CellForm:
 
     def next_to_edge(self, coefficients: Array, y: float) -> float:
         """Return the value at a ``1 - s**2``."""
-        local = 1.0 - 2.0 * y / self._cells.lengths[-1]
-        return float(np.polynomial.legendre.legval(local, self._split(coefficients)[-1]))
+        return float(self.in_tail(coefficients[None, :], np.array([y / self.tail_extent]))[0, 0])
+
+    def in_tail(self, rows: Array, u: Array) -> Array:
+        """Return values of functions, (k, size), on the last piece, from the edge at ``u = 0``."""
+        degree = self._degrees[-1]
+        return rows[:, -degree - 1 :] @ legendre_values(1.0 - 2.0 * u, degree).T
 
     def lost_at_edge(self, change: Array) -> float:
         """Return a bound of what a change is at the edge."""

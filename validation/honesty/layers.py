@@ -143,9 +143,10 @@ def main() -> int:
         except SceneError:  # the profile ends before the pressure does
             refused += 1
             continue
+        label = f"scene {done}: {label}"
         found.append(one)
         unmet += [] if converged else [label]
-        violations += [f"{name} {ratio:.2f}: {label}" for name, ratio in one.items() if ratio > 1.0]
+        violations += [f"{name} {ratio:.2f}, {label}" for name, ratio in one.items() if ratio > 1.0]
     print(written(scenes, seed, refused, found, violations, unmet))
     return bool(violations)
 

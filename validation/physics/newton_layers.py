@@ -1,0 +1,117 @@
+"""Whether the corrections of Newton's method through nonlinear layers are quadratic.
+
+Run as ``python validation/physics/newton_layers.py``; writes validation/results/newton_layers.md:
+by how much of the largest pressure every correction in the last space moves it. Quadratic is that
+a correction is at most a number, the same for all of them, times the square of the one before.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from spectral_contact import Scene, layers, profiles, solve
+from spectral_contact.contact.layered_newton import LayeredNewton
+
+RESULTS = Path(__file__).parents[1] / "results"
+BALL = profiles.Parabola(1.0)
+SCENES = {
+    "Abaqus' exponential, load 1": {
+        "layer": layers.Exponential(0.1, 0.2),
+        "profile": BALL,
+        "load": 1.0,
+    },
+    "CalculiX' exponential, approach 0.5": {
+        "layer": layers.CalculixExponential(0.1, 0.2),
+        "profile": BALL,
+        "approach": 0.5,
+    },
+    "power 2, contact radius 1": {
+        "layer": layers.PowerLaw(5.0, 2.0),
+        "profile": BALL,
+        "contact_radius": 1.0,
+    },
+    "power 3 under a cone, load 1": {
+        "layer": layers.PowerLaw(5.0, 3.0),
+        "profile": profiles.Cone(1.2),
+        "load": 1.0,
+    },
+    "power 2 under a flat punch, load 1": {
+        "layer": layers.PowerLaw(5.0, 2.0),
+        "profile": profiles.Flat(1.0),
+        "load": 1.0,
+    },
+    "rough spheres, approach 3": {
+        "layer": layers.GreenwoodWilliamson(10.0, 1.0, 0.5),
+        "profile": BALL,
+        "approach": 3.0,
+    },
+    "rough spheres, stiff, load 1": {
+        "layer": layers.GreenwoodWilliamson(1e6, 1e-3, 1e-3),
+        "profile": BALL,
+        "load": 1.0,
+    },
+}
+#: Above it corrections are not yet Newton's last ones, below it they are rounding.
+LARGE, ROUNDING = 0.1, 1e-12
+
+
+class Recorded:
+    """Newton's method as it is, with what every correction moves."""
+
+    def __init__(self) -> None:
+        self.sizes: list[list[float]] = []
+        solved, correction = LayeredNewton.solved, LayeredNewton._correction
+
+        def run(newton, w, shift):
+            self.sizes.append([])
+            return solved(newton, w, shift)
+
+        def correct(newton, w, at, shift):
+            step = correction(newton, w, at, shift)
+            with np.errstate(over="ignore", invalid="ignore"):
+                here = newton.setting.pressure(at)
+                there = newton.setting.pressure(at + newton.sampling.values(step.overclosure))
+            most = max(float(here.max()), float(there.max()))
+            self.sizes[-1].append(float(np.abs(there - here).max()) / most)
+            return step
+
+        LayeredNewton.solved, LayeredNewton._correction = run, correct
+
+
+def main() -> None:
+    """Write the table."""
+    recorded = Recorded()
+    lines = [
+        "# Newton's method through nonlinear layers\n",
+        "Every correction of the longest run of a scene at `rtol=1e-12`, as a part of the largest "
+        "pressure, by validation/physics/newton_layers.py. The last column is the largest ratio of "
+        f"a correction to the square of the one before, of those below {LARGE:g} and above "
+        f"{ROUNDING:g}.\n",
+        "| scene | corrections | ratio |",
+        "|---|---|---|",
+    ]
+    for name, given in SCENES.items():
+        recorded.sizes.clear()
+        solve(Scene(0.3, **given), 1e-12)
+        sizes = max(recorded.sizes, key=len)
+        ratios = [
+            after / before**2
+            for before, after in pairwise(sizes)
+            if before < LARGE and after > ROUNDING
+        ]
+        most = f"{max(ratios):.2g}" if ratios else "none"
+        print(name, sizes, most)
+        lines.append(f"| {name} | {' '.join(f'{size:.0e}' for size in sizes)} | {most} |")
+    (RESULTS / "newton_layers.md").write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()
