@@ -115,7 +115,13 @@ def test_greenwood_and_tripp():
 
 @pytest.mark.parametrize("alpha", [10.0, 0.5, 1e-3, 1e-8])
 @pytest.mark.parametrize(
-    "law", [layers.Linear, lambda alpha: layers.PowerLaw(1.0 / alpha, 1.0)], ids=["linear", "power"]
+    "law",
+    [
+        layers.Linear,
+        lambda alpha: layers.PowerLaw(1.0 / alpha, 1.0),
+        lambda alpha: layers.Table(tuple(alpha * p for p in (0, 1, 2, 8)), (0.0, 1.0, 2.0, 8.0)),
+    ],
+    ids=["linear", "power", "table"],
 )
 def test_a_linear_law_is_the_linear_layer(law, alpha):
     for given in ({"contact_radius": 1.0}, {"load": 0.7}, {"approach": 0.6}):
@@ -192,6 +198,19 @@ def test_a_stiff_power_law_is_a_rigid_gap():
     assert -1e-5 < off < 0.0
 
 
+def test_a_steep_power_law_is_a_gap_that_closes():
+    """As the exponent grows the overclosure is 1 wherever there is pressure, to 1/m."""
+    smooth = solve(Scene(0.3, profile=BALL, load=5.0), 1e-10)
+    off = []
+    for exponent in (2.5, 5.0, 10.0):
+        layer = layers.PowerLaw(1.0, exponent)
+        steep = solve(Scene(0.3, layer=layer, profile=BALL, load=5.0), 1e-10, ("approach",))
+        off.append(abs(steep.approach - smooth.approach - 1.0))
+    assert off[1] < 0.45 * off[0]
+    assert off[2] < 0.45 * off[1]
+    assert off[2] < 0.02
+
+
 def test_beyond_the_end_of_a_table_is_an_error():
     table = layers.Table((0.0, 0.02, 0.04, 0.06), (0.0, 0.1, 0.3, 0.6))
     for given in ({"load": 5.0}, {"approach": 2.0}, {"contact_radius": 1.5}):
@@ -232,6 +251,30 @@ def test_rough_spheres_have_twelve_digits_at_the_corners(mu, approach, separatio
     assert by_load.approach == pytest.approx(approach, rel=1e-12)
     room = solution.error.pressure + by_load.error.pressure
     assert by_load.pressure(0.0) == pytest.approx(centre, rel=room)
+
+
+@pytest.mark.parametrize("exponent", [1.003, 1.1, 1.5])
+def test_the_stiffness_knows_what_the_edge_leaves_of_it(exponent):
+    """Next to the edge the slope of these laws is a small power, which few points integrate."""
+    layer = layers.PowerLaw(6.8, exponent)
+    scene = Scene(0.3, layer=layer, profile=BALL, contact_radius=0.556)
+    best = solve(scene, 1e-12)  # with the pressure there are panels down to 1e-14
+    for rtol in (1e-8, 1e-10, 3e-11):
+        solution = solve(scene, rtol, ("load", "stiffness"))
+        assert solution.converged
+        off = abs(solution.stiffness / best.stiffness - 1.0)
+        assert off <= solution.error.stiffness + best.error.stiffness
+
+
+def test_the_tip_of_a_cone_knows_what_its_tail_leaves():
+    """A cone on an endless law: the pressure is linear in s next to the tip."""
+    layer = layers.CalculixExponential(11.1, 0.118)
+    scene = Scene(0.3, layer=layer, profile=profiles.Cone(1.22), approach=0.41)
+    best, loose = solve(scene, 1e-10), solve(scene, 7e-5)
+    s = np.array([0.0, 1e-9, 1e-7, 1e-5, 1e-3])
+    off = np.abs(loose.pressure(s) / best.pressure(s) - 1.0).max()
+    assert loose.converged
+    assert off <= loose.error.pressure + best.error.pressure
 
 
 @pytest.mark.parametrize("given", [{"load": 3.0}, {"approach": 0.4}])

@@ -3,8 +3,8 @@
 Run as ``python validation/honesty/profiles.py [scenes] [seed]``; writes
 validation/results/honesty_profiles.md. Scenes have random shapes, radii, compliances and
 tolerances; each is solved for its radius, then for its load and its approach. The truth is the same
-method with eight degrees more on every panel: that the method converges to the truth is tested
-against closed forms and by quadrature.
+method with eight degrees more on every panel and two panels more at every end: that the method
+converges to the truth is tested against closed forms and by quadrature.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from spectral_contact.contact import indented
 from spectral_contact.contact.contact_radius import find_radius
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement, Resolution, refine
+from spectral_contact.fields.series import Radius
 
 RESULTS = Path(__file__).parents[1] / "results"
 LEAST, MOST = -7.0, 4.0  # of the compliance in contact radii, decades
@@ -36,7 +37,11 @@ NAMES = ("radius", "approach", "load", "work", "stiffness", "pressure")
 
 
 class Better(indented._IndentationProblem):  # the problem itself, in a larger space
-    """The problem with eight degrees more."""
+    """The problem with eight degrees more, and two panels more at every end."""
+
+    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+        found = super()._first(boundary, sign, extent)
+        return Resolution(found.panels, (*found.degrees, 2, 2))
 
     def start(self) -> Resolution:
         """Return the space."""
