@@ -353,7 +353,7 @@ class LayeredNewton:
     def carried(self, flat: Array) -> Array:
         """Return what every panel adds to the stiffness."""
         own = self.functions
-        each = 4.0 * self.setting.radius * own.constant_moments * flat[own.index]
+        each = 4 * self.setting.radius * own.constant_moments * flat[own.index]
         return np.asarray(np.bincount(own.panel, each, own.panels + 1)[:-1], dtype=float)
 
     def change(self, p: Array, p_less: Array, w: Array, w_less: Array) -> Change:
