@@ -3,8 +3,7 @@
 Run as ``python validation/peers/rough_spheres.py``; writes
 validation/results/peers_rough_spheres.md. Both solve the same problem: mu = 24.04, a separation of
 half a standard deviation at the deformed centre. The truth has 20 digits, from `reference` with the
-approach that this separation has. Needs ContactMechanics, which imports ``simps`` from SciPy:
-that is gone since SciPy 1.14.
+approach that this separation has. Needs ContactMechanics: ``pip install ContactMechanics``.
 """
 
 from __future__ import annotations
