@@ -144,8 +144,9 @@ class GrownFields:
         for low, high in pairwise(ends):
             halves = []
             for boundary, sign in ((low, 1), (high, -1)):
-                panels = self.history.panels(boundary, self._count)
-                family = Family(boundary, sign, gap(low, high) / 2.0, panels)
+                reach = gap(low, high) / 2.0
+                panels = self.history.panels(boundary, reach, self._count)
+                family = Family(boundary, sign, reach, panels)
                 series = self._series(values, family, power)
                 if boundary is CENTRE and power == 0 and self.history.growth.log_beginning:
                     series = _logarithmic(series)
@@ -203,9 +204,9 @@ class _History:
     def __init__(self, growth: Growth, rule: tuple[Array, Array]) -> None:
         self.growth, self.rule = growth, rule
 
-    def panels(self, boundary: Radius, count: int) -> LogPanels:
-        """Return the panels towards an end of a part."""
-        depth = 2.0 * (self.growth.log_radius - self.growth.all_panels[0].low)
+    def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
+        """Return the panels towards an end of a part that extends so far in ``s**2``."""
+        depth = 2.0 * (self.growth.log_radius - self.growth.all_panels[0].low) + math.log(reach)
         # what goes on to the centre is a series as far as there is something of it
         short = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
         at_centre = max(math.ceil(depth / _WIDTH) - short, _AT_CENTRE)
