@@ -27,7 +27,7 @@ from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
 from spectral_contact.layers import Layer
 from spectral_contact.layers.control import check_layer, in_own_units, layer_from
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS, checked_controls, profile_from
+from spectral_contact.profiles.control import ALL_CONTROLS, checked_controls, profile_from
 
 __all__ = ["PhysicalData", "Scene", "same_problem"]
 
@@ -68,6 +68,10 @@ class Scene:
         With a profile one of them, finite and > 0; else None. Under a layer the approach is more
         than the overclosure at which its pressure begins, and a contact radius is only given where
         there is an edge that moves. Keyword only.
+    separation : float or None
+        Instead of them, under a layer with pressure at every gap: how far the punch is from the
+        body at the centre where both are deformed, w = −separation in the law; finite. Greenwood
+        and Tripp's d. Keyword only.
     layer : Layer or None
         The law of a nonlinear layer, out of `spectral_contact.layers`, in place of
         ``normal_compliance``; with a profile, which may be ``profiles.Flat``, and without friction.
@@ -97,6 +101,7 @@ class Scene:
     load: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     approach: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     layer: Layer | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    separation: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
@@ -135,6 +140,7 @@ class Scene:
         friction: float | None = None,
         coupling: bool = False,
         layer: Layer | None = None,
+        separation: Measured | None = None,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
 
@@ -170,6 +176,8 @@ class Scene:
             Whether the traction acts back on the pressure.
         layer : Layer, optional
             The law of a nonlinear layer, its pressures in Pa and its lengths in m, with a profile.
+        separation : float, optional
+            That at the centre, under a layer with pressure at every gap [m], finite.
 
         Raises
         ------
@@ -199,6 +207,7 @@ class Scene:
             normal_compliance=in_si("normal_compliance", normal_compliance, "m/Pa"),
             tangential_compliance=in_si("tangential_compliance", tangential_compliance, "m/Pa"),
             layer=layer,
+            separation=in_si("separation", separation, "m"),
         )
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
         shape: Any = (
@@ -237,8 +246,8 @@ class Scene:
         given = self._arguments()
         for name in changes:
             one_of("the name of a parameter", name, given)
-        if any(changes.get(name) is not None for name in CONTROLS):
-            changes = {**dict.fromkeys(CONTROLS), **changes}
+        if any(changes.get(name) is not None for name in ALL_CONTROLS):
+            changes = {**dict.fromkeys(ALL_CONTROLS), **changes}
         return type(self).from_physical(**{**given, **changes})
 
     def _arguments(self) -> dict[str, Any]:
@@ -246,7 +255,7 @@ class Scene:
         own = {name: getattr(self, name) for name in _names(Scene) if name != "physical"}
         if self.physical is None:
             return own
-        rest = {name: value for name, value in own.items() if name not in (*CONTROLS, "layer")}
+        rest = {name: value for name, value in own.items() if name not in (*ALL_CONTROLS, "layer")}
         return {**rest, **{name: getattr(self.physical, name) for name in _names(PhysicalData)}}
 
     def __repr__(self) -> str:
@@ -375,7 +384,7 @@ def same_problem(one: Scene, other: Scene) -> bool:
     Without friction normal contact decides: the compliance, the profile and how far it is pressed.
     """
     if one.friction is None and other.friction is None:
-        normal = ("normal_compliance", "layer", "profile", *CONTROLS)
+        normal = ("normal_compliance", "layer", "profile", *ALL_CONTROLS)
         return all(getattr(one, name) == getattr(other, name) for name in normal)
     return one.replace(physical=None) == other.replace(physical=None)
 

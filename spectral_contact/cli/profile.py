@@ -10,7 +10,7 @@ from spectral_contact.cli.layer import add_layer, law, layer_given
 from spectral_contact.cli.options import UsageError, number
 from spectral_contact.cli.scene import add_physical, add_scene, scene, si_given
 from spectral_contact.inputs.units import in_si
-from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
+from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 
 __all__ = [
@@ -34,7 +34,8 @@ _NAMED: Final = {
 }
 #: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
 _OWN: Final = {
-    "contact-radius": "contact radius: this, --load or --approach",
+    "contact-radius": "contact radius: this, --load, --approach or --separation",
+    "separation": "at the deformed centre, under a layer with pressure at every gap",
     "half-angle": "of a cone, between axis and side [rad]",
     "flat-radius": "of the flat part",
     "coefficient": "of a power law",
@@ -80,7 +81,7 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
     )
     add_layer(command, None if control is number else control)
     for name, meaning in _OWN.items():
-        kind = control if name == "contact-radius" else number
+        kind = control if name in ("contact-radius", "separation") else number
         group.add_argument(
             f"--{name}", type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
         )
@@ -126,7 +127,7 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
     known: dict[str, Any] = {
         "poisson_ratio": given.get("poisson_ratio", 0.3),
         **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
-        **{name: values[name] for name in CONTROLS if name in values},
+        **{name: values[name] for name in ALL_CONTROLS if name in values},
         "profile": KINDS[kind](**{name: values[name] for name in needed}),
         "coupling": arguments.coupling,
         "layer": law(given, si),
@@ -161,11 +162,11 @@ def _check_complete(profile: str, needed: tuple[str, ...], values: dict[str, flo
     missing = [_flag(name) for name in needed if name not in values]
     if missing:
         raise UsageError(f"--profile {profile} needs {' and '.join(missing)}")
-    alien = [_flag(name) for name in values if name not in (*needed, *CONTROLS)]
+    alien = [_flag(name) for name in values if name not in (*needed, *ALL_CONTROLS)]
     if alien:
         raise UsageError(f"--profile {profile} does not take {alien[0]}")
     if len(values) != len(needed) + 1:
-        raise UsageError(f"--profile needs one of {', '.join(map(_flag, CONTROLS))}")
+        raise UsageError(f"--profile needs one of {', '.join(map(_flag, ALL_CONTROLS))}")
 
 
 def _plain(name: str, value: object) -> float:

@@ -14,7 +14,7 @@ from spectral_contact.cli.scene import add_coupling
 from spectral_contact.inputs.checks import whole as checked_whole
 from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.processes import workers
-from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps import plot_slice, sweep
@@ -107,7 +107,9 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
     """
     if arguments.plot is not None:
         plotting.require()
-    lists = {name: vars(arguments)[name] for name in (*_PARAMETERS, *CONTROLS) if name in arguments}
+    lists = {
+        name: vars(arguments)[name] for name in (*_PARAMETERS, *ALL_CONTROLS) if name in arguments
+    }
     of_law = {name: vars(arguments)[name] for name in LAW_NUMBERS if name in arguments}
     axes = {name: several for name, several in lists.items() if len(several) > 1}
     law = {
@@ -132,7 +134,7 @@ def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
     """Return the scene of the first values."""
     if profile_given(arguments):
         return profile_scene(argparse.Namespace(**vars(arguments) | first))
-    alien = [name for name in ("radius", *CONTROLS) if name in arguments]
+    alien = [name for name in ("radius", *ALL_CONTROLS) if name in arguments]
     if alien:
         raise UsageError(f"--{alien[0]} needs --profile")
     values = {name: default for name, (default, _) in _PARAMETERS.items()} | first

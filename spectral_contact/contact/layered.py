@@ -155,15 +155,23 @@ class _Layered(ABC):
         )
         if setting.load is not None:
             indentation = _under(indentation, setting.load)
-            load_error, work_error = 0.0, indentation.work_error
-            stiff_error, pressure_error = indentation.stiffness_error, indentation.pressure_error
-        error = max(indentation.approach_error, load_error, work_error, stiff_error)
+        if setting.centre is not None:
+            lost = float(indicators[: form.central].max()) + fields.left
+            lost *= a * max(form.at_centre(fields.pressure), mean) / form.at_centre(fields.flat)
+            indentation = _moved(indentation, lost)
+        error = max(
+            indentation.approach_error,
+            indentation.load_error,
+            indentation.work_error,
+            indentation.stiffness_error,
+        )
         if self.pointwise:
-            error = max(error, pressure_error)
+            error = max(error, indentation.pressure_error)
         else:
             shares = _STIFFNESS * rates * np.abs(solver.carried(flat_change.coefficients))
             indicators = np.maximum(indicators**2, shares / whole.stiffness)
             rates = rates**2
+        if setting.centre is not None or not self.pointwise:
             # what of the error they do not show is where they are worst
             indicators = indicators * max(1.0, error / float(indicators.max()))
         return Attempt(indentation, error, indicators, rates, form.space.unknowns)
@@ -227,11 +235,15 @@ class CellProblem(_Layered):
 def _under(one: Indentation, load: float) -> Indentation:
     """Return the contact under just this load, whose error is that of the approach."""
     off = one.load_error + 2.0 * abs(one.load / load - 1.0)
-    moved = off * one.load / one.stiffness
+    return replace(_moved(one, off * one.load / one.stiffness), load=load, load_error=0.0)
+
+
+def _moved(one: Indentation, moved: float) -> Indentation:
+    """Return the contact where the approach may be off by as much."""
+    off = moved * one.stiffness / one.load
     return replace(
         one,
-        load=load,
-        load_error=0.0,
+        load_error=one.load_error + off,
         approach_error=one.approach_error + moved / one.approach_size,
         work_error=one.work_error + one.load * moved / one.work,
         # as fast as the pressure itself at most

@@ -1,4 +1,4 @@
-"""Contact through a nonlinear layer, of an approach or under a load.
+"""Contact through a nonlinear layer, of an approach, under a load, or of a separation.
 
 Where the contact has no radius of its own, which is under a flat punch or a law with pressure at
 every gap, the load is a function of the approach, with the stiffness as derivative: its logarithm
@@ -52,7 +52,8 @@ def solve_layered(
         Whether the pressure is wanted.
     """
     kind = LayeredProblem if setting.cells is None else CellProblem
-    problem = kind(setting, tolerance, pointwise=pointwise)
+    # what is given at the centre is known as well as the pressure there
+    problem = kind(setting, tolerance, pointwise=pointwise or setting.centre is not None)
     return refine(problem, tolerance, max_unknowns)
 
 
@@ -64,10 +65,11 @@ def layered_contact(
     *,
     load: float | None,
     approach: float | None,
+    separation: float | None,
     pointwise: bool,
     drives: bool = False,
 ) -> Contact:
-    """Return the contact of an approach or under a load, where it has no radius of its own.
+    """Return the contact of what is given, where it has no radius of its own.
 
     Parameters
     ----------
@@ -75,8 +77,8 @@ def layered_contact(
     layer : Layer
     tolerance, max_unknowns, pointwise
         As of `solve_layered`.
-    load, approach : float or None
-        One of them.
+    load, approach, separation : float or None
+        One of them; the separation is that at the centre, of which the law is a function.
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
 
@@ -89,17 +91,22 @@ def layered_contact(
         setting = replace(setting_at_approach(profile, layer, approach), drives=drives)
         found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
         return _exactly(found, approach)
-    assert load is not None
 
     def roughly(approach: float) -> Contact:
         setting = setting_at_approach(profile, layer, approach)
-        return solve_layered(setting, _ROUGH, max_unknowns, pointwise=False)
+        return solve_layered(setting, _ROUGH, max_unknowns, pointwise=load is None)
 
+    centre = None if separation is None else -separation
+    name, value = ("load", load) if centre is None else ("separation", separation)
     try:
-        near = _searched(roughly, _begin(profile, layer, load), load)
+        if load is not None:
+            near = _searched(roughly, _begin(profile, layer, load), load)
+        else:
+            assert centre is not None
+            near = _searched_centre(roughly, layer, centre)
         for _ in range(_STEPS):
             setting = setting_at_approach(profile, layer, near)
-            setting = replace(setting, load=load, drives=drives)
+            setting = replace(setting, load=load, centre=centre, drives=drives)
             found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
             near = found.best.value.approach
             domain = setting_at_approach(profile, layer, near).radius
@@ -107,7 +114,7 @@ def layered_contact(
                 break
     except SceneError as error:
         told = f"what the profile carries before it ends: {error.allowed}"
-        raise SceneError("load", load, told) from error
+        raise SceneError(name, value, told) from error
     return found
 
 
@@ -141,6 +148,26 @@ def _searched(solve: Callable[[float], Contact], approach: float, load: float) -
         off = log(one.load / load)
         missing = (load - one.load) if off > 0.0 else -off * one.load
         approach = one.approach + missing / one.stiffness
+        if abs(off) <= _NEAR:
+            break
+    return approach
+
+
+def _searched_centre(solve: Callable[[float], Contact], layer: Layer, centre: float) -> float:
+    """Step until the overclosure at the centre is near, and return the approach.
+
+    The logarithm of the pressure there bends down over the approach, which is larger at least.
+    """
+    known = float(layer._pressure(np.array(centre)))
+    approach = centre
+    for _ in range(_STEPS):
+        one = solve(approach).best.value
+        assert one.pressure is not None
+        assert one.flat is not None
+        at = np.zeros(1), np.ones(1)
+        pressure, rate = float(one.pressure(*at)[0]), float(one.flat(*at)[0]) / one.radius
+        off = log(pressure / known)
+        approach += ((known - pressure) if off > 0.0 else -off * pressure) / rate
         if abs(off) <= _NEAR:
             break
     return approach

@@ -56,6 +56,8 @@ class LayeredSetting:
         None where the overclosure begins at the edge.
     load : float or None
         Where the approach is to be such that it is carried; else it is as given.
+    centre : float or None
+        Where it is to be such that this is the overclosure at the centre.
     parts : Parts
         How panels cut the disk, if there are no cells.
     drives : bool
@@ -76,6 +78,7 @@ class LayeredSetting:
     depths: tuple[float, ...]
     smooth: tuple[bool, ...]
     load: float | None = None
+    centre: float | None = None
     drives: bool = False
     cells: DiskCells | None = None
 
@@ -258,6 +261,10 @@ class LayeredNewton:
             missing = self.setting.load - float(self._load @ pressure[self.functions.index])
             missing -= self._carried(slope, step.overclosure)
             moved = missing / self._carried(slope, step.rate)
+        elif self.setting.centre is not None:
+            known = (self.setting.centre - self.setting.origin) / self.setting.radius
+            missing = known - self.form.at_centre(w + step.overclosure)
+            moved = missing / self.form.at_centre(step.rate)
         elif self.setting.approach is not None:
             return step
         else:

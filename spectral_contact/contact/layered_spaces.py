@@ -41,12 +41,15 @@ class Form(Protocol):
         ``s**2`` at the sampling points.
     tail_extent : float
         Width in ``s**2`` of the last piece, next to the edge.
+    central : int
+        How many panels are of the piece at the centre.
     """
 
     space: PressureSpace
     sampling: Sampling
     z: Array
     tail_extent: float
+    central: int
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -56,6 +59,9 @@ class Form(Protocol):
 
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
+
+    def at_centre(self, coefficients: Array) -> float:
+        """Return the value at the centre."""
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
@@ -89,6 +95,7 @@ class PanelForm:
             [Family(*end, panels).sampling().z for end, (panels, _) in ends]
         )
         self.tail_extent = parts.ends[-1][2] * used[-1][0].end
+        self.central = len(used[0][1])
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -145,6 +152,10 @@ class PanelForm:
         )
         return replace(whole, change=moved, lesser=lesser)
 
+    def at_centre(self, coefficients: Array) -> float:
+        """Return the value at the centre."""
+        return _central(self.field(coefficients))
+
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
         return edge_value(self._used[-1][0], coefficients)
@@ -178,7 +189,7 @@ class CellForm:
         self.space: PressureSpace = cell_space(cells, degrees)
         self.sampling = Sampling(polynomials=degrees)
         self.z: Array = cells.from_centre(self.sampling.places())
-        self.tail_extent = cells.lengths[-1]
+        self.tail_extent, self.central = cells.lengths[-1], 1
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -211,6 +222,10 @@ class CellForm:
             rows.append(row)
         return np.concatenate(rows)
 
+    def at_centre(self, coefficients: Array) -> float:
+        """Return the value at the centre."""
+        return _central(self.field(coefficients))
+
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
         return float(self._split(coefficients)[-1].sum())
@@ -227,3 +242,7 @@ class CellForm:
     def lost_at_edge(self, change: Array) -> float:
         """Return a bound of what a change is at the edge."""
         return float(np.abs(self._split(change)[-1]).sum())
+
+
+def _central(field: PressureField | ZonalField) -> float:
+    return float(field(np.zeros(1), np.ones(1))[0])

@@ -45,6 +45,8 @@ class PhysicalData:
     layer : Layer or None
         The law of a nonlinear layer under a profile, pressures in Pa and lengths in m. Under it
         the approach may be any finite number here.
+    separation : float or None
+        That at the centre under a layer with pressure at every gap [m], finite.
 
     Raises
     ------
@@ -61,20 +63,22 @@ class PhysicalData:
     tangential_compliance: float = 0.0
     contact_radius: float | None = field(default=None, metadata={"younger": True})
     layer: Any = field(default=None, metadata={"younger": True})
+    separation: float | None = field(default=None, metadata={"younger": True})
 
     def __post_init__(self) -> None:
-        drives = ("contact_radius", "load", "approach")
+        drives = ("contact_radius", "load", "approach", "separation")
         given = [name for name in drives if getattr(self, name) is not None]
         if self.radius is not None:
-            if self.contact_radius is not None:
-                told = "None with a radius, that of a flat punch"
-                raise SceneError("contact_radius", self.contact_radius, told)
+            for name in ("contact_radius", "separation"):
+                if getattr(self, name) is not None:
+                    told = "None with a radius, that of a flat punch"
+                    raise SceneError(name, getattr(self, name), told)
             exactly_one("load", self.load, "approach", self.approach)
         elif len(given) != 1:
             values = tuple(getattr(self, name) for name in drives)
-            raise SceneError(", ".join(drives), values, "one value and two None: give one of them")
+            raise SceneError(", ".join(drives), values, "one value, the others None: give one")
         for name in ("youngs_modulus", *given, *(() if self.radius is None else ("radius",))):
-            signed = name == "approach" and self.layer is not None
+            signed = name in ("approach", "separation") and self.layer is not None
             value = getattr(self, name)
             value = real(name, value, allowed="finite") if signed else _positive(name, value)
             object.__setattr__(self, name, value)
@@ -119,7 +123,7 @@ class PhysicalData:
         if self.load is not None:
             load = Fraction(self.load) / self._reduced(nu)
             return {"load": _representable("load", self.load, "P/E'", "m²", load)}
-        given = {"approach": self.approach, "contact_radius": self.contact_radius}
+        given = {name: getattr(self, name) for name in ("approach", "contact_radius", "separation")}
         return {name: value for name, value in given.items() if value is not None}
 
     def reduced_modulus(self, nu: float) -> float:

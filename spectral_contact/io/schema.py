@@ -96,7 +96,7 @@ LAYERS: Final = (
 _PHYSICAL = Record(
     "PhysicalData",
     PhysicalData,
-    dict.fromkeys(("contact_radius", "layer")),
+    dict.fromkeys(("contact_radius", "layer", "separation")),
     youngs_modulus=_FLOAT,
     radius=_MAYBE_FLOAT,
     load=_MAYBE_FLOAT,
@@ -105,13 +105,14 @@ _PHYSICAL = Record(
     tangential_compliance=_FLOAT,
     contact_radius=_MAYBE_FLOAT,
     layer=Maybe(Either(*LAYERS)),
+    separation=_MAYBE_FLOAT,
 )
 _SCENE = Record(
     "Scene",
     Scene,
     {
         "coupling": False,
-        **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer")),
+        **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer", "separation")),
     },
     poisson_ratio=_FLOAT,
     normal_compliance=_FLOAT,
@@ -124,6 +125,7 @@ _SCENE = Record(
     load=_MAYBE_FLOAT,
     approach=_MAYBE_FLOAT,
     layer=Maybe(Either(*LAYERS)),
+    separation=_MAYBE_FLOAT,
 )
 _STATE = Choice(
     "StepState",

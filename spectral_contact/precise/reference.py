@@ -94,6 +94,9 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
+    if scene.separation is not None:
+        told = "None for reference: give the approach that solve finds"
+        raise SceneError("separation", scene.separation, told)
     with ProgressLine(progress) as tell, one_thread():
         if scene.profile is not None:
             return _pressed(scene, digits, tell)

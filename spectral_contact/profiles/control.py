@@ -7,6 +7,8 @@ from dataclasses import fields
 from math import isinf
 from typing import Any, Final
 
+import numpy as np
+
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real
 from spectral_contact.inputs.kinds import kind_from
@@ -24,6 +26,7 @@ from spectral_contact.profiles.shapes import (
 )
 
 __all__ = [
+    "ALL_CONTROLS",
     "CONTROLS",
     "KINDS",
     "SHAPES",
@@ -34,6 +37,8 @@ __all__ = [
 
 #: What may be given of a contact under a profile, one of them.
 CONTROLS: Final = ("contact_radius", "load", "approach")
+#: The same where a layer may have pressure at every gap.
+ALL_CONTROLS: Final = (*CONTROLS, "separation")
 #: Profiles by the name that they have in files.
 KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
@@ -70,7 +75,7 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
         If it is another number, or out of range.
     """
     profile, compliance = scene["profile"], scene["normal_compliance"]
-    values = {name: scene[name] for name in CONTROLS}
+    values = {name: scene[name] for name in ALL_CONTROLS}
     given = {name: value for name, value in values.items() if value is not None}
     if profile is None:
         for name, value in given.items():
@@ -82,9 +87,11 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     assert isinstance(profile, Profile)
     _check_others(scene, profile)
     if len(given) != 1:
-        told = "one value and two None: give one of them with a profile"
-        raise SceneError(", ".join(CONTROLS), tuple(values.values()), told)
+        told = "one value, the others None: give one of them with a profile"
+        raise SceneError(", ".join(ALL_CONTROLS), tuple(values.values()), told)
     [(name, value)] = given.items()
+    if name == "separation":
+        return {name: _separated(value, scene["layer"])}
     if name != "contact_radius":
         return {name: _pressed(name, value, scene["layer"])}
     _check_edge(scene)
@@ -103,6 +110,18 @@ def _pressed(name: str, value: Any, layer: Any) -> float:
         told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
         return real(name, value, allowed=told, low=layer.start, low_open=True)
     return real(name, value, allowed="finite and > 0", low=0.0, low_open=True)
+
+
+def _separated(value: Any, layer: Any) -> float:
+    """Return a separation."""
+    if layer is None or not isinf(layer.start):
+        told = "None: only a layer with pressure at every gap has one; give a load or an approach"
+        raise SceneError("separation", value, told)
+    told = f"finite, at least {-layer.limit:.6g}, and such that the layer has a pressure there"
+    number = real("separation", value, allowed=told, low=-layer.limit)
+    if not float(layer._pressure(np.array(-number))) > 0.0:
+        raise SceneError("separation", value, told)
+    return number
 
 
 def _check_edge(scene: Mapping[str, Any]) -> None:

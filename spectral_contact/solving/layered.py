@@ -1,4 +1,4 @@
-"""Normal contact through a nonlinear layer, of a load, an approach or a radius."""
+"""Normal contact through a nonlinear layer, of whatever is given."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ def through_layer(
     load: float | None = None,
     approach: float | None = None,
     radius: float | None = None,
+    separation: float | None = None,
     pointwise: bool,
     near: float | None = None,
     drives: bool = False,
@@ -39,7 +40,7 @@ def through_layer(
     tolerance : float
     max_unknowns : int
         Most unknowns of a space.
-    load, approach, radius : float or None
+    load, approach, radius, separation : float or None
         One of them.
     pointwise : bool
         Whether the pressure is wanted.
@@ -68,6 +69,7 @@ def through_layer(
             max_unknowns,
             load=load,
             approach=approach,
+            separation=separation,
             pointwise=pointwise,
             drives=drives,
         )

@@ -13,7 +13,7 @@ from spectral_contact.contact.indented import Indentation
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import endless
-from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
@@ -79,10 +79,9 @@ class ProfileRun(Run):
         profile = scene.profile
         assert profile is not None
         error = 0.0
-        value = scene.approach if scene.load is None else scene.load
+        value = next((one for one in self._given if one is not None), math.nan)
         solved: Contact
-        if value is None:
-            assert scene.contact_radius is not None
+        if scene.contact_radius is not None:
             solved = self._at(scene.contact_radius, self.rtol, pointwise)
         elif scene.layer is not None:
             solved, error = self._through_layer(scene.layer, value, pointwise, drives)
@@ -147,6 +146,11 @@ class ProfileRun(Run):
         )
 
     @property
+    def _given(self) -> tuple[float | None, ...]:
+        """What may be given of a contact whose radius is not."""
+        return self.scene.load, self.scene.approach, self.scene.separation
+
+    @property
     def _path(self) -> _RadiusPath:
         """Radii of contacts like this one, from scene to scene."""
         scene = self.scene
@@ -172,6 +176,7 @@ class ProfileRun(Run):
             self.max_unknowns,
             load=scene.load,
             approach=scene.approach,
+            separation=scene.separation,
             pointwise=pointwise,
             drives=drives,
             near=self._path.near(at) if edged else None,
@@ -203,7 +208,7 @@ class ProfileRun(Run):
         layer = self.scene.layer
         if layer is None or found.overclosure <= layer.limit:
             return
-        [name] = [one for one in CONTROLS if getattr(self.scene, one) is not None]
+        [name] = [one for one in ALL_CONTROLS if getattr(self.scene, one) is not None]
         told = f"such that the overclosure stays below the end of the law, {layer.limit:.6g}; "
         told += f"it becomes {found.overclosure:.6g}"
         raise SceneError(name, getattr(self.scene, name), told)

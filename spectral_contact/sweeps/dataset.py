@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import spectral_contact
 from spectral_contact.errors import optional
-from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.chunk import Outcome, outcome_of
 from spectral_contact.sweeps.parameters import Indices, SweepParameters, alone
@@ -32,6 +32,7 @@ _MEANINGS: Final = {
     "from_edge": ("distance from the edge 1 − r/a", "1"),
     "contact_radius": ("contact radius a", "L"),
     "load": ("load P", "E'L²"),
+    "separation": ("separation at the deformed centre", "L"),
     "stiffness": ("stiffness dP/dδ", "E'L"),
     "indentation_work": ("work of the load", "E'L³"),
     "profile": ("shape of the punch", ""),
@@ -167,7 +168,7 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
         values: Any = parameters.fixed[k] if parameters.table is None else parameters.table[k]
         values = parameters.axes.get(name, values)
         # a load or radius that is not given of every contact is a result
-        if name not in CONTROLS or np.isfinite(values).all():
+        if name not in ALL_CONTROLS or np.isfinite(values).all():
             dims = parameters.dims if parameters.table is not None else (name,) * np.ndim(values)
             found[name] = dims, values, _about(name, parameters.shaped)
     if parameters.shaped:

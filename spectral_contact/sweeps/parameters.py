@@ -17,7 +17,7 @@ from spectral_contact.inputs.choices import one_of
 from spectral_contact.inputs.kinds import kind_tree
 from spectral_contact.layers import Layer
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 
 __all__ = [
@@ -43,14 +43,14 @@ PARAMETERS: Final = (
     "normal_compliance",
     "tangential_compliance",
     "friction",
-    *CONTROLS,
+    *ALL_CONTROLS,
 )
 #: What parameters of a layer's law begin with; they follow those.
 _LAW: Final = "layer_"
 #: How many of them a flat punch has.
 _FLAT: Final = 4
 #: What varies slowest when scenes are solved: alpha, beta, nu, friction.
-_SLOWEST: Final = (1, 2, 0, 3, 4, 5, 6)
+_SLOWEST: Final = (1, 2, 0, 3, 4, 5, 6, 7)
 
 
 class SceneForm(NamedTuple):
@@ -231,7 +231,7 @@ def grid(
     given = {
         name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None
     }
-    pressed = [name for name in given if name in CONTROLS]
+    pressed = [name for name in given if name in ALL_CONTROLS]
     if len(pressed) > 1:
         told = f"None with {pressed[1]}: one of them tells how far the punch is pressed in"
         raise SceneError(pressed[0], axes[pressed[0]], told)
@@ -281,7 +281,7 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     SceneError
         If a value is out of its range.
     """
-    dropped = dict.fromkeys(CONTROLS if any(changes.get(name) for name in CONTROLS) else ())
+    dropped = dict.fromkeys(ALL_CONTROLS if any(changes.get(name) for name in ALL_CONTROLS) else ())
     return replace(scene, **{**dropped, **changes})
 
 

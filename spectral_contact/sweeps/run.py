@@ -62,6 +62,7 @@ def sweep(
     contact_radius: ArrayLike | None = None,
     load: ArrayLike | None = None,
     approach: ArrayLike | None = None,
+    separation: ArrayLike | None = None,
     layer: Mapping[str, ArrayLike] | None = None,
     coupling: bool | None = None,
     quantities: Iterable[str] | None = None,
@@ -84,7 +85,7 @@ def sweep(
         The values that a parameter takes, dimensionless as in `Scene`; the grid has every
         combination, and a list of scenes takes none. A single number is that of all scenes, in
         the place of their own, and no dimension. With SI data friction alone can be given.
-    contact_radius, load, approach : array_like, optional
+    contact_radius, load, approach, separation : array_like, optional
         The same of scenes with a profile, one of them; it takes the place of what the scene has.
     layer : mapping of str to array_like, optional
         The values that parameters of the layer's law take, by name, as in ``{"exponent": [2, 3]}``,
@@ -141,7 +142,7 @@ def sweep(
     """
     needed()
     given = poisson_ratio, normal_compliance, tangential_compliance, friction
-    axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach), strict=True))
+    axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach, separation), strict=True))
     parameters = _parameters(scenes, axes, layer, coupling)
     request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
     tell = ProgressLine(progress)

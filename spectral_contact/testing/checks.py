@@ -21,7 +21,7 @@ from spectral_contact.equations.residuals import (
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
-from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.testing.layered import LayerConditions
 
@@ -358,10 +358,12 @@ class _Indented:
         if not (self.layered is not None and self.layered.flat):
             checks.append(self._outside(pressure, approach, size, borne / (pi * a**2)))
         found = {"load": borne, "approach": approach, "contact_radius": a}
-        for name in CONTROLS:
+        if self.layered is not None:
+            found["separation"] = -self.layered.overclosures(pressure(np.ones(1)))[0]
+        for name in ALL_CONTROLS:
             given = getattr(scene, name)
             if given is not None:
-                of = size if name == "approach" else given
+                of = {"approach": size, "separation": size}.get(name, given)
                 missed = abs(found[name] - given) / of
                 checks.append(Check(f"{name} is the one given", missed, rtol))
         return checks if traction is None else checks + self._friction(pressure, traction)

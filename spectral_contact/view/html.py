@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any, Final
 
-from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.records import Plan, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -34,6 +34,7 @@ _SYMBOLS: Final = {
     "load": ("load", "P", "N"),
     "approach": ("approach", "δ", "m"),
     "contact_radius": ("contact radius", "a", "m"),
+    "separation": ("separation", "d", "m"),
 }
 _WIDTH, _HEIGHT = 360.0, 26.0
 #: A zone is drawn no narrower, so that it is seen.
@@ -45,11 +46,11 @@ def of_scene(scene: Scene) -> str:
     rows: list[tuple[str, ...]] = [("scene", "", "")]
     physical = scene.physical
     for name, (words, symbol, unit) in _SYMBOLS.items():
-        star = "*" if unit and name not in CONTROLS else ""
+        star = "*" if unit and name not in ALL_CONTROLS else ""
         value = getattr(scene, name, None)
         if name == "friction":
             rows.append((words, symbol, _friction(scene.friction)))
-        elif value is not None and (physical is None or name not in CONTROLS):
+        elif value is not None and (physical is None or name not in ALL_CONTROLS):
             rows.append((words, symbol + star, f"{value:.6g}"))
         si = getattr(physical, name, None)
         if si is not None:

@@ -13,7 +13,7 @@ import numpy as np
 import spectral_contact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.io.documents import path_text, replace_file, reported
-from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.view.physical import PhysicalSolution
@@ -198,7 +198,7 @@ def _shape_text(scene: Scene) -> str:
     """Return the profile, and what is given of the contact."""
     if scene.profile is None:
         return ""
-    given = {name: getattr(scene, name) for name in CONTROLS}
+    given = {name: getattr(scene, name) for name in ALL_CONTROLS}
     [control] = [f"{name} = {one!r}" for name, one in given.items() if one is not None]
     layer = "" if scene.layer is None else f", {scene.layer.brief}"
     return f", {scene.profile.brief}{layer}, {control.replace('_', ' ')}"
@@ -208,7 +208,11 @@ def _scene_text(solution: Solution) -> str:
     data = solution.scene.physical
     text = f"{scene_text(solution.scene)}; rtol = {solution.rtol!r}"
     if data is not None:
-        lengths = {"a": data.radius or data.contact_radius, "delta": data.approach}
+        lengths = {
+            "a": data.radius or data.contact_radius,
+            "delta": data.approach,
+            "d": data.separation,
+        }
         given = [f"{name} = {one!r} m" for name, one in lengths.items() if one is not None]
         given += [] if data.load is None else [f"P = {data.load!r} N"]
         layer = f"alpha = {data.normal_compliance!r} m/Pa"

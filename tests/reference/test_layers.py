@@ -13,6 +13,7 @@ from oracles.layered_collocation import collocated, to_edge
 from spectral_contact import NotComputedError, Scene, SceneError, Solution, layers, profiles, solve
 from spectral_contact.equations.residuals import load as load_of
 from spectral_contact.equations.residuals import tangential_displacement
+from spectral_contact.testing import check_solution
 
 BALL = profiles.Parabola(1.0)
 E = math.e - 1.0
@@ -111,6 +112,32 @@ def test_greenwood_and_tripp():
     with pytest.raises(NotComputedError, match="every gap"):
         solution.contact_radius  # noqa: B018
     assert solution.pressure(1.0) < 1e-16 * solution.pressure(0.0)
+
+
+def test_greenwood_and_tripp_by_their_separation():
+    solution = solve(Scene(0.3, layer=SPHERES, profile=BALL, separation=0.5 * SEPARATION), 1e-11)
+    assert solution.converged
+    assert solution.load == pytest.approx(44.168134490717, rel=2e-13)
+    assert solution.approach == pytest.approx(0.5 * (CENTRE - SEPARATION), rel=2e-13)
+    assert -SPHERES.overclosure(solution.pressure(0.0)) == pytest.approx(0.25, abs=1e-13)
+    assert 0.0 < solution.error.approach < 1e-11
+
+
+@pytest.mark.parametrize("profile", [BALL, profiles.Cone(1.2), profiles.Flat(1.0)])
+@pytest.mark.parametrize("separation", [-0.3, 0.0, 0.7])
+def test_a_separation_and_its_approach_are_one_contact(profile, separation):
+    layer = layers.CalculixExponential(0.1, 1.0)
+    scene = Scene(0.3, layer=layer, profile=profile, separation=separation)
+    solution = solve(scene, 1e-9)
+    same = solve(scene.replace(separation=None, approach=solution.approach), 1e-11)
+    for name in ("load", "indentation_work", "stiffness"):
+        off = abs(getattr(solution, name) / getattr(same, name) - 1.0)
+        assert off <= getattr(solution.error, name) + getattr(same.error, name)
+    reached = -layer.overclosure(same.pressure(0.0))
+    # the logarithm of the pressure changes so much with the overclosure
+    off = abs(reached - separation) * math.log(100.0)
+    assert off <= solution.error.pressure + same.error.pressure
+    assert check_solution(solution, scene, 1e-8).passed
 
 
 @pytest.mark.parametrize("alpha", [10.0, 0.5, 1e-3, 1e-8])

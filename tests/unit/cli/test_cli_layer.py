@@ -57,6 +57,19 @@ def test_a_table_is_a_file(capsys, tmp_path):
     assert Solution.load(path).scene.layer == expected
 
 
+def test_a_separation_from_the_command_line(capsys, tmp_path):
+    path = tmp_path / "solution.json"
+    law = ("--layer", "calculix", "--layer-zero-pressure", "1", "--layer-clearance", "0.1")
+    punch = ("--profile", "parabola", "--radius", "1", "--separation=-0.1")
+    status, out, err = run(capsys, "solve", *punch, *law, "--rtol", "1e-4", "--output", str(path))
+    assert (status, err) == (0, "")
+    assert "separation = -0.1" in out
+    assert Solution.load(path).scene.separation == -0.1
+    status, _, err = run(capsys, "solve", *punch[:4], "--separation", "0.1")
+    assert status == 2
+    assert "only a layer with pressure at every gap" in err
+
+
 def test_si_units_and_a_flat_punch(capsys):
     pytest.importorskip("pint", reason="part of the extra: units")
     body = ("--youngs-modulus", "200 GPa", "--poisson-ratio", "0.3", "--rtol", "1e-4")

@@ -129,7 +129,8 @@ SCENES = {
     "contact_radius": {"layer": OPEN, "contact_radius": 1.0},
     "approach": {"approach": -0.1},
     "layer": {"layer": "linear", "load": 1.0},
-    "contact_radius, load, approach": {},
+    "separation": {"separation": 0.1},
+    "contact_radius, load, approach, separation": {},
 }
 
 
@@ -139,6 +140,15 @@ def test_scenes_say_what_is_wrong_with_a_layer(name):
     with pytest.raises(SceneError) as caught:
         Scene(0.3, **given)
     assert caught.value.parameter == name
+
+
+@pytest.mark.parametrize("separation", [1e9, math.nan, "0.1"])
+def test_a_separation_without_pressure_is_refused(separation):
+    rough = layers.GreenwoodWilliamson(10.0, 1.0, 0.1)
+    with pytest.raises(SceneError, match="separation = "):
+        Scene(0.3, layer=rough, profile=BALL, separation=separation)
+    with pytest.raises(SceneError, match=r"separation = 0\.1: must be None: only a layer"):
+        Scene(0.3, profile=BALL, separation=0.1)
 
 
 def test_friction_is_refused_with_the_reason():

@@ -53,6 +53,10 @@ def test_a_contact_is_the_same_in_other_units(name):
     assert found.approach == 2e-7
     assert found.pressure(0.0) == pytest.approx(there.pressure(0.0) * UNIT, rel=2e-7)
     if name == "asperities":
+        separated = solve(made(law, separation=5e-8), 1e-7)
+        again = solve(made(law, approach=separated.physical.approach), 1e-7)
+        assert again.physical.load == pytest.approx(separated.physical.load, rel=1e-6)
+        assert "d = 5e-08 m" in report(separated)
         assert found.radius == pytest.approx(there.domain_radius * R, rel=2e-3)
         with pytest.raises(NotComputedError, match="no edge"):
             _ = found.contact_radius

@@ -172,10 +172,13 @@ FAULTS = [
     (lambda: profiles.Sampled((0.0, 1.0), ()), "slopes"),
     (lambda: profiles.Sampled((0.5, 1.0), ((1.0,),)), "edges"),
     (lambda: Scene(0.3, load=1.0), "load = 1.0: must be None without a profile"),
-    (lambda: Scene(0.3, profile=profiles.Parabola(1.0)), "contact_radius, load, approach"),
+    (
+        lambda: Scene(0.3, profile=profiles.Parabola(1.0)),
+        "contact_radius, load, approach, separation",
+    ),
     (
         lambda: Scene(0.3, profile=profiles.Parabola(1.0), load=1.0, approach=1.0),
-        "contact_radius, load, approach",
+        "contact_radius, load, approach, separation",
     ),
     (lambda: Scene(0.3, profile=profiles.Parabola(1.0), approach=-1.0), "approach = -1.0"),
     (lambda: Scene(0.3, profile=profiles.Parabola(1.0), load=0.0), "load"),

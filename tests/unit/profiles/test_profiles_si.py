@@ -129,8 +129,8 @@ def test_numbers_are_compared_in_si():
     ("given", "message"),
     [
         ({"radius": 1e-6}, "radius = 1e-06: must be given for a flat punch and None with"),
-        ({"load": None}, "contact_radius, load, approach = "),
-        ({"approach": 1e-9}, "contact_radius, load, approach = "),
+        ({"load": None}, "contact_radius, load, approach, separation = "),
+        ({"approach": 1e-9}, "contact_radius, load, approach, separation = "),
         ({"load": -1.0}, "load = -1.0"),
         ({"load": 1e-300}, "a normal double"),
         ({"profile": None}, "radius = None: must be given"),

@@ -45,6 +45,14 @@ def test_a_list_may_have_several_laws():
         assert approach == pytest.approx(solve(scene, 1e-9).approach, rel=1e-5)
 
 
+def test_a_sweep_takes_separations():
+    found = sweep(OPEN, separation=[-0.1, 0.0, 0.2], quantities=["load"], rtol=1e-5)
+    assert found["load"].dims == ("separation",)
+    for d, load in zip(found["separation"].values, found["load"].values, strict=True):
+        own = OPEN.replace(approach=None, separation=d)
+        assert load == pytest.approx(solve(own, 1e-9).load, rel=1e-5)
+
+
 def test_a_store_knows_the_law(tmp_path):
     asked = {"load": LOADS, "layer": {"exponent": EXPONENTS}, "rtol": 1e-3}
     one = sweep(POWER, **asked, store=tmp_path / "store", chunk=4)
