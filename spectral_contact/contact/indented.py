@@ -253,7 +253,7 @@ class _IndentationProblem(PartedProblem):
         approach = whole_height + solved.shift
 
         change, mean = solved.factored.change(solved.whole), 4.0 / pi * moment
-        indicators, rates = pointwise_errors(used, series, solved.whole, change, mean)
+        indicators, rates = pointwise_errors(self.parts, used, solved.whole, change, mean)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
         shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
         pressure_error = float(indicators.max()) + 20.0 * _ROUNDINGS * ROUNDING
@@ -319,25 +319,28 @@ def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resol
 
 
 def pointwise_errors(
-    used: tuple[Used, ...], series: list[LogSeries], whole: Array, change: Change, mean: float
+    parts: Parts, used: tuple[Used, ...], whole: Array, change: Change, mean: float
 ) -> tuple[Array, Array]:
     """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
 
     They are relative to the pressure, or to its mean if that is larger.
     """
-    rates, errors = [], []
-    parts = zip(
+    rates: list[Array] = []
+    errors: list[Array] = []
+    series = series_on_parts(used, whole)
+    each = zip(
         used, series, split_parts(used, whole), split_parts(used, change.coefficients), strict=True
     )
     # a change next to a break says less about the one after it
     factor = _BROKEN if len(used) > 1 else 1.0
-    for (panels, degrees), one, own, changed in parts:
+    for (panels, degrees), one, own, changed in each:
         rates.append(table_rates(degrees, panel_table(panels, own)))
         size = np.maximum(np.abs(one.at_ends()), mean)
         expected = factor * expected_error(share_of_change(panels, changed, size), rates[-1])
-        # no degree lowers what the tail lacks: a root at a tip 1.8 times what it sheds
-        tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])
-        expected[-1] = max(float(expected[-1]), 2.0 * tail)
+        if parts.pointed and not errors:
+            # no degree lowers what the tail at a tip lacks, a root: 1.8 times what it sheds
+            tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])
+            expected[-1] = max(float(expected[-1]), 2.0 * tail)
         errors.append(expected)
     return np.concatenate(errors), np.concatenate(rates)
 

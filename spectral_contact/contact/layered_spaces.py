@@ -103,8 +103,7 @@ class PanelForm:
 
     def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
         """Return the expected errors of the pressure, and by what a degree lowers them."""
-        series = series_on_parts(self._used, pressure)
-        return pointwise_errors(self._used, series, pressure, change, mean)
+        return pointwise_errors(self._parts, self._used, pressure, change, mean)
 
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
