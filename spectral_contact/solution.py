@@ -316,6 +316,9 @@ class Solution(Output):
     def slip(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate ``u_r* = u_r a E / (4 (1 - nu^2) P)``: zero in stick, inward (negative) in slip.
 
+        With a profile it is in L, and by how far points have slipped since they came into contact:
+        what sticks keeps what it had slipped by before.
+
         Parameters, return value and errors are those of `pressure`.
         """
         return self._field(self.slip_field, "slip", s, from_edge)

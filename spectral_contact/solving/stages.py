@@ -50,14 +50,21 @@ class Stages:
         As of `solve`.
     tell : callable
         Takes what is worked on.
+    fields : tuple of str
+        Those that are superposed.
     """
 
     def __init__(
-        self, scene: Scene, rtol: float, max_unknowns: int, tell: Callable[[str], None]
+        self,
+        scene: Scene,
+        rtol: float,
+        max_unknowns: int,
+        tell: Callable[[str], None],
+        fields: tuple[str, ...],
     ) -> None:
         assert scene.profile is not None
         self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
-        self.profile, self._tell = scene.profile, tell
+        self.profile, self._tell, self._fields = scene.profile, tell, fields
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
@@ -84,7 +91,8 @@ class Stages:
         scene = self._scene(radius)
         if self._last is None or self._last[0] != scene:  # on a smooth surface all are the same
             self._tell(f"as the contact grew: radius {radius:.4g}")
-            run = self._run(scene, plan(scene, _FLAT), self._tight, self.max_unknowns, self._shared)
+            todo = plan(scene, {*_FLAT, *self._fields})
+            run = self._run(scene, todo, self._tight, self.max_unknowns, self._shared)
             self._last = scene, run.solution()
         return self._last[1]
 
@@ -103,12 +111,13 @@ class Stages:
             return SmoothWeight(self.profile, self.contact(least)[0])
         return NormalWeight(self.contact)
 
-    def grower(self, least: float, radius: float, fields: tuple[str, ...]) -> Grower:
+    def grower(self, least: float, radius: float) -> Grower:
         """Return what follows the contact between two radii."""
         onset = self._onset(least, radius)
         at_break = _AT_SMOOTH_BREAK if self.scene.normal_compliance == 0.0 else _AT_BREAK
         weight = self.weight(least)
-        return Grower(self.flat, weight, onset, fields, self.rtol, self.profile.breaks, at_break)
+        breaks = self.profile.breaks
+        return Grower(self.flat, weight, onset, self._fields, self.rtol, breaks, at_break)
 
     def least(self, radius: float, load: float) -> float:
         """Return a radius at which load and traction are negligible; just past a flat part."""
