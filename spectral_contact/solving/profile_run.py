@@ -224,7 +224,8 @@ class ProfileRun(Run):
             self.traction = found.field
             self.errors["traction"] = growth.error + found.share_lost + self.errors["pressure"]
         self._take_slip(growth, today, self.errors["load"])
-        self.record(GROWTH, growth, begin)
+        known = self.errors["load"] + self.errors["approach"]
+        self._take_history(growth, begin, known)
 
     def _grow_together(self, history: Stages) -> None:
         """Follow the contact while it grows: with coupling nothing is known beforehand."""
@@ -265,7 +266,7 @@ class ProfileRun(Run):
         if {"pressure", "traction"}.intersection(self.plan.quantities):
             self._take_fields(growth, today, error)
         self._take_slip(growth, today, error)
-        self.record(GROWTH, growth, begin)
+        self._take_history(growth, begin)
 
     def _take_fields(self, growth: Growth, today: Solution, error: float) -> None:
         """Add up pressure and traction."""
@@ -300,6 +301,13 @@ class ProfileRun(Run):
             left = growth.slip_error / found.largest + found.share_lost
             moved = growth.load_rate * self.errors["contact_radius"]
             self.errors["slip"] = left + load_error + moved
+
+    def _take_history(self, growth: Growth, begin: float, known: float | None = None) -> None:
+        """Keep what the contact was like on its way, and note the work."""
+        from spectral_contact.solving.growth_history import history_of
+
+        self.history = history_of(growth, known)
+        self.record(GROWTH, growth, begin)
 
     def _superposed(self, growth: Growth, today: Solution) -> GrownFields:
         from spectral_contact.solving.grown_fields import GrownFields

@@ -10,6 +10,7 @@ from typing import Any
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import indenter, value_of
+from spectral_contact.contact.indented import Indentation
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -72,11 +73,10 @@ class Stages:
         self._run = CoupledRun if scene.couples else Run
         self._last: tuple[Scene, Solution] | None = None
 
-    def contact(self, radius: float) -> tuple[float, float]:
-        """Return load and approach of normal contact of a radius."""
+    def contact(self, radius: float) -> Indentation:
+        """Return normal contact of a radius."""
         solve = indenter(self.profile, self.scene.normal_compliance, self.max_unknowns)
-        value = value_of(solve(radius, self._tight, False))
-        return value.load, value.approach
+        return value_of(solve(radius, self._tight, False))
 
     def _scene(self, radius: float) -> Scene:
         flat = self._flat
@@ -108,7 +108,7 @@ class Stages:
         if self.scene.couples:
             return CoupledWeight(self.profile, math.log(least), self.flat(least))
         if self.scene.normal_compliance == 0.0:
-            return SmoothWeight(self.profile, self.contact(least)[0])
+            return SmoothWeight(self.profile, self.contact(least).load)
         return NormalWeight(self.contact)
 
     def grower(self, least: float, radius: float) -> Grower:
@@ -126,7 +126,7 @@ class Stages:
         share, at = 1.0, radius
         while share > _NEGLIGIBLE * self.rtol:
             at /= 2.0
-            share = self.contact(at)[0] / load * (radius / at) ** 2
+            share = self.contact(at).load / load * (radius / at) ** 2
             if share * (radius / at) > 1.0 and at < 1e-9 * radius:
                 break
         return at

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
+from spectral_contact.contact.indented import Indentation
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles import Profile
@@ -62,11 +63,14 @@ class Weights:
         Logarithms, at the nodes.
     error : float
         What the panel leaves out, relative.
+    at_nodes : float
+        What the loads and approaches at the nodes are known to, where these are normal contact's.
     """
 
     loads: Array
     approaches: Array
     error: float = 0.0
+    at_nodes: float = 0.0
 
 
 class Weight(Protocol):
@@ -88,17 +92,19 @@ class NormalWeight:
     Parameters
     ----------
     contact : callable
-        Of a contact radius: load and approach.
+        Of a contact radius.
     """
 
-    def __init__(self, contact: Callable[[float], tuple[float, float]]) -> None:
+    def __init__(self, contact: Callable[[float], Indentation]) -> None:
         self._contact = contact
 
     def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
         """Return the weights of a panel."""
         radii = np.exp(low + (high - low) * (1.0 + NODES) / 2.0)
-        loads, approaches = np.log([self._contact(b) for b in radii.tolist()]).T
-        return Weights(loads, approaches)
+        contacts = [self._contact(b) for b in radii.tolist()]
+        loads, approaches = np.log([(one.load, one.approach) for one in contacts]).T
+        known = max(max(one.load_error, one.approach_error) for one in contacts)
+        return Weights(loads, approaches, at_nodes=known)
 
     def keep(self) -> None:
         """Do nothing: normal contact knows no history."""

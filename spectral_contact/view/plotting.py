@@ -30,6 +30,7 @@ from spectral_contact.view.figures import (
     scene_title,
     style,
 )
+from spectral_contact.view.history import plot_history
 from spectral_contact.view.inside import plot_inside
 from spectral_contact.view.law import plot_law
 from spectral_contact.view.radii import (
@@ -51,6 +52,7 @@ __all__ = [
     "check",
     "graded_radii",
     "plot_coefficients",
+    "plot_history",
     "plot_inside",
     "plot_law",
     "plot_solution",
