@@ -114,7 +114,9 @@ class Stages:
     def grower(self, least: float, radius: float) -> Grower:
         """Return what follows the contact between two radii."""
         onset = self._onset(least, radius)
-        at_break = _AT_SMOOTH_BREAK if self.scene.normal_compliance == 0.0 else _AT_BREAK
+        # with coupling what a panel adds is the rest of all others, which a short one drowns in
+        smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
+        at_break = _AT_SMOOTH_BREAK if smooth else _AT_BREAK
         weight = self.weight(least)
         breaks = self.profile.breaks
         return Grower(self.flat, weight, onset, self._fields, self.rtol, breaks, at_break)
