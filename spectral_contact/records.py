@@ -171,7 +171,7 @@ class ErrorEstimates:
     the largest slip, whichever is larger. With a profile, `pressure` is relative to the pressure
     or its mean, whichever is larger; where a smooth surface has it infinite, at a tip or corner,
     it is that of places farther off than some 1e-17 of the square of the contact radius;
-    `traction` is then relative to its largest value.
+    `traction` is then relative to its largest value, as `slip` always is.
     """
 
     approach: float | None = None

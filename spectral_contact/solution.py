@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.evaluation import over_s
+from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import DiskSeries, PressureField, ZonalField
 from spectral_contact.inputs import checks
 from spectral_contact.records import (
@@ -88,6 +89,8 @@ class Solution(Output):
         Scalars and zones by name; use the properties.
     pressure_field, traction_field, slip_field
         Evaluators; use `pressure`, `traction` and `slip`.
+    grown
+        Use `history`.
     """
 
     scene: Scene
@@ -101,6 +104,7 @@ class Solution(Output):
     pressure_field: PressureField | ZonalField | None = None
     traction_field: TractionField = None
     slip_field: TractionField = None
+    grown: ContactHistory | None = None
 
     def _require(self, quantity: str) -> None:
         if quantity not in self.plan.quantities:
@@ -316,9 +320,26 @@ class Solution(Output):
     def slip(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate ``u_r* = u_r a E / (4 (1 - nu^2) P)``: zero in stick, inward (negative) in slip.
 
+        With a profile it is in L, and by how far points have slipped since they came into contact:
+        what sticks keeps what it had slipped by before.
+
         Parameters, return value and errors are those of `pressure`.
         """
         return self._field(self.slip_field, "slip", s, from_edge)
+
+    @property
+    def history(self) -> ContactHistory:
+        """Load, approach, total shear and stick radius of a growing contact on its way here.
+
+        Raises
+        ------
+        NotComputedError
+            If nothing asked for took the history: a profile, friction, and what depends on it.
+        """
+        if self.grown is None:
+            reasons = [one.reason for one in self.plan.steps if one.name == GROWTH]
+            raise NotComputedError("history", *(reasons or ["no contact has grown"]))
+        return self.grown
 
     @property
     def inside(self) -> Inside:

@@ -27,6 +27,7 @@ from spectral_contact.cli.options import UsageError, joined, number, whole
 from spectral_contact.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
 from spectral_contact.errors import (
     ConvergenceError,
+    NotComputedError,
     SceneError,
     SolutionFileError,
     SpectralContactError,
@@ -34,7 +35,7 @@ from spectral_contact.errors import (
 from spectral_contact.inputs.choices import suggestion
 from spectral_contact.paper import FIGURES, reproduce
 from spectral_contact.processes import PROGRAM, failed, guarded
-from spectral_contact.solution import QUANTITIES, Plan, Solution
+from spectral_contact.solution import GROWTH, QUANTITIES, Plan, Solution, StepState
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
@@ -161,6 +162,11 @@ def _add_request(command: _Parser) -> None:
         "--plot",
         metavar="FILE",
         help=f"plot the solution: {', '.join(plotting.FORMATS)} (needs the extra: plot)",
+    )
+    group.add_argument(
+        "--history",
+        metavar="FILE",
+        help="how a contact with friction has grown: .csv, a row for each contact radius",
     )
 
 
@@ -353,6 +359,10 @@ def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:
         raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
     if arguments.plot is not None:
         plotting.check(todo)
+    if arguments.history is not None:
+        _check_path(Path(arguments.history), (".csv",))
+        if not any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps):
+            raise NotComputedError("history", "it takes a profile, friction, and what they make")
 
 
 def _check_paths(arguments: argparse.Namespace, outputs: Iterable[str]) -> None:
@@ -389,3 +399,5 @@ def _write(solution: Solution, arguments: argparse.Namespace) -> None:
         solution.save(arguments.output)
     if arguments.plot is not None:
         plotting.save(plotting.plot_solution(solution), arguments.plot)
+    if arguments.history is not None:
+        solution.history.to_csv(arguments.history)

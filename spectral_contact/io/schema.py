@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 from spectral_contact import layers
+from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,
@@ -237,11 +238,22 @@ _PIECE = Record(
 )
 _ZONAL = Record("ZonalField", ZonalField, pieces=Several(_PIECE))
 _TANGENTIAL = Maybe(Either(_ZONAL, _DISK))
+_HISTORY = Record(
+    "ContactHistory",
+    ContactHistory,
+    ends=_ROW,
+    loads=_TABLE,
+    approaches=_TABLE,
+    shears=_TABLE,
+    sticks=_TABLE,
+    errors=_TABLE,
+)
 
 #: The root of the tree.
 SOLUTION: Final = Record(
     "Solution",
     Solution,
+    {"grown": None},
     scene=_SCENE,
     rtol=_FLOAT,
     plan=_PLAN,
@@ -266,6 +278,7 @@ SOLUTION: Final = Record(
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,
     slip_field=_TANGENTIAL,
+    grown=Maybe(_HISTORY),
 )
 #: Everything that has a tag.
 RECORDS: Final = (
@@ -273,6 +286,6 @@ RECORDS: Final = (
     *PROFILES,
     *LAYERS,
     *(_PHYSICAL, _SCENE, _PLANNED_STEP, _PLAN, _ZONE, _ERRORS, _REFINEMENT, _STEP_WORK, _WORK),
-    *(_RADIUS, _LOG_SERIES, _WEIGHT, _PRESSURE, _DISK, _ANNULUS, _PIECE, _ZONAL),
+    *(_RADIUS, _LOG_SERIES, _WEIGHT, _PRESSURE, _DISK, _ANNULUS, _PIECE, _ZONAL, _HISTORY),
 )
 CHOICES: Final = (_STATE, _ENDING)

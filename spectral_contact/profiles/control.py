@@ -137,9 +137,6 @@ def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
     if isinstance(profile, Flat) and scene["layer"] is None:
         told = "None for a flat punch on a linear layer, whose radius and load are the units"
         raise SceneError("profile", profile, told)
-    if scene["coupling"] and scene["friction"] and profile.flat_part > 0.0:
-        told = "False with friction and a profile that has a flat part"
-        raise SceneError("coupling", True, told)
 
 
 def refuse_profile(scene: Any, what: str) -> None:

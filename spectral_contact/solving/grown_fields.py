@@ -3,7 +3,7 @@
 What has stuck since the contact was as large as ``b_r`` has the increments of all later flat
 punches and, if it slipped before, friction times the pressure of that time. The pressure has the
 increments of both times. ``b_r`` is where the stick radius was ``r``; without slip, where the
-contact was.
+contact was. By what a point has slipped it has slipped before.
 """
 
 from __future__ import annotations
@@ -48,6 +48,8 @@ _ROOT_PANELS = 26
 #: Quadrature over the history, graded to where it begins: points, panels, and their ratio; the
 #: same where there are square roots; what is smooth takes few points.
 _GRADED, _ROOT_GRADED, _SMOOTH = (10, 16, 0.2), (10, 36, 0.2), (16, 1, 0.0)
+#: The same for slip, which is bounded at the edge; graded to where a radius sticks, too.
+_SLIP_GRADED, _ROOT_SLIP_GRADED = (10, 6, 0.2), (10, 12, 0.2)
 #: How far apart, in a logarithm, the onset of slip and the stick radius are told apart.
 _APART = 1e-6
 #: Where the sign of the pressure is looked at, in the logarithm of the distance from the edge.
@@ -64,6 +66,11 @@ class GrownField:
     lost: float
     largest: float
 
+    @property
+    def share_lost(self) -> float:
+        """What the series leave out, relative to the largest value."""
+        return self.lost / self.largest if self.largest else 0.0
+
 
 class GrownFields:
     """Fields over ``s = r/a`` that a history has left.
@@ -79,17 +86,19 @@ class GrownFields:
 
     def __init__(self, growth: Growth, stick: Radius, *, smooth: bool) -> None:
         self.history = _History(growth, graded_rule(*(_ROOT_GRADED if smooth else _GRADED)))
+        self._slip_rule = _both_ends(*(_ROOT_SLIP_GRADED if smooth else _SLIP_GRADED))
         self.stick, self._count = stick, _ROOT_PANELS if smooth else _PANELS
-        self._inner = self._cuts(math.log(stick.value) - _APART)
+        self._inner = self._cuts(-math.inf, math.log(stick.value))
+        self._outer = self._cuts(math.log(stick.value), 0.0)
 
-    def _cuts(self, highest: float) -> list[Radius]:
+    def _cuts(self, lowest: float, highest: float) -> list[Radius]:
         """Return where fields are not smooth: where something began, and what stuck then."""
-        growth, found = self.history.growth, [-math.inf]
+        growth, found = self.history.growth, [lowest]
         begun = [*growth.breaks, *([growth.onset] if growth.onset else [])]
         logs = [math.log(one) for one in begun]
         places = logs + [u + stick for u in logs for stick in growth.log_stick(u)]
         for place in sorted(places):
-            if found[-1] + _APART < place - growth.log_radius < highest:
+            if found[-1] + _APART < place - growth.log_radius < highest - _APART:
                 found.append(place - growth.log_radius)
         return [Radius(math.exp(x), -math.expm1(x)) for x in found[1:]]
 
@@ -132,9 +141,18 @@ class GrownFields:
 
         return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=0)
 
+    def slip(self) -> GrownField:
+        """Return by how far points have slipped since they came into contact."""
+
+        def values(log_r: Array) -> Array:
+            when = self.history.when_stuck(log_r)
+            return self.history.while_slipping("slip", log_r, when, self._slip_rule, power=1)
+
+        return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=1)
+
     def _ends(self) -> list[Radius]:
-        """Return the ends of today's zones."""
-        return [EDGE] if self.stick.from_edge == 0.0 else [self.stick, EDGE]
+        """Return the stick radius, unless it is the edge, and what is outside."""
+        return [EDGE] if self.stick.from_edge == 0.0 else [self.stick, *self._outer, EDGE]
 
     def _sampled(
         self, values: Callable[[Array], Array], ends: list[Radius], *, power: int
@@ -227,15 +245,28 @@ class _History:
                     total[rows] += _while_stuck(name, panel, log_r[rows], stuck[rows], rule)
         return total
 
-    def while_slipping(self, name: str, log_r: Array, stuck: Array) -> Array:
-        """Return by how much a field grew at radii before they stuck."""
+    def while_slipping(
+        self,
+        name: str,
+        log_r: Array,
+        stuck: Array,
+        rule: tuple[Array, Array] | None = None,
+        power: int = 2,
+    ) -> Array:
+        """Return by how much a field, that of flat punches over ``b**power``, grew before."""
         total = np.zeros(len(log_r))
         for panel in self.growth.all_panels:
             begin, end = np.maximum(log_r, panel.low), np.minimum(stuck, panel.high)
-            rows = (begin < end) & panel.slips
-            if rows.any():
-                span = begin[rows], end[rows]
-                total[rows] += _while_slipping(name, panel, log_r[rows], span, self.rule)
+            # far from where radii began to slip and stuck the integrand is smooth
+            near = np.minimum(begin - log_r, stuck - end) < panel.high - panel.low
+            slipped = (begin < end) & panel.slips
+            for rows, by in (
+                (slipped & near, rule or self.rule),
+                (slipped & ~near, graded_rule(*_SMOOTH)),
+            ):
+                if rows.any():
+                    span = begin[rows], end[rows]
+                    total[rows] += _while_slipping(name, panel, log_r[rows], span, by, power)
         return total
 
     def when_stuck(self, log_r: Array) -> Array:
@@ -278,6 +309,7 @@ def _while_slipping(
     log_r: Array,
     span: tuple[Array, Array],
     rule: tuple[Array, Array],
+    power: int,
 ) -> Array:
     """Return what the increments of one panel add to radii while they slip."""
     begin, end = span
@@ -287,9 +319,16 @@ def _while_slipping(
     u = begin[:, None] + ahead
     depth = ((begin - log_r)[:, None] + ahead).ravel()
     t = panel.local(u).ravel()
-    values = panel.where_slipping(name, t, np.exp(-depth), -np.expm1(-depth))
-    values *= panel.increment(t) * np.exp(-2.0 * u.ravel())
+    values = panel.where_slipping(name, t, -np.expm1(-2.0 * depth))
+    values *= panel.increment(t) * np.exp(-power * u.ravel())
     return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ weights))
+
+
+def _both_ends(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
+    """Return a rule on (0, 1) whose panels shrink towards both ends."""
+    nodes, weights = graded_rule(points, panels, ratio)
+    halves = np.concatenate([nodes / 2.0, 1.0 - nodes / 2.0])
+    return halves, np.concatenate([weights, weights]) / 2.0
 
 
 def _crossed(panel: Panel, log_r: Array) -> Array:

@@ -167,6 +167,11 @@ class Growth:
         return panels + 2.0 * flats + self.begun
 
     @cached_property
+    def slip_error(self) -> float:
+        """Estimate of the error of the slip, in its own unit."""
+        return sum(one.slip_error for one in self.panels)
+
+    @cached_property
     def log_beginning(self) -> bool:
         """Whether all decades of the beginning count alike at the centre, as at a smooth tip."""
         return abs(self._rise - 2.0) < _LIKE_A_TIP and not self._corner

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 
 #: Where the convergence of the fields over the radius is looked at, in the stuck disk.
 _LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
+#: The same where it slips, over ``1 - s**2`` from the edge to the stick radius.
+_SLIPPING_LOOKS: Array = np.array([0.01, 0.2, 0.5, 0.8])
 #: Below the range of doubles.
 _TINY = 1e-300
 
@@ -110,9 +112,23 @@ class Panel:
 
         return self._interpolated(value, t)
 
-    def where_slipping(self, name: str, t: Array, s: Array, from_edge: Array) -> Array:
-        """Return a flat punch's field where it slips."""
-        return self._interpolated(lambda one: _field(one, name, s, from_edge), t)
+    def where_slipping(self, name: str, t: Array, y: Array) -> Array:
+        """Return a flat punch's field where it slips, at ``1 - s**2 = y``."""
+        width = -np.expm1(2.0 * self.log_stick(t))
+        return self._at_share(name, t, y / np.maximum(width, np.maximum(y, _TINY)))
+
+    def _at_share(self, name: str, t: Array, share: Array) -> Array:
+        """Return a field at places between the edge and the stick radius, as ``1 - s**2`` goes.
+
+        All stages are seen in their slip zones, in which fields are smooth.
+        """
+
+        def value(one: Solution) -> Array:
+            y = share * _stick_radius(one).rest
+            s = np.sqrt(1.0 - y)
+            return _field(one, name, s, y / (1.0 + s))
+
+        return self._interpolated(value, t)
 
     def _interpolated(self, value: Callable[[Solution], Array], t: Array) -> Array:
         first = self.flats[0]
@@ -135,6 +151,33 @@ class Panel:
         """The same of everything, relative to the largest of what is interpolated."""
         of_stick = left_out(self.stick) if self.slips else 0.0
         return max(self.shear_error, of_stick, *(self._field_error(one) for one in self.fields))
+
+    @cached_property
+    def slips_by(self) -> Array:
+        """The slip of the stages at some places, (stages, places)."""
+        looks = _SLIPPING_LOOKS
+        every = [self._at_share("slip", np.full(len(looks), t), looks) for t in NODES.tolist()]
+        return np.array(every)
+
+    @cached_property
+    def slip_error(self) -> float:
+        """Estimate of the error of what the panel adds to the slip, in its own unit."""
+        if not self.slips:
+            return 0.0
+        largest = np.abs(self.slips_by).max(axis=1)
+        known = np.array([one.error.slip or 0.0 for one in self.flats])
+        # just past the onset no digit is known of slip that is small on its panel
+        of_flats = np.where(known <= 1.0, largest * np.minimum(known, 1.0), largest.max())
+        # places move with the stick radius
+        moved = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), _TINY)
+        left = max(left_out(column) for column in self.slips_by.T)
+        gained = self.integral(
+            lambda t: self.increment(t) * np.exp((self.low - self.high) * (1.0 + t) / 2.0)
+        )
+        # by parts: what the load lacks counts against all of it
+        lacking = 2.0 * left_out(self.weights.loads) * float(self.load(np.ones(1))[0])
+        of_fields = gained * (left + (of_flats + largest * moved).max())
+        return float(of_fields + lacking * largest.max()) * math.exp(-self.low)
 
     def _field_error(self, name: str) -> float:
         d = 1.0 - _LOOKS**2

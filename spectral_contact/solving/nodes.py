@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 
-__all__ = ["COUNT", "NODES", "chebyshev_value", "interpolation_weights", "left_out", "slope"]
+__all__ = [
+    "COUNT",
+    "NODES",
+    "chebyshev_series",
+    "chebyshev_value",
+    "interpolation_weights",
+    "left_out",
+    "slope",
+]
 
 Array = NDArray[np.float64]
 
@@ -23,14 +31,19 @@ _BARYCENTRIC: Array = np.array(
 )
 
 
+def chebyshev_series(values: Array) -> Array:
+    """Return the Chebyshev coefficients of what passes through values at the nodes."""
+    return np.asarray(_FIT @ values)
+
+
 def chebyshev_value(values: Array, t: Array) -> Array:
     """Return what passes through values at the nodes, at places in [-1, 1]."""
-    return np.asarray(chebyshev.chebval(t, _FIT @ values))
+    return np.asarray(chebyshev.chebval(t, chebyshev_series(values)))
 
 
 def slope(values: Array, t: Array) -> Array:
     """Return its derivative."""
-    return np.asarray(chebyshev.chebval(t, chebyshev.chebder(_FIT @ values)))
+    return np.asarray(chebyshev.chebval(t, chebyshev.chebder(chebyshev_series(values))))
 
 
 def interpolation_weights(t: Array) -> Array:

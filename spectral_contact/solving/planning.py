@@ -83,7 +83,8 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     elif scene.profile is not None:
         flat = isinstance(scene.profile, Flat)
         kind = "under profiles" if flat else "of growing contacts"
-        for name in ("slip", *sorted(_STICK_ONLY)):
+        lacking = ("slip",) if flat or scene.friction == 0.0 else ()
+        for name in (*lacking, *sorted(_STICK_ONLY)):
             missing[name] = f"it is not computed {kind}"
     if endless(scene):
         missing["contact_radius"] = "the layer has pressure at every gap: there is no edge"

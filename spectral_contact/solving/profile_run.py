@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.normal import NormalContact
     from spectral_contact.layers import Layer
+    from spectral_contact.solving.grown_fields import GrownFields
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import Stages
 
@@ -65,7 +66,7 @@ class ProfileRun(Run):
             from spectral_contact.solving.stages import Stages
 
             with ProgressLine(self.shared.progress) as tell:
-                history = Stages(self.scene, self.rtol, self.max_unknowns, tell)
+                history = Stages(self.scene, self.rtol, self.max_unknowns, tell, self._fields())
                 if self.scene.couples:
                     self._grow_together(history)
                 else:
@@ -218,21 +219,18 @@ class ProfileRun(Run):
         begin, scene = perf_counter(), self.scene
         radius = self.values["contact_radius"]
         least = history.least(radius, self.values["load"])
-        grower = history.grower(least, radius, self._fields())
-        growth = grower.grown(least, radius, self.values["load"])
+        growth = history.grower(least, radius).grown(least, radius, self.values["load"])
         today = self._take_zones(history, growth)
         self.errors["total_shear"] += self.errors["load"]
         if "traction" in self.plan.quantities:
             assert scene.friction is not None
             assert self.pressure is not None
-            from spectral_contact.solving.grown_fields import GrownFields
-
-            fields = GrownFields(growth, _stick_radius(today), smooth=self._smooth)
-            found = fields.traction(scene.friction, self.pressure)
+            found = self._superposed(growth, today).traction(scene.friction, self.pressure)
             self.traction = found.field
-            lost = found.lost / found.largest if found.largest else 0.0
-            self.errors["traction"] = growth.error + lost + self.errors["pressure"]
-        self.record(GROWTH, growth, begin)
+            self.errors["traction"] = growth.error + found.share_lost + self.errors["pressure"]
+        self._take_slip(growth, today, self.errors["load"])
+        known = self.errors["load"] + self.errors["approach"]
+        self._take_history(growth, begin, known)
 
     def _grow_together(self, history: Stages) -> None:
         """Follow the contact while it grows: with coupling nothing is known beforehand."""
@@ -240,7 +238,7 @@ class ProfileRun(Run):
         assert scene.friction is not None
         radius, load = self._without_coupling()
         least = history.least(radius, load)
-        grower = history.grower(least, radius, self._fields())
+        grower = history.grower(least, radius)
         growth = grower.grown(least, radius, load)
         error = growth.weight_error
         given = "loads" if scene.approach is None else "approaches"
@@ -270,17 +268,18 @@ class ProfileRun(Run):
         self.values["stiffness"] = radius / today.approach
         # grows like the radius on a smooth surface, like its square in a layer
         self.errors["stiffness"] = (today.error.approach or 0.0) + 2.0 * moved
-        if self._fields():
+        if {"pressure", "traction"}.intersection(self.plan.quantities):
             self._take_fields(growth, today, error)
-        self.record(GROWTH, growth, begin)
+        self._take_slip(growth, today, error)
+        self._take_history(growth, begin)
 
     def _take_fields(self, growth: Growth, today: Solution, error: float) -> None:
         """Add up pressure and traction."""
         friction = self.scene.friction
         assert friction is not None
-        from spectral_contact.solving.grown_fields import GrownFields, opening
+        from spectral_contact.solving.grown_fields import opening
 
-        fields = GrownFields(growth, _stick_radius(today), smooth=self._smooth)
+        fields = self._superposed(growth, today)
         pressed = fields.pressure()
         self.pressure = pressed.field
         if today.opening is not None:
@@ -294,7 +293,31 @@ class ProfileRun(Run):
         self.errors["pressure"] = pressed.lost / mean + 2.0 * left
         found = fields.traction(friction, pressed.field)
         self.traction = found.field
-        self.errors["traction"] = left + (found.lost / found.largest if found.largest else 0.0)
+        self.errors["traction"] = left + found.share_lost
+
+    def _take_slip(self, growth: Growth, today: Solution, load_error: float) -> None:
+        """Add up the slip, if it is asked for and there was any."""
+        if "slip" not in self.plan.quantities:
+            return
+        self.errors["slip"] = 0.0
+        if any(one.slips for one in growth.panels):
+            found = self._superposed(growth, today).slip()
+            self.slip = found.field
+            left = growth.slip_error / found.largest + found.share_lost
+            moved = growth.load_rate * self.errors["contact_radius"]
+            self.errors["slip"] = left + load_error + moved
+
+    def _take_history(self, growth: Growth, begin: float, known: float | None = None) -> None:
+        """Keep what the contact was like on its way, and note the work."""
+        from spectral_contact.solving.growth_history import history_of
+
+        self.history = history_of(growth, known)
+        self.record(GROWTH, growth, begin)
+
+    def _superposed(self, growth: Growth, today: Solution) -> GrownFields:
+        from spectral_contact.solving.grown_fields import GrownFields
+
+        return GrownFields(growth, _stick_radius(today), smooth=self._smooth)
 
     def _without_coupling(self) -> tuple[float, float]:
         """Return radius and load of normal contact: not far away, and a little more than needed."""
@@ -334,8 +357,12 @@ class ProfileRun(Run):
 
     def _fields(self) -> tuple[str, ...]:
         """Return the fields that are superposed."""
+        asked = self.plan.quantities
+        if {"pressure", "traction", "slip"}.isdisjoint(asked):
+            return ()
+        # panels that are fine enough for the traction are for the slip
         names = ("pressure", "traction") if self.scene.couples else ("traction",)
-        return names if {"pressure", "traction"}.intersection(self.plan.quantities) else ()
+        return (*names, "slip") if "slip" in asked else names
 
     @property
     def _smooth(self) -> bool:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.contact.refine import Refinement
+from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
@@ -102,6 +103,7 @@ class Run:
         self.pressure: PressureField | ZonalField | None = None
         self.traction: TractionField = None
         self.slip: TractionField = None
+        self.history: ContactHistory | None = None
 
     def solution(self) -> Solution:
         """Run the plan."""
@@ -123,6 +125,7 @@ class Run:
             self.pressure if "pressure" in wanted else None,
             self.traction if "traction" in wanted else None,
             self.slip if "slip" in wanted else None,
+            self.history,
         )
 
     def _ending(self) -> Ending:

@@ -10,6 +10,7 @@ from typing import Any
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import indenter, value_of
+from spectral_contact.contact.indented import Indentation
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -50,14 +51,21 @@ class Stages:
         As of `solve`.
     tell : callable
         Takes what is worked on.
+    fields : tuple of str
+        Those that are superposed.
     """
 
     def __init__(
-        self, scene: Scene, rtol: float, max_unknowns: int, tell: Callable[[str], None]
+        self,
+        scene: Scene,
+        rtol: float,
+        max_unknowns: int,
+        tell: Callable[[str], None],
+        fields: tuple[str, ...],
     ) -> None:
         assert scene.profile is not None
         self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
-        self.profile, self._tell = scene.profile, tell
+        self.profile, self._tell, self._fields = scene.profile, tell, fields
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
@@ -65,11 +73,10 @@ class Stages:
         self._run = CoupledRun if scene.couples else Run
         self._last: tuple[Scene, Solution] | None = None
 
-    def contact(self, radius: float) -> tuple[float, float]:
-        """Return load and approach of normal contact of a radius."""
+    def contact(self, radius: float) -> Indentation:
+        """Return normal contact of a radius."""
         solve = indenter(self.profile, self.scene.normal_compliance, self.max_unknowns)
-        value = value_of(solve(radius, self._tight, False))
-        return value.load, value.approach
+        return value_of(solve(radius, self._tight, False))
 
     def _scene(self, radius: float) -> Scene:
         flat = self._flat
@@ -84,7 +91,8 @@ class Stages:
         scene = self._scene(radius)
         if self._last is None or self._last[0] != scene:  # on a smooth surface all are the same
             self._tell(f"as the contact grew: radius {radius:.4g}")
-            run = self._run(scene, plan(scene, _FLAT), self._tight, self.max_unknowns, self._shared)
+            todo = plan(scene, {*_FLAT, *self._fields})
+            run = self._run(scene, todo, self._tight, self.max_unknowns, self._shared)
             self._last = scene, run.solution()
         return self._last[1]
 
@@ -100,15 +108,18 @@ class Stages:
         if self.scene.couples:
             return CoupledWeight(self.profile, math.log(least), self.flat(least))
         if self.scene.normal_compliance == 0.0:
-            return SmoothWeight(self.profile, self.contact(least)[0])
+            return SmoothWeight(self.profile, self.contact(least).load)
         return NormalWeight(self.contact)
 
-    def grower(self, least: float, radius: float, fields: tuple[str, ...]) -> Grower:
+    def grower(self, least: float, radius: float) -> Grower:
         """Return what follows the contact between two radii."""
         onset = self._onset(least, radius)
-        at_break = _AT_SMOOTH_BREAK if self.scene.normal_compliance == 0.0 else _AT_BREAK
+        # with coupling what a panel adds is the rest of all others, which a short one drowns in
+        smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
+        at_break = _AT_SMOOTH_BREAK if smooth else _AT_BREAK
         weight = self.weight(least)
-        return Grower(self.flat, weight, onset, fields, self.rtol, self.profile.breaks, at_break)
+        breaks = self.profile.breaks
+        return Grower(self.flat, weight, onset, self._fields, self.rtol, breaks, at_break)
 
     def least(self, radius: float, load: float) -> float:
         """Return a radius at which load and traction are negligible; just past a flat part."""
@@ -117,7 +128,7 @@ class Stages:
         share, at = 1.0, radius
         while share > _NEGLIGIBLE * self.rtol:
             at /= 2.0
-            share = self.contact(at)[0] / load * (radius / at) ** 2
+            share = self.contact(at).load / load * (radius / at) ** 2
             if share * (radius / at) > 1.0 and at < 1e-9 * radius:
                 break
         return at

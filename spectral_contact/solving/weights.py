@@ -8,21 +8,22 @@ how much a flat punch of the radius ``b`` takes the surface at ``r > b`` down wi
 
 a Volterra equation of the first kind, whose diagonal is ``alpha p`` at the edge. It is collocated
 on panels in ``u = ln b``, from the first touch on, at more Radau points than it has unknowns, which
-makes it stable. The unknown is ``d delta/du`` over the half-integral ``H(b)`` of the profile, and
-almost constant.
+makes it stable. The unknown is ``d delta/du`` over that of the half-integral ``H(b)`` of the
+profile, and almost constant, next to corners, too. A flat part has no load before it grows.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
+from spectral_contact.contact.indented import Indentation
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles import Profile
@@ -44,6 +45,8 @@ Array = NDArray[np.float64]
 _GRADED, _SMOOTH = (12, 24, 0.2), 20
 #: How far in ``u`` the kernel of a panel is singular no more.
 _FAR = 1.0
+#: How close a panel is to a break that begins there.
+_NEXT = 1e-14
 #: Below the range of doubles.
 _TINY = 1e-300
 #: Where the equation is collocated, by least squares: the end of a panel is one of the places. With
@@ -62,11 +65,14 @@ class Weights:
         Logarithms, at the nodes.
     error : float
         What the panel leaves out, relative.
+    at_nodes : float
+        What the loads and approaches at the nodes are known to, where these are normal contact's.
     """
 
     loads: Array
     approaches: Array
     error: float = 0.0
+    at_nodes: float = 0.0
 
 
 class Weight(Protocol):
@@ -88,17 +94,19 @@ class NormalWeight:
     Parameters
     ----------
     contact : callable
-        Of a contact radius: load and approach.
+        Of a contact radius.
     """
 
-    def __init__(self, contact: Callable[[float], tuple[float, float]]) -> None:
+    def __init__(self, contact: Callable[[float], Indentation]) -> None:
         self._contact = contact
 
     def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
         """Return the weights of a panel."""
         radii = np.exp(low + (high - low) * (1.0 + NODES) / 2.0)
-        loads, approaches = np.log([self._contact(b) for b in radii.tolist()]).T
-        return Weights(loads, approaches)
+        contacts = [self._contact(b) for b in radii.tolist()]
+        loads, approaches = np.log([(one.load, one.approach) for one in contacts]).T
+        known = max(max(one.load_error, one.approach_error) for one in contacts)
+        return Weights(loads, approaches, at_nodes=known)
 
     def keep(self) -> None:
         """Do nothing: normal contact knows no history."""
@@ -149,6 +157,15 @@ class SmoothWeight:
 
 
 @dataclass(frozen=True, slots=True)
+class _PanelPlaces:
+    """Places of a panel: how far behind its end, in shares of its punches, and what they sink."""
+
+    behind: Array
+    shares: Array
+    growth: Array
+
+
+@dataclass(frozen=True, slots=True)
 class _Span:
     """A panel of the history with ``d delta/du`` over ``H`` at its nodes.
 
@@ -158,12 +175,18 @@ class _Span:
     rates : ndarray
     around : list of LogSeries
         The surface around its punches.
+    at_break : bool
+        Whether it begins at one, where ``H`` may have a root.
+    seen : dict
+        Its places, as they are seen from far away or not.
     """
 
     low: float
     high: float
     rates: Array
     around: list[LogSeries]
+    at_break: bool
+    seen: dict[bool, _PanelPlaces] = field(default_factory=dict)
 
     def shares(self, u: Array) -> Array:
         """Return the weights of the punches at places in ``u``, (places, punches)."""
@@ -191,14 +214,15 @@ class CoupledWeight:
         self._graded = graded_rule(*_GRADED)
         g, w = gauss_rule(_SMOOTH)
         self._smooth = (1.0 + g) / 2.0, w / 2.0
+        both = self._graded[0] / 2.0, self._graded[1] / 2.0
+        self._both = np.append(both[0], 1.0 - both[0]), np.append(both[1], both[1])
+        self._breaks, self._flat_part = np.log(profile.breaks), profile.flat_part > 0.0
         self._last = first, outside_displacement(first)
         self._low, self._around = low, [self._last[1]]
-        self._rate = 1.0
-        self._rate = self._height(low) / self._from_first(low)
-        points, weights = self._graded
-        growth = self._rate * weights * self._transform(low + np.log1p(-points))
-        approach = float((growth / (1.0 - points)).sum())
-        load = math.exp(low) * float(growth.sum()) / first.approach
+        self._behind, self._first = self._begun()
+        self._first *= self._height(low) / self._from_first(low)
+        approach = float(self._first.sum())
+        load = float((np.exp(low - self._behind) * self._first).sum()) / first.approach
         self._panels: list[_Span] = []
         #: load and approach at the ends of the panels, and where they begin
         self._ends = [(load, approach)]
@@ -208,18 +232,20 @@ class CoupledWeight:
 
     def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
         """Return the weights of a panel."""
-        panel = _Span(low, high, np.zeros(COUNT), [self._surface(one) for one in flats])
-        points, weights = self._graded
+        at_break = bool(np.abs(self._breaks - low).min(initial=1.0) < _NEXT)
+        around = [self._surface(one) for one in flats]
+        panel = _Span(low, high, np.zeros(COUNT), around, at_break)
+        points, weights = self._both if panel.at_break else self._graded
         rows, right = [], []
         for r in low + (high - low) * (1.0 + _RADAU) / 2.0:
             ahead = (r - low) * points
             shares = panel.shares(r - ahead)
-            growth = weights * panel.kernel(shares, ahead) * self._transform(r - ahead)
+            growth = weights * panel.kernel(shares, ahead) * self._sinking(r - ahead)
             rows.append((r - low) * (growth @ shares))
             before = sum(self._from_panel(one, r) for one in self._panels)
             right.append(self._height(r) - self._from_first(r) - before)
         rates = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0]
-        self._looked = replace(panel, rates=rates)
+        self._looked = replace(panel, rates=rates, seen={})
         return self._weights(self._looked, flats)
 
     def _surface(self, flat: Solution) -> LogSeries:
@@ -232,10 +258,10 @@ class CoupledWeight:
         """Return load and approach at the nodes, by integrals from the beginning of the panel."""
         ends = np.append(NODES, 1.0)[:, None]
         extent = (panel.high - panel.low) * (1.0 + ends) / 2.0
-        points, weights = self._smooth
+        points, weights = self._graded if panel.at_break else self._smooth
         u = (panel.low + extent * points).ravel()
         shares = panel.shares(u)
-        growth = (shares @ panel.rates) * self._transform(u)
+        growth = (shares @ panel.rates) * self._sinking(u)
         stiffness = np.exp(u) / (shares @ np.array([one.approach for one in flats]))
         sizes, (load, approach) = extent * weights, self._ends[-1]
         approaches = approach + (growth.reshape(COUNT + 1, -1) * sizes).sum(axis=1)
@@ -244,7 +270,10 @@ class CoupledWeight:
         if not min(loads.min(), approaches.min()) > 0.0:
             told = f"at the contact radius {math.exp(panel.high):.6g} the load would not grow"
             raise NotComputedError("load", told)
+        # fields next to the edge know a short panel by the root of what it adds
+        added = 1.0 - min(load / self._end[0], approach / self._end[1])
         error = left_out(panel.rates) / max(float(np.abs(panel.rates).max()), _TINY)
+        error *= math.sqrt(max(added, 0.0))
         return Weights(np.log(loads[:-1]), np.log(approaches[:-1]), error)
 
     def keep(self) -> None:
@@ -259,23 +288,44 @@ class CoupledWeight:
 
     def _from_first(self, r: float) -> float:
         """Return what the self-similar beginning adds to the height at a radius."""
-        points, weights = self._graded
-        ahead = r - self._low - np.log1p(-points)
-        growth = self._rate * self._transform(self._low + np.log1p(-points)) / (1.0 - points)
-        return float((weights * growth) @ (1.0 - reached(self._around, ahead)[0]))
+        ahead = r - self._low + self._behind
+        return float(self._first @ (1.0 - reached(self._around, ahead)[0]))
 
     def _from_panel(self, panel: _Span, r: float) -> float:
         """Return what a panel of the history adds to the height at a radius."""
-        extent = panel.high - panel.low
-        points, weights = self._graded if r - panel.high < _FAR else self._smooth
-        u = panel.high - extent * points
-        shares = panel.shares(u)
-        growth = (shares @ panel.rates) * self._transform(u)
-        kernel = panel.kernel(shares, r - panel.high + extent * points)
-        return extent * float((weights * growth) @ kernel)
+        far = not panel.at_break and r - panel.high > _FAR
+        seen = panel.seen.get(far)
+        if seen is None:
+            points, weights = self._smooth if far else self._graded
+            if panel.at_break:
+                points, weights = self._both
+            extent = panel.high - panel.low
+            shares = panel.shares(panel.high - extent * points)
+            growth = (shares @ panel.rates) * self._sinking(panel.high - extent * points)
+            seen = panel.seen[far] = _PanelPlaces(
+                extent * points, shares, extent * weights * growth
+            )
+        return float(seen.growth @ panel.kernel(seen.shares, r - panel.high + seen.behind))
 
     def _height(self, log_r: float) -> float:
         return float(self.profile._height(np.exp(np.asarray(log_r))))
 
-    def _transform(self, u: Array) -> Array:
-        return self.profile._transform(np.exp(u))
+    def _begun(self) -> tuple[Array, Array]:
+        """Return how far back places before the panels are, and how ``H`` grows there."""
+        if self._flat_part:
+            points, weights = self._both
+            extent = self._low - self._breaks[0]
+            behind, weights = extent * points, extent * weights
+        else:
+            points, weights = self._graded
+            behind, weights = -np.log1p(-points), weights / (1.0 - points)
+        return behind, weights * self._sinking(self._low - behind)
+
+    def _sinking(self, u: Array) -> Array:
+        """Return ``dH/du``."""
+        b, last = np.exp(u), np.searchsorted(self._breaks, u, side="right") - 1
+        past = np.zeros(len(u))
+        if len(self._breaks):
+            at = self._breaks[np.maximum(last, 0)]
+            past = np.where(last >= 0, np.exp(2.0 * at) * np.expm1(2.0 * (u - at)), 0.0)
+        return np.asarray(b * self.profile._rate(b, past))

@@ -59,6 +59,7 @@ _WITH_PROFILE: Final = {
     "approach": ("approach δ", "L"),
     "pressure": ("pressure p", "E'"),
     "traction": ("traction q", "E'"),
+    "slip": ("slip since first contact u_r", "L"),
     "stick_radius": ("stick radius c/a", "a"),
     "total_shear": ("total shear Q", "E'L²"),
 }

@@ -156,4 +156,6 @@ class PhysicalSolution:
     @over_r
     def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
-        return self._scaled("slip", self.units.displacement, r, from_edge)
+        # under a profile it is a length as the others are
+        unit = self.units.displacement if self._modulus is None else 1.0
+        return self._scaled("slip", unit, r, from_edge)

@@ -30,6 +30,7 @@ from spectral_contact.view.figures import (
     scene_title,
     style,
 )
+from spectral_contact.view.history import plot_history
 from spectral_contact.view.inside import plot_inside
 from spectral_contact.view.law import plot_law
 from spectral_contact.view.radii import (
@@ -51,6 +52,7 @@ __all__ = [
     "check",
     "graded_radii",
     "plot_coefficients",
+    "plot_history",
     "plot_inside",
     "plot_law",
     "plot_solution",
@@ -165,7 +167,7 @@ class _AxisUnits:
             layer = solution.scene.layer
             shown = [profile.brief, *([] if layer is None else [layer.brief]), radius]
             title = (",   ".join(shown),)
-            return cls(1.0, 1.0, stress_unit="$E'$", title=title)
+            return cls(1.0, 1.0, stress_unit="$E'$", slip_unit="$L$", title=title)
         known = data is not None and (
             profile or data.load or "approach" in solution.plan.quantities
         )
@@ -173,7 +175,8 @@ class _AxisUnits:
             return cls(1.0, 1.0)
         physical = solution.physical
         scales = physical.units
-        sizes = scales.length, scales.stress, scales.displacement
+        moved = scales.displacement if profile is None else 1.0
+        sizes = scales.length, scales.stress, moved
         length_power, stress_power, slip_power = map(_prefix_power, sizes)
         modulus = rf"$E = {math_number(data.youngs_modulus)}$ Pa"
         edged = profile is None or "contact_radius" in solution.values
@@ -183,7 +186,7 @@ class _AxisUnits:
         return cls(
             scales.length / 10.0**length_power,
             scales.stress / 10.0**stress_power,
-            scales.displacement / 10.0**slip_power,
+            moved / 10.0**slip_power,
             f"{_PREFIXES[length_power]}m",
             f"{_PREFIXES[stress_power]}Pa",
             f"{_PREFIXES[slip_power]}m",

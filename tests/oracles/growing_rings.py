@@ -21,7 +21,10 @@ _ROUNDS = 60
 
 @dataclass(frozen=True)
 class Marched:
-    """Load, shear, approach and stick radius of the last step, and the fields on the rings."""
+    """Load, shear, approach and stick radius of the last step, and the fields on the rings.
+
+    `slip` is by how far rings have moved since they entered.
+    """
 
     load: float
     shear: float
@@ -30,6 +33,7 @@ class Marched:
     middles: np.ndarray
     pressure: np.ndarray
     traction: np.ndarray
+    slip: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -85,10 +89,11 @@ def march(height, alpha, beta, kappa, friction, count, *, coupled=False):
     tangential = own.tangential + beta * np.eye(count)
     back, heights = (kappa if coupled else 0.0), height(own.middles)
     pressure, traction, kept = np.zeros(count), np.zeros(count), np.zeros(count)
-    slips = np.zeros(count, dtype=bool)
+    slips, entered = np.zeros(count, dtype=bool), np.zeros(count)
     for k in range(2, count + 1):
         # a ring that enters has what the surface has there
         kept[k - 1] = own.tangential[k - 1] @ traction - kappa * (own.carried[k - 1] @ pressure)
+        entered[k - 1] = kept[k - 1]
         for _ in range(_ROUNDS):
             stuck, slid = np.flatnonzero(~slips[:k]), np.flatnonzero(slips[:k])
             matrix, right = np.zeros((2 * k + 1, 2 * k + 1)), np.zeros(2 * k + 1)
@@ -122,4 +127,5 @@ def march(height, alpha, beta, kappa, friction, count, *, coupled=False):
         own.middles,
         pressure,
         traction,
+        kept - entered,
     )

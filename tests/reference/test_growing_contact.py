@@ -190,6 +190,14 @@ def test_the_law_holds_around_what_stuck_when_a_break_was_passed():
     q, limit = solution.traction(s), 0.2 * solution.pressure(s)
     assert (np.abs(q) <= limit + 1e-5 * q.max()).all()
     assert np.abs(q - limit)[s > c].max() <= 1e-14
+    assert np.abs(solution.slip(np.linspace(0.0, 0.4999 * c, 9))).max() == 0.0
+    for r in (0.45, 0.55, 0.8, 0.95):  # int u*(r/b) 8 ddelta, from first contact to stick
+        x, w = np.polynomial.legendre.leggauss(200)
+        start, end = max(r, 0.5), min(r / c, 1.0)
+        b = start + (end - start) * (1.0 + x) ** 4 / 16.0
+        rates = np.array([sunk(ROUNDED, one) for one in b]) * (1.0 + x) ** 3 / 4.0
+        truth = 8.0 * (end - start) * float(w @ (flat.slip(r / b) * rates))
+        assert float(solution.slip(r)) == pytest.approx(truth, rel=1e-6)
     for one in (0.5, 0.5 * c):
         if one < c:
             jump = solution.traction(one * (1.0 + 1e-9)) - solution.traction(one * (1.0 - 1e-9))

@@ -8,10 +8,11 @@ import pytest
 from oracles.growing_rings import march
 from oracles.spence import Collocation
 
-from spectral_contact import NotComputedError, Scene, SceneError, plan, profiles, solve
+from spectral_contact import NotComputedError, Scene, plan, profiles, solve
 from spectral_contact.equations import residuals
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
+TABLE = profiles.Sampled.from_points((0.0, 0.3, 0.6, 1.3), (0.0, 0.04, 0.2, 1.2))
 
 
 @functools.cache
@@ -163,6 +164,48 @@ def test_the_plan_says_that_it_is_one_history():
     assert [step.state.value for step in idle.steps] == ["skipped", "run", "skipped"]
 
 
-def test_a_flat_part_is_refused():
-    with pytest.raises(SceneError, match="coupling = True: must be False with friction and a prof"):
-        Scene(0.3, friction=0.1, coupling=True, profile=profiles.RoundedFlat(0.5, 1.0), load=1.0)
+def test_a_march_past_a_flat_part():
+    """A flat part bears nothing before the contact grows, so that no first load has to be added."""
+    cone = profiles.TruncatedCone(0.5, math.pi / 4.0)
+    scene = Scene(0.2, 0.2, 0.2, math.inf, profile=cone, coupling=True, contact_radius=1.0)
+    names = {"load": "load", "total_shear": "shear", "approach": "approach"}
+    solution = solve(scene, 1e-2, names)
+    steps = [
+        march(cone.height, 0.2, 0.2, scene.kappa, math.inf, n, coupled=True) for n in (40, 80, 160)
+    ]
+    for name, its in names.items():
+        off = np.array([getattr(one, its) / getattr(solution, name) - 1.0 for one in steps])
+        assert off[1] / off[2] == pytest.approx(2.0, abs=0.07), name
+        assert abs(8.0 * off[2] - 6.0 * off[1] + off[0]) / 3.0 < 3e-5, name
+        assert getattr(solution.error, name) < 1e-3, name
+
+
+@pytest.mark.parametrize("profile", [profiles.TruncatedCone(0.5, 1.0), TABLE])
+def test_on_a_smooth_surface_every_profile_has_the_shear_over_the_load_of_the_flat_punch(profile):
+    names = ("load", "total_shear", "stick_radius", "stiffness")
+    scene = Scene(0.2, friction=0.3, coupling=True)
+    flat = solve(scene, 1e-10, ["total_shear", "approach", "stick_radius"])
+    solution = solve(scene.replace(profile=profile, contact_radius=1.0), 1e-3, names)
+    assert solution.stick_radius == pytest.approx(flat.stick_radius, rel=1e-6)
+    assert solution.stiffness == pytest.approx(1.0 / flat.approach, rel=1e-6)
+    off = abs(solution.total_shear / (flat.total_shear * solution.load) - 1.0)
+    assert off <= min(solution.error.total_shear + solution.error.load, 1e-5)
+
+
+@pytest.mark.parametrize("profile", [profiles.RoundedFlat(0.5, 1.0), TABLE])
+def test_corners_and_breaks_bear_what_they_do_without_coupling_where_it_does_nothing(profile):
+    names = ("load", "approach", "indentation_work")
+    scene = Scene(0.49999, friction=math.inf, profile=profile, contact_radius=1.0)
+    plain = solve(scene.replace(friction=None), 1e-10, names)
+    together = solve(scene.replace(coupling=True), 1e-3, names)
+    for name in names:
+        off = abs(getattr(together, name) / getattr(plain, name) - 1.0)
+        assert off <= min(getattr(together.error, name), 1e-5), name
+
+
+def test_in_full_stick_on_a_smooth_surface_a_contact_cannot_grow_from_a_flat_part():
+    """Where the flat punch pulls next to its edge there is no gap to close."""
+    rounded = profiles.RoundedFlat(0.5, 1.0)
+    scene = Scene(0.2, friction=math.inf, coupling=True, profile=rounded, load=1.0)
+    with pytest.raises(NotComputedError, match=r"at the contact radius 0\.5.* would not grow"):
+        solve(scene, 1e-3, ["load"])

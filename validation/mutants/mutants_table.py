@@ -325,8 +325,8 @@ MUTANTS = (
     Mutant(
         "slip in metres is a share of the radius",
         f"{_PACKAGE}/view/physical.py",
-        'self._scaled("slip", self.units.displacement,',
-        'self._scaled("slip", self.radius,',
+        "unit = self.units.displacement if",
+        "unit = self.radius if",
         f"{_SOLVER} -k physical_fields",
     ),
     Mutant(

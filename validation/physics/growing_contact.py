@@ -37,6 +37,8 @@ CASES = [
     (CONE, 0.5, 0.5, math.inf, True),
     (profiles.RoundedFlat(0.5, 1.0), 0.2, 0.2, 0.1, False),
     (profiles.TruncatedCone(0.5, math.pi / 4.0), 0.2, 0.2, math.inf, False),
+    (profiles.RoundedFlat(0.5, 1.0), 0.2, 0.2, 0.1, True),
+    (profiles.TruncatedCone(0.5, math.pi / 4.0), 0.2, 0.2, math.inf, True),
 ]
 HEAD = """# A growing contact against a march in increments
 

@@ -21,7 +21,9 @@ from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
 from spectral_contact.errors import SolutionFileError
+from spectral_contact.fields import history as history_classes
 from spectral_contact.fields import series as field_classes
+from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,
@@ -122,6 +124,7 @@ def synthetic(numbers=AWKWARD):
         PressureField(weight, None),
         ZonalField((ZonePiece(inner, annulus, -0.0), ZonePiece(outer, None))),
         DiskSeries(outer, other, weight),
+        ContactHistory(np.array(numbers), *([np.array([numbers])] * 5)),
     )
 
 
@@ -268,7 +271,10 @@ def test_reordered_and_indented_json_is_still_the_solution():
 
 def test_the_schema_declares_every_class_and_every_field():
     """A class or field that is added is to be declared in the schema, and used in `synthetic`."""
-    own = field_classes, physical, record_classes, scene_classes, solution_classes
+    own = (
+        *(field_classes, history_classes),
+        *(physical, record_classes, scene_classes, solution_classes),
+    )
     classes = {
         cls
         for module in (*own, *profile_classes, *layer_classes)

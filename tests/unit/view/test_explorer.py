@@ -99,8 +99,8 @@ def test_a_bad_value_is_refused_in_the_words_of_the_library(query, wrong):
 
 
 def test_a_contact_that_is_not_modelled_is_refused():
-    query = "?profile=RoundedFlat&flat_radius=1&radius=1&load=1&friction=0.1&coupling=true"
-    told = "coupling = True: must be False with friction and a profile that has a flat part"
+    query = "?profile=RoundedFlat&flat_radius=1&radius=1&contact_radius=0.5"
+    told = "contact_radius = 0.5: must be finite, and in (1, inf), where the profile is"
     assert look_at(texts_from(query)).complaint == told
 
 

@@ -1,0 +1,150 @@
+"""How a contact has grown: load, approach, shear and stick radius over the contact radius."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs.checks import reals
+from spectral_contact.inputs.choices import one_of
+from spectral_contact.io.documents import path_text, replace_file, reported
+
+__all__ = ["ContactHistory"]
+
+Array = NDArray[np.float64]
+
+#: What a history knows, in the order of the columns of `errors`.
+_NAMES: Final = ("load", "approach", "total_shear", "stick_radius")
+_ROUNDING: Final = 1e-15
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactHistory:
+    """The history of a growing contact, from where the load was negligible to today.
+
+    Built by `solve`; it is `Solution.history`. Contact radii and approaches are in L, loads and
+    shears in E'L^2; of SI data L is 1 m. Methods take contact radii, by default those of `radii`.
+
+    Attributes
+    ----------
+    ends : ndarray
+        Logarithms of the contact radii at which panels begin, and of today's.
+    loads, approaches, shears, sticks : ndarray
+        Chebyshev series in the logarithm of the radius, a row for each panel: of ``ln P``,
+        ``ln delta``, ``Q/P`` and ``ln(c/b)``.
+    errors : ndarray
+        Estimates of the relative errors on every panel: a column for each of the four.
+    """
+
+    ends: Array
+    loads: Array
+    approaches: Array
+    shears: Array
+    sticks: Array
+    errors: Array
+
+    @property
+    def radii(self) -> Array:
+        """Contact radii at which flat punches were solved, ascending, and today's last."""
+        count = self.loads.shape[1]
+        t = -np.cos(np.pi * (np.arange(count) + 0.5) / count)
+        logs = self.ends[:-1, None] + np.diff(self.ends)[:, None] * (1.0 + t) / 2.0
+        return np.asarray(np.exp(np.append(logs, self.ends[-1])))
+
+    def load(self, contact_radius: ArrayLike | None = None) -> Any:
+        """Return the load when the contact had these radii.
+
+        Parameters
+        ----------
+        contact_radius : array_like, optional
+            Within the history, any shape.
+
+        Returns
+        -------
+        float or ndarray
+            Of the shape of the input.
+
+        Raises
+        ------
+        SceneError
+            For a radius before the history begins, or beyond today's.
+        """
+        return np.exp(self._evaluated(self.loads, contact_radius))[()]
+
+    def approach(self, contact_radius: ArrayLike | None = None) -> Any:
+        """Return the approach; arguments, result and errors are those of `load`."""
+        return np.exp(self._evaluated(self.approaches, contact_radius))[()]
+
+    def total_shear(self, contact_radius: ArrayLike | None = None) -> Any:
+        """Return the total shear; arguments, result and errors are those of `load`."""
+        return self._evaluated(self.shears, contact_radius)[()] * self.load(contact_radius)
+
+    def stick_radius(self, contact_radius: ArrayLike | None = None) -> Any:
+        """Return the stick radius over the contact radius; the rest is as of `load`."""
+        return np.exp(np.minimum(self._evaluated(self.sticks, contact_radius), 0.0))[()]
+
+    def error(self, quantity: str, contact_radius: ArrayLike | None = None) -> Any:
+        """Return the estimate of the relative error of a quantity.
+
+        Parameters
+        ----------
+        quantity : str
+            ``"load"``, ``"approach"``, ``"total_shear"`` or ``"stick_radius"``.
+        contact_radius : array_like, optional
+            As of `load`.
+
+        Raises
+        ------
+        SceneError
+            For another quantity, or as `load` does.
+        """
+        one_of("quantity", quantity, _NAMES)
+        panel, _ = self._places(contact_radius)
+        return self.errors[panel, _NAMES.index(quantity)][()]
+
+    def table(self) -> dict[str, Array]:
+        """Return columns over `radii`: the contact radius, every quantity and its error."""
+        columns: dict[str, Array] = {"contact_radius": self.radii}
+        for name in _NAMES:
+            columns[name] = np.asarray(getattr(self, name)())
+            columns[f"{name}_error"] = np.asarray(self.error(name))
+        return columns
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the `table`, a row for each contact radius.
+
+        Raises
+        ------
+        SolutionFileError
+            If the path cannot be written.
+        """
+        path, columns = path_text(path), self.table()
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+        with reported(path, "cannot be written"):
+            replace_file(path, ("\n".join(lines) + "\n").encode())
+
+    def _evaluated(self, series: Array, contact_radius: ArrayLike | None) -> Array:
+        panel, t = self._places(contact_radius)
+        return np.asarray(chebyshev.chebval(t, np.moveaxis(series[panel], -1, 0), tensor=False))
+
+    def _places(self, contact_radius: ArrayLike | None) -> tuple[NDArray[np.intp], Array]:
+        """Return panels, and places in [-1, 1] on them."""
+        low, high = float(np.exp(self.ends[0])), float(np.exp(self.ends[-1]))
+        given: Any = self.radii if contact_radius is None else contact_radius
+        told = f"in [{low:.17g}, {high:.17g}], where the history is"
+        radii = reals("contact_radius", given, told)
+        # today's radius may be known to a rounding only
+        outside = ~((radii >= low * (1.0 - _ROUNDING)) & (radii <= high * (1.0 + _ROUNDING)))
+        if outside.any():
+            raise SceneError("contact_radius", radii[outside].flat[0], told)
+        logs = np.log(np.asarray(radii, dtype=np.float64))
+        panel = np.clip(np.searchsorted(self.ends, logs, side="right") - 1, 0, len(self.loads) - 1)
+        share = (logs - self.ends[panel]) / (self.ends[panel + 1] - self.ends[panel])
+        return panel, np.clip(2.0 * share - 1.0, -1.0, 1.0)

@@ -1,0 +1,132 @@
+"""The history of a growing contact: Hertz at every radius, contacts of their own, tables."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+
+from spectral_contact import (
+    NotComputedError,
+    SceneError,
+    Solution,
+    SolutionFileError,
+    plotting,
+    profiles,
+    solve,
+)
+from spectral_contact import Scene as FullScene
+from spectral_contact.cli.commands import main
+
+PARABOLA = profiles.Parabola(1.0)
+NAMES = ("load", "approach", "total_shear", "stick_radius")
+Scene = functools.partial(FullScene, 0.3, profile=PARABOLA, contact_radius=1.0)
+
+
+@functools.cache
+def hertzian():
+    return solve(Scene(friction=0.2), 1e-4)
+
+
+def test_on_a_smooth_surface_it_is_hertz_at_every_radius():
+    solution, history = hertzian(), hertzian().history
+    b = history.radii
+    assert b[-1] == 1.0
+    assert (np.diff(b) > 0.0).all()
+    assert history.load() == pytest.approx(16.0 / 3.0 * b**3, rel=1e-11)
+    assert history.approach() == pytest.approx(b**2, rel=1e-11)
+    assert history.stick_radius() == pytest.approx(solution.stick_radius, rel=1e-12)
+    assert history.total_shear() / history.load() == pytest.approx(
+        solution.total_shear / solution.load, rel=1e-11
+    )
+    assert history.load(0.5) == pytest.approx(2.0 / 3.0, rel=1e-12)
+    assert history.load([[0.5], [1.0]]).shape == (2, 1)
+    assert isinstance(history.error("load", 0.5), float)
+    for name in NAMES:
+        assert history.error(name)[-1] < 1e-9
+    assert (np.abs(history.load() / (16.0 / 3.0 * b**3) - 1.0) <= history.error("load")).all()
+
+
+@pytest.mark.parametrize(
+    ("profile", "friction", "coupling"),
+    [(PARABOLA, 0.1, False), (profiles.Cone(1.0), math.inf, True)],
+)
+def test_what_it_was_is_what_a_smaller_contact_is(profile, friction, coupling):
+    scene = Scene(0.2, 0.1, friction, coupling=coupling).replace(profile=profile)
+    history = solve(scene, 1e-4, NAMES).history
+    for b in (0.03, 0.6):
+        smaller = solve(scene.replace(contact_radius=b), 1e-6, NAMES)
+        for name in NAMES:
+            truth, found = getattr(smaller, name), getattr(history, name)(b)
+            assert found == pytest.approx(truth, rel=1e-7), name
+            known = history.error(name, b) + getattr(smaller.error, name)
+            assert abs(found / truth - 1.0) <= known, name
+    assert (history.error("total_shear", history.radii) == history.error("total_shear")).all()
+    # where the history begins nothing is known of the shear, or little
+    assert history.error("total_shear")[0] > 0.1
+    assert history.error("total_shear")[-1] < 1e-4
+
+
+def test_it_ends_with_the_solution_and_follows_the_stick_radius():
+    solution = solve(Scene(0.2, 0.1, 0.1), 1e-4, NAMES)
+    history = solution.history
+    for name in NAMES:
+        off = abs(getattr(history, name)(1.0) / getattr(solution, name) - 1.0)
+        assert off <= history.error(name, 1.0) + getattr(solution.error, name), name
+    share = history.stick_radius()
+    assert share[0] == 1.0
+    assert (np.diff(history.radii * share) > -1e-9).all()
+    assert share[-1] == pytest.approx(solution.stick_radius, rel=1e-9)
+
+
+def test_it_is_stored_with_the_solution_and_written_as_a_table(tmp_path):
+    solution = hertzian()
+    assert Solution.from_json(solution.to_json()) == solution
+    solution.save(tmp_path / "one.npz")
+    loaded = Solution.load(tmp_path / "one.npz")
+    assert loaded == solution
+    assert (loaded.history.load() == solution.history.load()).all()
+    loaded.history.to_csv(tmp_path / "one.csv")
+    lines = (tmp_path / "one.csv").read_text().splitlines()
+    assert lines[0] == ",".join(
+        ["contact_radius", *(f"{name}{what}" for name in NAMES for what in ("", "_error"))]
+    )
+    assert len(lines) == 1 + len(loaded.history.radii)
+    last = [float(one) for one in lines[-1].split(",")]
+    assert last[:2] == [1.0, loaded.history.load(1.0)]
+    with pytest.raises(SolutionFileError, match="nowhere"):
+        loaded.history.to_csv(tmp_path / "nowhere" / "one.csv")
+
+
+def test_the_command_line_writes_it(tmp_path, capsys):
+    path = tmp_path / "grown.csv"
+    scene = ["--poisson-ratio", "0.3", "--profile", "parabola", "--radius", "1"]
+    scene += ["--contact-radius", "1", "--rtol", "1e-4", "--history", str(path)]
+    assert main(["solve", *scene, "--friction", "0.2", "--quantities", "total_shear"]) == 0
+    assert path.read_text().startswith("contact_radius,load,load_error,approach")
+    path.unlink()
+    assert main(["solve", *scene]) == 2
+    assert "history was not computed" in capsys.readouterr().err
+    assert not path.exists()
+
+
+def test_it_can_be_drawn():
+    pytest.importorskip("matplotlib")
+    figure = plotting.plot_history(hertzian())
+    forces, sinking, zones = figure.axes
+    assert forces.lines[0].get_ydata()[-1] == pytest.approx(16.0 / 3.0)
+    assert sinking.lines[0].get_ydata()[-1] == pytest.approx(1.0)
+    assert zones.lines[0].get_ydata()[-1] == pytest.approx(hertzian().stick_radius)
+    with pytest.raises(SceneError, match="solution"):
+        plotting.plot_history(3)
+
+
+def test_what_has_no_history_says_why():
+    for scene in (FullScene(0.3, 0.5, 0.5, 0.1), Scene(0.5), Scene(0.5, friction=0.0)):
+        with pytest.raises(NotComputedError, match="history was not computed"):
+            _ = solve(scene, 1e-3, ["approach"]).history
+    for given in (0.0, 1.1, [0.5, math.nan], "b"):
+        with pytest.raises(SceneError, match="contact_radius"):
+            hertzian().history.load(given)
+    with pytest.raises(SceneError, match="quantity"):
+        hertzian().history.error("pressure")
