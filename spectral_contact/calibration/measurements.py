@@ -5,7 +5,6 @@ Units are those of the scene that is fitted, see `Setting`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
@@ -219,8 +218,13 @@ class PressureData:
     def slope(
         self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
     ) -> Array:
-        """Return ∂p/∂ln α by differences; one-sided ones if what is predicted here is known."""
-        return _slope_by_differences(self, setting, layer, name, predicted)
+        """Return ∂p/∂ln α, exactly, whatever is predicted."""
+        _check(setting, layer)
+        _known(self, predicted)
+        one_of("name", name, self.depends_on)
+        [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
+        slope = setting.pressure_slope(float(a), layer, np.array(self.r) / a)
+        return np.asarray(slope * (load / a**2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,24 +292,26 @@ class StickRadiusData:
         _check(setting, layer)
         if self.friction is None and layer["friction"] is None:
             raise SceneError("friction", None, "given, in the data or in the scene")
-        count = len(self.stick_radius)
-        radii = setting.radii(self.radius, count)
-        frictions = np.broadcast_to(np.array(self.friction or (layer["friction"],)), count)
-        punches = list(zip(radii.tolist(), frictions.tolist(), strict=True))
-        stars = {
-            (a, f): setting.solve(a, {**layer, "friction": f}, "stick_radius").stick_radius
-            for a, f in set(punches)
-        }
-        return np.asarray(radii * np.array([stars[one] for one in punches], dtype=float))
+        punches = self._punches(setting, layer)
+        return np.array([a * setting.stick_radius(a, own) for a, own in punches])
 
     def slope(
         self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
     ) -> Array:
-        """Return the derivative of c by the logarithm of a parameter, by differences.
+        """Return ∂c/∂ln of a parameter, exactly with one stick disk, whatever is predicted."""
+        _check(setting, layer)
+        _known(self, predicted)
+        one_of("name", name, self.depends_on)
+        punches = self._punches(setting, layer)
+        return np.array([a * setting.stick_slope(a, own, name) for a, own in punches])
 
-        They are one-sided if what is predicted here is known.
-        """
-        return _slope_by_differences(self, setting, layer, name, predicted)
+    def _punches(self, setting: Setting, layer: Layer) -> list[tuple[float, Layer]]:
+        """Return the radius of every punch, and the layer with its friction."""
+        count = len(self.stick_radius)
+        radii = setting.radii(self.radius, count).tolist()
+        frictions = np.broadcast_to(np.array(self.friction or (layer["friction"],)), count)
+        each = zip(radii, frictions.tolist(), strict=True)
+        return [(a, {**layer, "friction": f}) for a, f in each]
 
 
 def _check(setting: object, layer: object) -> None:
@@ -329,29 +335,6 @@ def _known(data: Data, predicted: ArrayLike | None) -> Array | None:
     if len(values) != count:
         raise SceneError("predicted", predicted, f"{count} numbers, or None")
     return np.array(values)
-
-
-def _slope_by_differences(
-    data: Data, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None
-) -> Array:
-    """Return the derivative of a prediction by the logarithm of a parameter, by differences.
-
-    The step h balances the errors of the two solves with that of the difference: central ones have
-    rtol/h against h²/6, (3 rtol)^{1/3}; one-sided ones 2 rtol/h against h/2, 2 rtol^{1/2}.
-    """
-    _check(setting, layer)
-    here = _known(data, predicted)
-    value = layer[one_of("name", name, data.depends_on)]
-    assert value is not None
-
-    def moved(step: float) -> Array:
-        return data.predict(setting, {**layer, name: value * math.exp(step)})
-
-    if here is not None:
-        step = 2.0 * math.sqrt(setting.rtol)
-        return np.asarray((moved(step) - here) / step)
-    step = math.cbrt(3.0 * setting.rtol)
-    return np.asarray((moved(step) - moved(-step)) / (2.0 * step))
 
 
 def _each(star: Callable[[float], float], radii: Array) -> Array:
