@@ -48,13 +48,8 @@ class Data(Protocol):
     def predict(self, setting: Setting, layer: Layer) -> Array:
         """Return what the theory says of the values."""
 
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return the derivative of `predict` by the logarithm of a parameter it depends on.
-
-        What is predicted here, if it is known, saves half the solves, and some digits.
-        """
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return the derivative of `predict` by the logarithm of a parameter it depends on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,12 +109,9 @@ class ApproachData:
             setting, lambda a: setting.solve(a, layer, "approach").approach, lambda a: 1.0 / a
         )
 
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return ∂δ/∂ln α, exactly, by reciprocity, whatever is predicted."""
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return ∂δ/∂ln α, exactly, by reciprocity."""
         _check(setting, layer)
-        _known(self, predicted)
         alpha = layer[one_of("name", name, self.depends_on)]
         assert alpha is not None
 
@@ -215,12 +207,9 @@ class PressureData:
             )
         return np.asarray(star * (load / a**2))
 
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return ∂p/∂ln α, exactly, whatever is predicted."""
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return ∂p/∂ln α."""
         _check(setting, layer)
-        _known(self, predicted)
         one_of("name", name, self.depends_on)
         [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
         slope = setting.pressure_slope(float(a), layer, np.array(self.r) / a)
@@ -295,12 +284,9 @@ class StickRadiusData:
         punches = self._punches(setting, layer)
         return np.array([a * setting.stick_radius(a, own) for a, own in punches])
 
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return ∂c/∂ln of a parameter, exactly with one stick disk, whatever is predicted."""
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return the derivative of c by the logarithm of a parameter, to six digits."""
         _check(setting, layer)
-        _known(self, predicted)
         one_of("name", name, self.depends_on)
         punches = self._punches(setting, layer)
         return np.array([a * setting.stick_slope(a, own, name) for a, own in punches])
@@ -325,16 +311,6 @@ def _check(setting: object, layer: object) -> None:
     instance("setting", setting, Setting)
     if not isinstance(layer, Mapping) or not set(PARAMETERS) <= set(layer):
         raise SceneError("layer", layer, f"a mapping of {', '.join(PARAMETERS)}")
-
-
-def _known(data: Data, predicted: ArrayLike | None) -> Array | None:
-    """Check what is said to be predicted: a number for each that was measured, or None."""
-    if predicted is None:
-        return None
-    values, count = _finite("predicted", predicted), len(data.measured)
-    if len(values) != count:
-        raise SceneError("predicted", predicted, f"{count} numbers, or None")
-    return np.array(values)
 
 
 def _each(star: Callable[[float], float], radii: Array) -> Array:

@@ -27,7 +27,7 @@ from spectral_contact.solving.slopes import SolutionSlopes
 from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
 
-__all__ = ["PARAMETERS", "Layer", "Setting"]
+__all__ = ["PARAMETERS", "SLOPE_ERROR", "Layer", "Setting"]
 
 Array = NDArray[np.float64]
 #: Values of the parameters in the units of the scene; friction may be absent, as in a scene.
@@ -35,8 +35,8 @@ Layer = Mapping[str, float | None]
 
 #: What can be fitted: α, β and f.
 PARAMETERS = ("normal_compliance", "tangential_compliance", "friction")
-#: Tolerances of the spaces of slopes, and most unknowns of one.
-_ROUGH, _MOST_UNKNOWNS = 1e-6, 20_000
+#: What slopes may be off, relative: the tolerance of their spaces. And most unknowns of one.
+SLOPE_ERROR, _MOST_UNKNOWNS = 1e-6, 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ class Setting:
     def pressure_slope(self, radius: float, layer: Layer, s: Array) -> Array:
         """Return the derivative of ``p*`` at radii by the logarithm of the normal compliance."""
         alpha = self._scene(radius, layer).normal_compliance
-        solved = solve_normal(alpha, _ROUGH, _MOST_UNKNOWNS, goal="pressure")
+        solved = solve_normal(alpha, SLOPE_ERROR, _MOST_UNKNOWNS, goal="pressure")
         if not isinstance(solved, Refinement):
             return np.zeros(s.shape)
         return np.asarray(alpha * by_compliance(solved).pressure(s, 1.0 - s))
@@ -150,11 +150,11 @@ def _slopes(scene: Scene, rtol: float) -> tuple[float, ...]:
     if len(solution.zones) == 1:
         return (0.0, 0.0, 0.0)
     if len(solution.zones) > 2:
-        known = SolutionSlopes(solution, _ROUGH)
+        known = SolutionSlopes(solution, SLOPE_ERROR)
         each = zip(PARAMETERS, (alpha, beta, friction), strict=True)
         return tuple(one and one * known.scalar("stick_radius", name) for name, one in each)
     disk, ratio = solution.zones[0], friction / scene.kappa
     rim = Radius(disk.outer, disk.outer_from_edge)
-    slopes = radius_slopes(alpha, beta, ratio, rim.logit, _ROUGH, _MOST_UNKNOWNS)
+    slopes = radius_slopes(alpha, beta, ratio, rim.logit, SLOPE_ERROR, _MOST_UNKNOWNS)
     moved = 0.5 * rim.value * rim.rest * np.array([alpha, beta, ratio]) * slopes
     return tuple(np.where(np.isfinite(moved), moved, 0.0).tolist())

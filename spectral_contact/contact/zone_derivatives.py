@@ -21,6 +21,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from spectral_contact.contact.boundaries import ROUNDED
+from spectral_contact.contact.coupled_assessment import BENT
 from spectral_contact.contact.coupled_outcome import stick_series
 from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.drive import Drive
@@ -45,8 +47,8 @@ __all__ = ["ZoneDerivatives", "differentiated"]
 Array = NDArray[np.float64]
 
 #: Places that the conditions are taken at, and how far they are, of the narrowest zone: so near
-#: that the factors serve, and polynomials are right to 1e-13.
-_PLACES, _WIDTH = 6, 0.03
+#: that the factors serve, and polynomials are right to 1e-12.
+_PLACES, _WIDTH = 8, 0.06
 _NODES, _FIT = chebyshev_interpolation(_PLACES)
 #: From values there to the slope in the middle.
 _SLOPE = np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(_PLACES)])
@@ -63,6 +65,8 @@ class ZoneDerivatives:
     ----------
     logits : ndarray, shape (boundaries, parameters)
         Of ``ln(b**2/(1 - b**2))`` of the boundaries.
+    noise : ndarray, shape (boundaries, parameters)
+        What rounding of the conditions makes of them.
     approach, shear : ndarray, shape (parameters,)
         Of ``delta*``, if the pressure is unknown, and of ``Q*``.
     pressure, traction : list of ZonalField
@@ -71,6 +75,7 @@ class ZoneDerivatives:
     """
 
     logits: Array
+    noise: Array
     approach: Array
     shear: Array
     pressure: list[ZonalField]
@@ -133,7 +138,7 @@ class _AtBoundaries:
     def _moved(self, factors: Factored) -> Array:
         """Return by how much conditions, approach and shear rise with the boundaries, as rows."""
         problem, begin = self.problem, self.problem.logits
-        rows, near = [], problem.far >= _WIDTH
+        rows, near = [], 2.0 * problem.far >= _WIDTH
         for own in np.eye(len(begin)):
             values = []
             for node in _NODES:
@@ -181,7 +186,22 @@ class _AtBoundaries:
             shear = shear + logits.T @ self.moved[:, -1]
         vectors = scale * (values + state.solution[:, None] * raised)
         return ZoneDerivatives(
-            logits, np.asarray(approach), np.asarray(shear), *self._fields(vectors, singular)
+            logits,
+            self._noise(logits),
+            np.asarray(approach),
+            np.asarray(shear),
+            *self._fields(vectors, singular),
+        )
+
+    def _noise(self, logits: Array) -> Array:
+        """Return by how much rounding of the conditions, in slopes and boundaries, moves these."""
+        inverse, narrowest = np.abs(np.linalg.inv(self.moved[:, :-2])).T, self.problem.narrowest
+        rough = ROUNDED / narrowest * float(np.abs(_SLOPE).sum())
+        off = ROUNDED * inverse.sum(axis=1, keepdims=True)  # of the boundaries, and slopes bend
+        moved = np.abs(logits)
+        return np.asarray(
+            rough * inverse.sum(axis=1, keepdims=True) * moved.sum(axis=0)
+            + (BENT / narrowest * off * moved)
         )
 
     @property

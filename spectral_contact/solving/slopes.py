@@ -135,6 +135,13 @@ class SolutionSlopes:
             return 0.5 * c.value * c.rest * float(self.zones.logits[0, i])
         return float((self.zones.shear if quantity == "total_shear" else self.zones.approach)[i])
 
+    def noise(self, name: str) -> float:
+        """Return what rounding makes of the derivative of the stick radius, relative to that."""
+        column = "friction" if name == "poisson_ratio" and not self.scene.couples else name
+        i = self.moving.index(column)
+        size = abs(float(self.zones.logits[0, i]))
+        return float(self.zones.noise[0, i]) / size if size else 0.0
+
     def field(self, quantity: str, name: str, s: Array, from_edge: Array) -> Array:
         """Return the derivative of a field at some places."""
         if quantity == "traction":

@@ -214,6 +214,8 @@ class _Slopes:
             lost += _SMOOTH * (self.own.error.zones or 0.0) * abs(best)
             if quantity == "total_shear":
                 lost += _ROUNDING * (1.0 if name == "friction" else self._ratio_slope)
+        elif quantity == "stick_radius":
+            lost += self._evaluations()[0].noise(name) * abs(best)
         error = lost / abs(best) + _ROUNDING if best else math.inf
         return Derivative(best, error, self.note)
 
