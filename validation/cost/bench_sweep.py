@@ -78,26 +78,7 @@ CASES = (
     Case("Q*, full stick", ("total_shear",), 1e5, _plane(500), math.inf),
     Case("edge ratio", ("edge_ratio",), 1e3, _plane(500), math.inf),
     Case("critical friction", ("critical_friction",), 1e3, _plane(100), math.inf),
-    Case("c*, Q*, f and α", ("stick_radius", "total_shear"), 1000, _SLIPPING),
-    Case(
-        "c*, Q*, f and β",
-        ("stick_radius", "total_shear"),
-        1000,
-        {"friction": (0.005, 0.045, 100), "tangential_compliance": (0.05, 0.5, 10)},
-    ),
-    Case(
-        "c*, Q*, f and ν",
-        ("stick_radius", "total_shear"),
-        1000,
-        {"friction": (0.005, 0.035, 100), "poisson_ratio": (0.1, 0.3, 10)},
-    ),
-    Case(
-        "c*, Q*, α and β",
-        ("stick_radius", "total_shear"),
-        1000,
-        {"normal_compliance": (0.5, 5.0, 20), "tangential_compliance": (0.05, 0.5, 20)},
-        0.03,
-    ),
+    Case("c*, Q*, one slip annulus", ("stick_radius", "total_shear"), 1000, _SLIPPING),
     *(
         Case(
             f"c*, Q*, slip inside, {steps} steps",
@@ -107,6 +88,25 @@ CASES = (
             fixed=(0.05, 1.0),
         )
         for steps, count in (("small", 100), ("large", 8))
+    ),
+    Case(
+        "c*, Q*, one slip annulus, f and β",
+        ("stick_radius", "total_shear"),
+        1000,
+        {"friction": (0.005, 0.045, 100), "tangential_compliance": (0.05, 0.5, 10)},
+    ),
+    Case(
+        "c*, Q*, one slip annulus, f and ν",
+        ("stick_radius", "total_shear"),
+        1000,
+        {"friction": (0.005, 0.035, 100), "poisson_ratio": (0.1, 0.3, 10)},
+    ),
+    Case(
+        "c*, Q*, one slip annulus, α and β",
+        ("stick_radius", "total_shear"),
+        1000,
+        {"normal_compliance": (0.5, 5.0, 20), "tangential_compliance": (0.05, 0.5, 20)},
+        0.03,
     ),
 )
 
