@@ -125,7 +125,9 @@ def fit(
     rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
     most = whole("max_evaluations", max_evaluations, 1)
     if isinstance(data, IndentationData):
-        return fit_indentation(scene, data, free, rtol=rtol, max_evaluations=most)
+        return fit_indentation(
+            scene, data, free, rtol=rtol, max_evaluations=most, progress=progress
+        )
     problem = _FitProblem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
