@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
 
 from spectral_contact.calibration.indentation import (
     INDENTATION_PARAMETERS,
@@ -14,8 +18,11 @@ from spectral_contact.calibration.layered import LawProblem
 from spectral_contact.calibration.outcome import check_settled
 from spectral_contact.inputs.choices import names
 from spectral_contact.scene import Scene
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["fit_indentation"]
+
+Array = NDArray[np.float64]
 
 #: What ends the search, of the tolerance of the solves.
 _SETTLED = 1e-2
@@ -28,6 +35,7 @@ def fit_indentation(
     *,
     rtol: float = 1e-10,
     max_evaluations: int = 100,
+    progress: bool | None = None,
 ) -> IndentationFit:
     """Find modulus, layer and zero point that fit a force-indentation curve best.
 
@@ -48,6 +56,8 @@ def fit_indentation(
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int
         How often the curve may be predicted.
+    progress : bool, optional
+        Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -66,17 +76,25 @@ def fit_indentation(
     free = names("free", [free] if isinstance(free, str) else free, kind.parameters(scene))
     problem = kind(scene, data, tuple(free), rtol)
     limits, end = problem.bounds(), max(1e-12, _SETTLED * rtol)
-    problem.look()
-    found = least_squares(
-        lambda x: problem.at(tuple(x.tolist()))[0],
-        problem.start,
-        jac=lambda x: problem.at(tuple(x.tolist()))[1],
-        bounds=limits,
-        x_scale=problem.scale,
-        ftol=end,
-        xtol=end,
-        gtol=end,
-        max_nfev=max_evaluations,
-    )
+    steps = count(1)
+    with ProgressLine(progress) as tell:
+
+        def residuals(x: Array) -> Array:
+            tell(f"evaluation {next(steps)}")
+            return np.asarray(problem.at(tuple(x.tolist()))[0])
+
+        tell("the first curve")
+        problem.look()
+        found = least_squares(
+            residuals,
+            problem.start,
+            jac=lambda x: problem.at(tuple(x.tolist()))[1],
+            bounds=limits,
+            x_scale=problem.scale,
+            ftol=end,
+            xtol=end,
+            gtol=end,
+            max_nfev=max_evaluations,
+        )
     check_settled(found, max_evaluations)
     return problem.outcome(found)

@@ -20,7 +20,7 @@ from spectral_contact.calibration.measurements import (
     StickRadiusData,
 )
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, check_settled
-from spectral_contact.calibration.setting import PARAMETERS, Setting
+from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real, whole
 from spectral_contact.inputs.choices import instance, names
@@ -32,7 +32,7 @@ __all__ = ["fit"]
 Array = NDArray[np.float64]
 Measurement = ApproachData | PressureData | StickRadiusData
 
-#: The range that is searched, within that of scenes by the steps of the differences.
+#: The range that is searched, within that of scenes.
 _COMPLIANCES = 1e-13, 1e13
 _FRICTIONS = 1e-6, 1e6
 #: A parameter whose logarithm has a larger standard deviation is not determined.
@@ -125,7 +125,9 @@ def fit(
     rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
     most = whole("max_evaluations", max_evaluations, 1)
     if isinstance(data, IndentationData):
-        return fit_indentation(scene, data, free, rtol=rtol, max_evaluations=most)
+        return fit_indentation(
+            scene, data, free, rtol=rtol, max_evaluations=most, progress=progress
+        )
     problem = _FitProblem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
@@ -148,7 +150,6 @@ class _FitProblem:
         self.start["friction"] = scene.friction
         self.measured = np.concatenate([one.measured for one in data])
         self.sigma = np.concatenate([np.broadcast_to(one.sigma, len(one.measured)) for one in data])
-        self.predicted: tuple[Array, list[Array]] = np.full(len(free), math.nan), []
         self._check()
 
     def _check(self) -> None:
@@ -178,7 +179,7 @@ class _FitProblem:
         found = least_squares(
             residuals,
             np.zeros(len(self.free)),
-            jac=self.rough_jacobian,
+            jac=self.jacobian,
             bounds=self._bounds(),
             x_scale=1.0,
             ftol=1e-10,
@@ -212,27 +213,19 @@ class _FitProblem:
 
     def residuals(self, x: Array) -> Array:
         layer = self.layer(x)
-        self.predicted = x.copy(), [one.predict(self.setting, layer) for one in self.data]
-        return np.asarray((np.concatenate(self.predicted[1]) - self.measured) / self.sigma)
+        predicted = np.concatenate([one.predict(self.setting, layer) for one in self.data])
+        return np.asarray((predicted - self.measured) / self.sigma)
 
     def jacobian(self, x: Array) -> Array:
         """Return the derivatives of the residuals."""
-        return self._jacobian(x, [None] * len(self.data))
-
-    def rough_jacobian(self, x: Array) -> Array:
-        """Return them to the digits that a search needs, for half the solves."""
-        at, predicted = self.predicted
-        return self._jacobian(x, predicted) if np.array_equal(at, x) else self.jacobian(x)
-
-    def _jacobian(self, x: Array, predicted: Sequence[Array | None]) -> Array:
         layer = self.layer(x)
         columns = [
             np.concatenate(
                 [
-                    one.slope(self.setting, layer, name, here)
+                    one.slope(self.setting, layer, name)
                     if name in one.depends_on
                     else np.zeros(len(one.measured))
-                    for one, here in zip(self.data, predicted, strict=True)
+                    for one in self.data
                 ]
             )
             for name in self.free
@@ -267,7 +260,7 @@ class _FitProblem:
             still = [name for name, one in zip(self.free, flat, strict=True) if one]
             self._refuse(still, "hardly change with", x)
         _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
-        noise = 10.0 * self.setting.rtol ** (2.0 / 3.0)  # that of the differences
+        noise = 2.0 * SLOPE_ERROR
         root = right.T / singular / lengths[:, None] if singular[-1] > noise else None
         if root is None or (np.linalg.norm(root, axis=1) > _LARGEST_ERROR).any():
             mixed = np.abs(right[-1]) > 0.1

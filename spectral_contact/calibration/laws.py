@@ -86,6 +86,7 @@ def compare_laws(
     *,
     rtol: float = 1e-8,
     max_evaluations: int = 200,
+    progress: bool | None = None,
 ) -> LawComparison:
     """Fit several laws to the same data, and say which they speak for, or that they do not tell.
 
@@ -99,6 +100,8 @@ def compare_laws(
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int
         How often a curve may be predicted.
+    progress : bool, optional
+        Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -124,15 +127,15 @@ def compare_laws(
         if len(data.load) < count + 2:
             told = f"of at least {count + 2} loads, for {count} free parameters of {name}"
             raise SceneError("data", data, told)
-        fits.append(_fitted(name, scene, data, free, rtol, max_evaluations))
+        fits.append(_fitted(name, scene, data, free, rtol, max_evaluations, progress))
     return LawComparison(tuple(candidates), tuple(fits))
 
 
 def _fitted(name: str, scene: Any, data: IndentationData, free: Any, *how: Any) -> IndentationFit:
     """Return the fit of a candidate; an error says of which."""
-    rtol, most = how
+    rtol, most, progress = how
     try:
-        return fit(scene, data, free, rtol=rtol, max_evaluations=most)
+        return fit(scene, data, free, rtol=rtol, max_evaluations=most, progress=progress)
     except SceneError as error:
         if error.parameter in ("rtol", "max_evaluations"):
             raise

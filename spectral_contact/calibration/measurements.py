@@ -5,7 +5,6 @@ Units are those of the scene that is fitted, see `Setting`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
@@ -49,13 +48,8 @@ class Data(Protocol):
     def predict(self, setting: Setting, layer: Layer) -> Array:
         """Return what the theory says of the values."""
 
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return the derivative of `predict` by the logarithm of a parameter it depends on.
-
-        What is predicted here, if it is known, saves half the solves, and some digits.
-        """
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return the derivative of `predict` by the logarithm of a parameter it depends on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +109,9 @@ class ApproachData:
             setting, lambda a: setting.solve(a, layer, "approach").approach, lambda a: 1.0 / a
         )
 
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return ∂δ/∂ln α, exactly, by reciprocity, whatever is predicted."""
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return ∂δ/∂ln α, exactly, by reciprocity."""
         _check(setting, layer)
-        _known(self, predicted)
         alpha = layer[one_of("name", name, self.depends_on)]
         assert alpha is not None
 
@@ -216,11 +207,13 @@ class PressureData:
             )
         return np.asarray(star * (load / a**2))
 
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return ∂p/∂ln α by differences; one-sided ones if what is predicted here is known."""
-        return _slope_by_differences(self, setting, layer, name, predicted)
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return ∂p/∂ln α."""
+        _check(setting, layer)
+        one_of("name", name, self.depends_on)
+        [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
+        slope = setting.pressure_slope(float(a), layer, np.array(self.r) / a)
+        return np.asarray(slope * (load / a**2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,24 +281,23 @@ class StickRadiusData:
         _check(setting, layer)
         if self.friction is None and layer["friction"] is None:
             raise SceneError("friction", None, "given, in the data or in the scene")
+        punches = self._punches(setting, layer)
+        return np.array([a * setting.stick_radius(a, own) for a, own in punches])
+
+    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
+        """Return the derivative of c by the logarithm of a parameter, to six digits."""
+        _check(setting, layer)
+        one_of("name", name, self.depends_on)
+        punches = self._punches(setting, layer)
+        return np.array([a * setting.stick_slope(a, own, name) for a, own in punches])
+
+    def _punches(self, setting: Setting, layer: Layer) -> list[tuple[float, Layer]]:
+        """Return the radius of every punch, and the layer with its friction."""
         count = len(self.stick_radius)
-        radii = setting.radii(self.radius, count)
+        radii = setting.radii(self.radius, count).tolist()
         frictions = np.broadcast_to(np.array(self.friction or (layer["friction"],)), count)
-        punches = list(zip(radii.tolist(), frictions.tolist(), strict=True))
-        stars = {
-            (a, f): setting.solve(a, {**layer, "friction": f}, "stick_radius").stick_radius
-            for a, f in set(punches)
-        }
-        return np.asarray(radii * np.array([stars[one] for one in punches], dtype=float))
-
-    def slope(
-        self, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None = None
-    ) -> Array:
-        """Return the derivative of c by the logarithm of a parameter, by differences.
-
-        They are one-sided if what is predicted here is known.
-        """
-        return _slope_by_differences(self, setting, layer, name, predicted)
+        each = zip(radii, frictions.tolist(), strict=True)
+        return [(a, {**layer, "friction": f}) for a, f in each]
 
 
 def _check(setting: object, layer: object) -> None:
@@ -319,39 +311,6 @@ def _check(setting: object, layer: object) -> None:
     instance("setting", setting, Setting)
     if not isinstance(layer, Mapping) or not set(PARAMETERS) <= set(layer):
         raise SceneError("layer", layer, f"a mapping of {', '.join(PARAMETERS)}")
-
-
-def _known(data: Data, predicted: ArrayLike | None) -> Array | None:
-    """Check what is said to be predicted: a number for each that was measured, or None."""
-    if predicted is None:
-        return None
-    values, count = _finite("predicted", predicted), len(data.measured)
-    if len(values) != count:
-        raise SceneError("predicted", predicted, f"{count} numbers, or None")
-    return np.array(values)
-
-
-def _slope_by_differences(
-    data: Data, setting: Setting, layer: Layer, name: str, predicted: ArrayLike | None
-) -> Array:
-    """Return the derivative of a prediction by the logarithm of a parameter, by differences.
-
-    The step h balances the errors of the two solves with that of the difference: central ones have
-    rtol/h against h²/6, (3 rtol)^{1/3}; one-sided ones 2 rtol/h against h/2, 2 rtol^{1/2}.
-    """
-    _check(setting, layer)
-    here = _known(data, predicted)
-    value = layer[one_of("name", name, data.depends_on)]
-    assert value is not None
-
-    def moved(step: float) -> Array:
-        return data.predict(setting, {**layer, name: value * math.exp(step)})
-
-    if here is not None:
-        step = 2.0 * math.sqrt(setting.rtol)
-        return np.asarray((moved(step) - here) / step)
-    step = math.cbrt(3.0 * setting.rtol)
-    return np.asarray((moved(step) - moved(-step)) / (2.0 * step))
 
 
 def _each(star: Callable[[float], float], radii: Array) -> Array:

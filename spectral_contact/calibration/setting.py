@@ -7,20 +7,27 @@ layer has half the dimensionless compliances, equations (3.4) and (4.4).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.normal import by_compliance, solve_normal
+from spectral_contact.contact.radius_slopes import radius_slopes
+from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
+from spectral_contact.solving.slopes import SolutionSlopes
 from spectral_contact.solving.solver import solve
+from spectral_contact.threads import one_thread
 
-__all__ = ["PARAMETERS", "Layer", "Setting"]
+__all__ = ["PARAMETERS", "SLOPE_ERROR", "Layer", "Setting"]
 
 Array = NDArray[np.float64]
 #: Values of the parameters in the units of the scene; friction may be absent, as in a scene.
@@ -28,6 +35,8 @@ Layer = Mapping[str, float | None]
 
 #: What can be fitted: α, β and f.
 PARAMETERS = ("normal_compliance", "tangential_compliance", "friction")
+#: What slopes may be off, relative: the tolerance of their spaces. And most unknowns of one.
+SLOPE_ERROR, _MOST_UNKNOWNS = 1e-6, 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +84,31 @@ class Setting:
         ConvergenceError
             If the tolerance cannot be met; it names the scene.
         """
+        return _solved(self._scene(radius, layer), self.rtol, quantities)
+
+    def _scene(self, radius: float, layer: Layer) -> Scene:
+        """Return the scene of a punch."""
         alpha, beta = (layer[name] for name in PARAMETERS[:2])
         assert alpha is not None
         assert beta is not None
         unit = self.stiffness / radius
-        scene = Scene(self.poisson_ratio, alpha * unit, beta * unit, layer["friction"])
-        try:
-            return solve(scene, self.rtol, quantities)
-        except ConvergenceError as error:
-            cause = f"{error.cause}, in a fit at {scene}"
-            raise ConvergenceError(cause, error.remedy, error.solution) from error
+        return Scene(self.poisson_ratio, alpha * unit, beta * unit, layer["friction"])
+
+    def stick_radius(self, radius: float, layer: Layer) -> float:
+        """Return ``c*`` of a punch."""
+        return float(_with_zones(self._scene(radius, layer), self.rtol).stick_radius or 0.0)
+
+    def stick_slope(self, radius: float, layer: Layer, name: str) -> float:
+        """Return the derivative of ``c*`` by the logarithm of a parameter, to six digits."""
+        return _slopes(self._scene(radius, layer), self.rtol)[PARAMETERS.index(name)]
+
+    def pressure_slope(self, radius: float, layer: Layer, s: Array) -> Array:
+        """Return the derivative of ``p*`` at radii by the logarithm of the normal compliance."""
+        alpha = self._scene(radius, layer).normal_compliance
+        solved = solve_normal(alpha, SLOPE_ERROR, _MOST_UNKNOWNS, goal="pressure")
+        if not isinstance(solved, Refinement):
+            return np.zeros(s.shape)
+        return np.asarray(alpha * by_compliance(solved).pressure(s, 1.0 - s))
 
     def radii(self, radius: tuple[float, ...] | None, count: int) -> Array:
         """Return the radii of `count` punches [m]; None is the scene's."""
@@ -101,3 +125,36 @@ class Setting:
         if load is None and self.load is None:
             raise SceneError("load", None, "given, in the data or in the scene")
         return np.broadcast_to(np.array(load or (self.load,), dtype=float), count)
+
+
+def _solved(scene: Scene, rtol: float, quantities: Sequence[str]) -> Solution:
+    try:
+        return solve(scene, rtol, quantities)
+    except ConvergenceError as error:
+        cause = f"{error.cause}, in a fit at {scene}"
+        raise ConvergenceError(cause, error.remedy, error.solution) from error
+
+
+@lru_cache(maxsize=128)
+def _with_zones(scene: Scene, rtol: float) -> Solution:
+    """Return a solution; the radius that is predicted and its slopes are of the same one."""
+    return _solved(scene, rtol, ("stick_radius", "zones", "total_shear", "traction"))
+
+
+@lru_cache(maxsize=4096)
+@one_thread()
+def _slopes(scene: Scene, rtol: float) -> tuple[float, ...]:
+    """Return the derivatives of ``c*`` by the logarithms of the parameters."""
+    solution = _with_zones(scene, rtol)
+    alpha, beta, friction = (getattr(scene, name) or 0.0 for name in PARAMETERS)
+    if len(solution.zones) == 1:
+        return (0.0, 0.0, 0.0)
+    if len(solution.zones) > 2:
+        known = SolutionSlopes(solution, SLOPE_ERROR)
+        each = zip(PARAMETERS, (alpha, beta, friction), strict=True)
+        return tuple(one and one * known.scalar("stick_radius", name) for name, one in each)
+    disk, ratio = solution.zones[0], friction / scene.kappa
+    rim = Radius(disk.outer, disk.outer_from_edge)
+    slopes = radius_slopes(alpha, beta, ratio, rim.logit, SLOPE_ERROR, _MOST_UNKNOWNS)
+    moved = 0.5 * rim.value * rim.rest * np.array([alpha, beta, ratio]) * slopes
+    return tuple(np.where(np.isfinite(moved), moved, 0.0).tolist())

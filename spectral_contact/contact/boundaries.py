@@ -13,6 +13,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import gap
 
 __all__ = [
+    "ROUNDED",
     "NoBoundariesError",
     "differences",
     "longest",
@@ -25,7 +26,7 @@ Array = NDArray[np.float64]
 #: Steps point in different ways if their smallest singular value is so much of the largest one.
 _LEAST_ANGLE = 0.1
 #: Shares of a zone's width that differences are taken over, and rounding of the conditions.
-_LEAST_SHARE, _MOST_SHARE, _ROUNDED = 1e-3, 0.2, 2e-15
+_LEAST_SHARE, _MOST_SHARE, ROUNDED = 1e-3, 0.2, 2e-15
 
 
 class NoBoundariesError(ArithmeticError):
@@ -69,7 +70,7 @@ def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array
     slopes, spacing = [], np.diff(logits)
     for i in range(len(logits)):
         near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-        share = min(max(_LEAST_SHARE, float(np.cbrt(_ROUNDED / near**2))), _MOST_SHARE)
+        share = min(max(_LEAST_SHARE, float(np.cbrt(ROUNDED / near**2))), _MOST_SHARE)
         h = share * near * np.eye(len(logits))[i]
         slopes.append(
             (conditions_at(logits + h) - conditions_at(logits - h)) / (2.0 * share * near)

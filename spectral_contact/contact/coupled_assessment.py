@@ -34,12 +34,12 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.contact.coupled_problem import CoupledProblem
 
-__all__ = ["CoupledZones", "assessed"]
+__all__ = ["BENT", "CoupledZones", "assessed"]
 
 Array = NDArray[np.float64]
 
 #: What slopes change by over the width of a zone, of themselves.
-_BENT = 8.0
+BENT = 8.0
 #: Where all sticks q/s rounds by so much more at the centre, where it is weakly determined.
 _CENTRE = 5.0
 #: What rounding leaves of a pressure; and of approach and shear, with boundaries, under a pressure
@@ -174,7 +174,7 @@ class _Assessment:
         shifts = self.inverse @ self.missed + float(np.finfo(float).eps) * np.abs(logits)
         # slopes change within the width of a zone, that of a narrow one next to the onset of slip
         gaps = np.concatenate([[inf], np.diff(logits), [inf]])
-        return np.asarray(shifts * (1.0 + _BENT * shifts / np.minimum(gaps[1:], gaps[:-1])))
+        return np.asarray(shifts * (1.0 + BENT * shifts / np.minimum(gaps[1:], gaps[:-1])))
 
     def attempt(self) -> Attempt[CoupledZones]:
         """Return everything together."""

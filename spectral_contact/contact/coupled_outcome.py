@@ -252,10 +252,11 @@ def _excess(sticking: Iterable[tuple[Array, LogSeries, LogSeries]], friction: fl
     return max((float(one.max()) - 1.0 for one in ratios), default=0.0)
 
 
-def stick_series(solved: Solved) -> Iterator[tuple[int, DiskSeries | AnnulusSeries]]:
-    """Yield the stick zones with their tractions."""
-    shear, bounds = solved.shear, solved.bounds
-    for zone, state in enumerate(solved.states):
+def stick_series(
+    states: tuple[int, ...], bounds: Sequence[Radius], shear: Sequence[LogSeries | None]
+) -> Iterator[tuple[int, DiskSeries | AnnulusSeries]]:
+    """Yield the stick zones with their tractions, of q/s on the parts."""
+    for zone, state in enumerate(states):
         first, last = shear[max(2 * zone - 1, 0)], shear[2 * zone]
         if state == 0 and first is not None and last is not None:
             if zone:
@@ -266,7 +267,7 @@ def stick_series(solved: Solved) -> Iterator[tuple[int, DiskSeries | AnnulusSeri
 
 def _fields(solved: Solved, parameters: Parameters) -> tuple[ZonalField, ZonalField]:
     """Return pressure and traction."""
-    rim, sticks = solved.radii[0], dict(stick_series(solved))
+    rim, sticks = solved.radii[0], dict(stick_series(solved.states, solved.bounds, solved.shear))
     series = [*solved.pressure[:-1], _to_the_edge(solved, parameters)]
     pressure = [ZonePiece(rim, DiskSeries(rim, series[0], power=0))]
     traction = [ZonePiece(rim, sticks[0])]

@@ -146,7 +146,7 @@ class CoupledProblem:
             logit, slope = root_near(mismatch, start, _SLOPE, _SETTLED, 1.0, _UNFELT)
             self.logits, self._slopes = np.array([logit]), np.array([[slope]])
             return
-        begin, spaces = self.logits, self._spaces(_ROUGH)
+        begin, spaces = self.logits, self.spaces(_ROUGH)
         factors = self.factored(self.system(spaces, begin))
         self._slopes = self._differences(factors, spaces)
         settle = min(_SETTLED, 0.5 * _LOST * self.narrowest)
@@ -156,15 +156,15 @@ class CoupledProblem:
         if not float(left.max()) < _LOST * narrowest:
             raise NoBoundariesError("no such boundaries are found")
         if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
-            spaces = self._spaces(_ROUGH)
+            spaces = self.spaces(_ROUGH)
             factors = self.factored(self.system(spaces, self.logits))
             self._slopes = self._differences(factors, spaces)
 
     def rough(self, logits: Sequence[float]) -> CoupledState:
         """Return the contact with given boundaries, as logits, in a small space."""
         at = np.array(logits)
-        system = self.system(self._spaces(_PROBE, at), at)
-        return self._settled(self.factored(system), 1e-2 * _PROBE)
+        system = self.system(self.spaces(_PROBE, at), at)
+        return self.settled(self.factored(system), 1e-2 * _PROBE)
 
     def _differences(self, factors: Factored, spaces: list[Resolution]) -> Array:
         """Return the slopes of the conditions in a small space, with factors that are near."""
@@ -172,7 +172,7 @@ class CoupledProblem:
         def conditions(logits: Array) -> Array:
             system = self.system(spaces, logits)
             near = self.drift(logits) <= self.far
-            return self._settled(
+            return self.settled(
                 factors if near else self.factored(system), _SLOPING, system
             ).mismatch
 
@@ -180,7 +180,8 @@ class CoupledProblem:
 
     # spaces
 
-    def _spaces(self, tolerance: float, logits: Array | None = None) -> list[Resolution]:
+    def spaces(self, tolerance: float, logits: Array | None = None) -> list[Resolution]:
+        """Return the first spaces, at boundaries as they are known or at others."""
         alpha, beta, _, _ = self.parameters
         radii = _radii(self.logits if logits is None else logits)
         spaces = first_spaces(alpha, beta, radii, self.states, tolerance)
@@ -192,9 +193,9 @@ class CoupledProblem:
         halfway = np.sqrt(self.tolerance)
         known = self.drives and self.near  # to digits that are as good
         if len(self.slopes) and halfway < 0.1 * _ROUGH and not known:
-            rough = self._spaces(halfway)
+            rough = self.spaces(halfway)
             ZonesNewton(self, rough, max(self.tolerance, _ENOUGH)).run(halfway)
-        spaces = self._spaces(self.tolerance)
+        spaces = self.spaces(self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
         return joined(spaces)
 
@@ -222,11 +223,20 @@ class CoupledProblem:
 
     # solutions
 
-    def _settled(
-        self, factored: Factored, aim: float, system: Tangential | None = None
+    def settled(
+        self,
+        factored: Factored,
+        aim: float,
+        system: Tangential | None = None,
+        begin: CoupledState | None = None,
     ) -> CoupledState:
-        """Correct a solution at given boundaries, of the factors or near, as far as is aimed."""
-        state, size = CoupledState.begin(system or factored.system, factored), inf
+        """Correct a solution at given boundaries, of the factors or near, as far as is aimed.
+
+        It begins with that of boundaries near by, or from nothing.
+        """
+        own = system or factored.system
+        state = begin.at(own).by(factored) if begin else CoupledState.begin(own, factored)
+        size = inf
         for _ in range(_CORRECTIONS):
             state, change = state.corrected()
             before, size = size, self.size(state, change)

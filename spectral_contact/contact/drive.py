@@ -182,7 +182,8 @@ class Drive:
         value = np.zeros(np.shape(y))
         weight = self.pressure.weight
         if weight is not None:
-            value = value + weight.amplitude * y / (np.sqrt(y + weight.shift) + sqrt(weight.shift))
+            root = np.sqrt(y + weight.shift) + sqrt(weight.shift)
+            value = value + weight.amplitude * y / np.where(root > 0.0, root, 1.0)
         if self._load is not None:
             value = value + 0.5 * y * self._load(y)
         return np.asarray(value)

@@ -22,7 +22,7 @@ from spectral_contact.fields.series import EdgeWeight, PressureField
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "solve_normal"]
+__all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "by_compliance", "solve_normal"]
 
 Array = NDArray[np.float64]
 
@@ -189,3 +189,24 @@ def solve_normal(
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
         return NormalContact(0.0, 0.125, pressure, None, np.zeros(0), ROUNDING, 4.0 * ROUNDING)
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)
+
+
+def by_compliance(solved: Refinement[NormalContact]) -> NormalContact:
+    """Return the derivative of a normal contact by its compliance, as a contact of its own.
+
+    For unit approach ``(alpha + N) dp/dalpha = -p``.
+    """
+    contact, panels = solved.best.value, solved.resolution.panels
+    space = disk_operators(panels).normal.space(solved.resolution.degrees)
+    known, weight = np.zeros(panels.size), contact.pressure.weight
+    known[space.index] = space.mass @ contact.coefficients[space.index]
+    if weight is not None:
+        known += load_vector(panels, lambda d: 0.5 * weight(d))
+    change = space.factor(contact.compliance).solve(0.0, known / contact.compliance)
+    # the load stays one
+    moment = 2.0 * float(space.constant_moments @ change[space.index])
+    raised = -2.0 * pi * moment
+    change += raised * contact.coefficients
+    edge = None if weight is None else weight.times(raised)
+    field, slope = PressureField(edge, series_of(panels, change)), raised * contact.approach
+    return NormalContact(contact.compliance, slope, field, panels, change, 0.0, 0.0)

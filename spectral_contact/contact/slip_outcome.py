@@ -214,7 +214,8 @@ def zones_outcome(drive: Drive, solved: CoupledZones, beta: float, friction: flo
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, slipping, pressure, beta, friction
     )
-    slips, sticks, bounds = iter(fields), dict(stick_series(solved)), solved.bounds
+    slips, bounds = iter(fields), solved.bounds
+    sticks = dict(stick_series(solved.states, bounds, solved.shear))
     traction, displacement, zones, excess = [], [], [], 0.0
     for k, (state, inner, outer) in enumerate(zip(solved.states, bounds, bounds[1:], strict=False)):
         zones.append(Zone.between("stick" if state == 0 else "slip", inner, outer))

@@ -24,6 +24,7 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
+from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     from spectral_contact.contact.coupled_outcome import CoupledSlip
@@ -153,7 +154,10 @@ class CoupledRun(Run):
         lack = 1.0 - friction / stick.critical
         unsure = lack + stick.critical_error
         hidden = lack <= _ROUNDED or (lack <= _HIDDEN and _ROOM * unsure < 0.5 * self.rtol)
-        found = None if hidden else self._found(search, unsure)
+        with ProgressLine(self.shared.progress) as tell:
+            if not (scene.normal_compliance and scene.tangential_compliance):
+                tell("zones of stick and slip")  # without a compliance it takes seconds
+            found = None if hidden else self._found(search, unsure)
         if found is None:
             self._about_to_slip(stick, unsure, search.about_to_slip(unsure))
             return

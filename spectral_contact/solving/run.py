@@ -254,7 +254,8 @@ class Run:
         """Return the friction with which there is one stick disk of this radius.
 
         That of the scene does not count. None if there is none, or the friction law does not hold,
-        or the tolerance is not met.
+        or the tolerance is not met, or the traction is not positive: then alone the law holds
+        between two frictions at which it does (docs/internals).
         """
         from spectral_contact.contact.given_radius import solve_given_radius
         from spectral_contact.contact.slip_outcome import one_disk_outcome
@@ -267,7 +268,9 @@ class Run:
         except NoStickDiskError:
             return None
         outcome = one_disk_outcome(drive, disk, beta, disk.friction, self.rtol)
-        if not outcome.settled or disk.shear_error > self.rtol:
+        assert disk.traction.series is not None
+        positive = bool((disk.traction.series.at_ends() >= 0.0).all())
+        if not (outcome.settled and positive) or disk.shear_error > self.rtol:
             return None
         kappa = self.scene.kappa
         return FrictionOf(

@@ -52,7 +52,7 @@ def solve(
     strict : bool
         Raise if the tolerance cannot be met; else return what was reached.
     progress : bool, optional
-        Whether friction under a profile, which takes seconds, shows its progress (extra: progress);
+        Whether what takes seconds, as friction under a profile, shows progress (extra: progress);
         by default on a terminal and in notebooks.
 
     Returns

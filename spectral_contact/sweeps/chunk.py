@@ -110,12 +110,12 @@ class _OnLine:
     """Solves what a line asks for."""
 
     def __init__(self, work: _Chunk, line: Indices) -> None:
-        self._work, self._first = work, work.columns.scene(int(line[0]))
-        self._own = dict(zip(work.columns.values[3, line].tolist(), line.tolist(), strict=True))
+        self._work, self._line = work, line.tolist()
+        self._first = work.columns.scene(self._line[0])
 
-    def at_friction(self, friction: float) -> Solution | None:
+    def at_scene(self, i: int) -> Solution | None:
         """Solve a scene."""
-        return self._work.with_zones(self._own[friction])
+        return self._work.with_zones(self._line[i])
 
     def at_radius(self, logit: float) -> FrictionOf | None:
         """Solve for the friction that a radius has."""

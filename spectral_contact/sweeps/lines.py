@@ -1,9 +1,10 @@
-"""Scenes that differ in friction alone: few frictions are solved, and all scenes lie between them.
+"""Scenes that differ in ``f/kappa`` alone: few of these are solved, and all scenes lie between.
 
-With one stick disk ``ln f`` and ``ln(Q/f)`` are smooth in the logit of its radius: whatever the
-compliances, singularities are pi away from the real axis. Newton's polynomials go through solved
-frictions there, and are inverted for those of the scenes. The next friction to be solved is where
-the polynomials are least certain (Leja's points), which measures how far off they were.
+Poisson's ratio enters by kappa: with the same ``f/kappa`` zones are the same, and tractions are as
+kappa. With one stick disk ``ln f`` and ``ln(Q/f)`` are smooth in the logit of its radius: whatever
+the compliances, singularities are pi away from the real axis. Newton's polynomials go through
+solved frictions there, and are inverted for those of the scenes. The next friction to be solved is
+where the polynomials are least certain (Leja's points), which measures how far off they were.
 
 No law has to be checked between two frictions at which one disk is right (docs/maps).
 """
@@ -33,6 +34,8 @@ LEAST: Final = 24
 #: Nodes that a line takes at 1e-8, measured: so many, and more for each unit of the logit. For
 #: more digits it takes more in proportion.
 _FIRST, _MORE = 6.0, 2.4
+#: What is proportional to kappa at the same ``f/kappa``.
+_AS_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})
 #: Share of the scenes that the nodes may be.
 _WORTH: Final = 0.8
 #: How many misfits, of the last nodes, tell what is missing: each is the error without its node.
@@ -46,14 +49,15 @@ _STEPS, _STILL = 12, 1e-13
 
 
 def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
-    """Yield scenes, of those to do, that differ in friction alone, as it rises; no coupled ones."""
+    """Yield scenes, of those to do, that differ in ``f/kappa`` alone, as it rises; none coupled."""
     if not frozenset(request.quantities) <= frozenset(SCALARS):
         return
     nu, _, _, friction = columns.values[:4, todo]
     slips = (friction > 0.0) & (friction < np.inf) & (nu < 0.5)
     own = todo[slips & ~columns.coupled[todo]]
-    own = own[np.lexsort(columns.values[[3, 0, 2, 1]][:, own])]
-    turns = np.diff(columns.values[:3, own], axis=1) != 0.0
+    ratio = columns.values[3, own] / columns.kappa[own]
+    own = own[np.lexsort([ratio, *columns.values[[2, 1]][:, own]])]
+    turns = np.diff(columns.values[1:3, own], axis=1) != 0.0
     for line in np.split(own, np.flatnonzero(turns.any(axis=0)) + 1):
         if len(line) >= LEAST:
             yield line
@@ -62,11 +66,11 @@ def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices
 class Solver(Protocol):
     """What solves the scenes of a line."""
 
-    def at_friction(self, friction: float) -> Solution | None:
-        """Return the solution, with its zones, or None if there is none that converged."""
+    def at_scene(self, i: int) -> Solution | None:
+        """Return the solution of a scene of the line, with its zones, if it converged."""
 
     def at_radius(self, logit: float) -> FrictionOf | None:
-        """Return the friction with which one stick disk has this radius, if one has."""
+        """Return the friction with which the first scene has one disk of this radius, if any."""
 
 
 def between(columns: Columns, request: Request, solver: Solver) -> Served:
@@ -75,32 +79,35 @@ def between(columns: Columns, request: Request, solver: Solver) -> Served:
     Parameters
     ----------
     columns : Columns
-        The scenes, by rising friction.
+        The scenes, by rising ``f/kappa``.
     request : Request
         For numbers alone.
     solver : Solver
     """
-    friction = columns.values[3]
+    kappa, friction = columns.kappa, columns.values[3]
+    ratio = friction / kappa
     mask = np.zeros(len(columns), dtype=bool)
     nothing = Served(mask, {}, {})
-    ends = _ends(friction, solver)
+    ends = _ends(len(ratio), solver)
     if ends is None:
         return nothing
     size, one = ends.size, ends.solution
-    wanted, most = friction[1 : size - 1], _WORTH * size
+    inner, most = slice(1, size - 1), _WORTH * size
     low, high = ends.logits
     if (_FIRST + _MORE * (high - low)) * np.log(request.rtol) / np.log(1e-8) > most:
         return nothing
-    curves = _Curves(low, high)
+    curves = _Curves(low, high, float(kappa[0]))
     while curves.nodes.size < most:
         if curves.settled(request.rtol):
-            values, errors = curves.values(wanted)
+            values, errors = curves.values(ratio[inner])
+            values["total_shear"] *= friction[inner]
             for name in frozenset(request.quantities) - frozenset(values):  # at any friction
-                values[name] = np.full(len(wanted), float(getattr(one, name)))
-                errors[name] = np.full(len(wanted), float(getattr(one.error, name)))
+                scale = kappa[inner] / one.scene.kappa if name in _AS_KAPPA else 1.0
+                values[name] = np.full(size - 2, float(getattr(one, name))) * scale
+                errors[name] = np.full(size - 2, float(getattr(one.error, name)))
             asked = request.quantities
             if all((errors[name] <= request.rtol).all() for name in asked):
-                mask[1 : size - 1] = True
+                mask[inner] = True
                 return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})
         found = solver.at_radius(curves.next())
         if found is None:
@@ -118,18 +125,18 @@ class _Ends:
     solution: Solution
 
 
-def _ends(friction: Array, solver: Solver) -> _Ends | None:
+def _ends(count: int, solver: Solver) -> _Ends | None:
     """Return between which scenes there is one stick disk, if it is at the first and many more."""
     alone: dict[int, Solution] = {}
 
     def is_alone(i: int) -> bool:
-        found = solver.at_friction(float(friction[i]))
+        found = solver.at_scene(i)
         if found is None or tuple(zone.kind for zone in found.zones) != ("stick", "slip"):
             return False
         alone[i] = found
         return True
 
-    low, high = 0, len(friction) - 1
+    low, high = 0, count - 1
     if not is_alone(low):
         return None
     # where one disk is right at two frictions, it is between
@@ -155,6 +162,8 @@ class _Curves:
     ----------
     low, high : float
         Logits of the least and the largest disk.
+    kappa : float
+        Of the scene whose frictions are solved.
 
     Attributes
     ----------
@@ -162,13 +171,14 @@ class _Curves:
         Logits at which it is solved.
     """
 
-    def __init__(self, low: float, high: float) -> None:
+    def __init__(self, low: float, high: float, kappa: float) -> None:
+        self._kappa = kappa
         self._places = np.linspace(low, high, _PLACES)
         #: the sum of the logarithms of the distances from the nodes
         self._apart = -np.abs(self._places - low)
         self.nodes = np.empty(0)
         self._next = low
-        #: of ln f and ln(Q/f): the terms of the polynomials, what they lacked before, and errors
+        #: of ln(f/kappa) and ln(Q/f): terms of the polynomials, what they lacked before, and errors
         self._terms, self._misfits, self._errors = np.empty((3, 0, 2))
 
     def next(self) -> float:
@@ -178,7 +188,7 @@ class _Curves:
 
     def add(self, found: FrictionOf) -> None:
         """Take what is solved at the last place that was asked for."""
-        known = np.log([found.friction, found.total_shear / found.friction])
+        known = np.log([found.friction / self._kappa, found.total_shear / found.friction])
         steps = self._next - self.nodes
         misfit = known - _newton(self.nodes, self._terms, np.array([self._next]))[0][0]
         self.nodes = np.append(self.nodes, self._next)
@@ -195,32 +205,32 @@ class _Curves:
         last = self._misfits[-_LAST:]
         return len(self._misfits) > 2 * _LAST and bool((last <= rtol).all())
 
-    def values(self, friction: Array) -> tuple[dict[str, Array], dict[str, Array]]:
-        """Return stick radii and total shears at frictions, and the estimates of their errors."""
-        logit, unsettled = self._inverted(np.log(friction))
+    def values(self, ratio: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Return stick radii and ``Q/f`` at some ``f/kappa``, and the estimates of their errors."""
+        logit, unsettled = self._inverted(np.log(ratio))
         value, slope = _newton(self.nodes, self._terms, logit)
         missing = _SAFETY * np.max(self._misfits[-_LAST:], axis=0)
         lost = missing + self._spread(logit)[:, None] * self._errors.max(axis=0)
         with np.errstate(all="ignore"):
             moved = np.where(slope[:, 0] > 0.0, lost[:, 0] / slope[:, 0], np.inf) + unsettled
         z, y = 1.0 / (1.0 + np.exp(-logit)), 1.0 / (1.0 + np.exp(logit))
-        values = {"stick_radius": np.sqrt(z), "total_shear": friction * np.exp(value[:, 1])}
+        values = {"stick_radius": np.sqrt(z), "total_shear": np.exp(value[:, 1])}
         errors = {
             "stick_radius": 0.5 * y * moved + ROUNDING,
             "total_shear": lost[:, 1] + np.abs(slope[:, 1]) * moved + ROUNDING,
         }
         return values, errors
 
-    def _inverted(self, friction: Array) -> tuple[Array, Array]:
-        """Return logits of the logarithms of frictions, and how far they still moved."""
+    def _inverted(self, wanted: Array) -> tuple[Array, Array]:
+        """Return logits of the logarithms of ``f/kappa``, and how far they still moved."""
         places = self._places[[0, -1]]
         known = _newton(self.nodes, self._terms, self._places)[0][:, 0]
-        logit = np.interp(friction, known, self._places)
+        logit = np.interp(wanted, known, self._places)
         step = np.full(len(logit), np.inf)
         for _ in range(_STEPS):
             value, slope = _newton(self.nodes, self._terms, logit)
             with np.errstate(all="ignore"):
-                step = (friction - value[:, 0]) / slope[:, 0]
+                step = (wanted - value[:, 0]) / slope[:, 0]
             logit = np.clip(logit + step, *places)
             if np.abs(step).max() < _STILL:
                 break

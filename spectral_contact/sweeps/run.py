@@ -42,7 +42,7 @@ __all__ = ["sweep"]
 
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
-#: Frictions that make no chunk of their own any more.
+#: Frictions, times Poisson's ratios, that make no chunk of their own any more.
 _LONGEST: Final = 1024
 #: The same with profiles or coupling: some of these take a hundred times as long.
 _SLOW_CHUNK: Final = 8
@@ -173,11 +173,14 @@ def _chunk(parameters: SweepParameters, request: Request) -> int:
 
 
 def _whole_lines(parameters: SweepParameters) -> int:
-    """Return `_CHUNK`, or somewhat more so that frictions which are solved together stay so."""
-    frictions = np.size(parameters.axes.get("friction", 0.0))
-    if not LEAST <= frictions <= _LONGEST:
-        return _CHUNK
-    return frictions * -(-_CHUNK // frictions)
+    """Return `_CHUNK`, or somewhat more so that scenes which are solved together stay so."""
+    frictions, ratios = (
+        int(np.size(parameters.axes.get(name, 0.0))) for name in ("friction", "poisson_ratio")
+    )
+    for line in (frictions * ratios, frictions):
+        if LEAST <= line <= _LONGEST:
+            return line * -(-_CHUNK // line)
+    return _CHUNK
 
 
 def _parameters(

@@ -141,8 +141,8 @@ class Output:
     ) -> Sensitivity:
         """Return derivatives of approach, total shear, stick radius, and fields by the parameters.
 
-        By closed forms where there are any, else by polynomials through ten to thirty solves a
-        parameter, which takes seconds. Where one is not finite, or one-sided, its note says so.
+        By the implicit function theorem, with one linear solve for each parameter. Where one is
+        not finite, or one-sided, its note says so.
 
         Parameters
         ----------
@@ -166,7 +166,7 @@ class Output:
         SceneError
             For another parameter, a radius outside [0, 1], or a scene with a profile.
         NotComputedError
-            With elastic coupling.
+            With elastic coupling, if no zones are found that obey the friction law.
         """
         study = above("studies.derivatives")
         found: Sensitivity = study.sensitivity(

@@ -21,6 +21,9 @@ from spectral_contact.studies.derivatives import PARAMETERS, QUANTITIES, sensiti
 
 SCENES = (
     Scene(0.3, 0.5, 0.5, math.inf),
+    Scene(0.2, 0.5, 0.5, math.inf, coupling=True),
+    Scene(0.3, 1e-3, 1e-3, 0.1),
+    Scene(0.3, 0.1, 0.0, 0.05),
     Scene(0.1, 0.5, 0.5, 0.1),
     Scene(0.45, 0.5, 0.1, 0.01),
     Scene(0.246, 0.2, 0.5, 0.1),  # slip in an interior annulus
@@ -49,7 +52,7 @@ def main() -> int:
         found = sensitivity(solve(scene, 1e-6), s=RADII)
         print(scene)
         for name in PARAMETERS:
-            if getattr(scene, name) == math.inf:
+            if getattr(scene, name) in (0.0, math.inf):
                 continue
             for quantity, truths in differences(scene, name).items():
                 one = found.fields[quantity, name] if quantity in FIELDS else found[quantity, name]

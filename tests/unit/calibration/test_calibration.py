@@ -128,11 +128,6 @@ def test_other_derivatives_are_accurate_enough(name):
         differences = (8 * (high - low) - (higher - lower)) / (12 * h)
         scale = abs(differences).max()
         assert data.slope(setting, LAYER, name) == pytest.approx(differences, abs=2e-6 * scale)
-        # one-sided, for the search
-        rough = data.slope(setting, LAYER, name, data.predict(setting, LAYER))
-        assert rough == pytest.approx(differences, abs=1e-4 * scale)
-        with pytest.raises(SceneError, match="predicted"):
-            data.slope(setting, LAYER, name, [1.0])
 
 
 def pulls(seeds, make, start, free, true):

@@ -23,7 +23,7 @@ def zones(states, alpha=0.3):
     layout = Layout(tuple(np.linspace(-0.5, 2.0, len(states) - 1)), states)
     problem = CoupledProblem(Parameters(alpha, 0.4, 1.0, 0.3), layout, 1e-8, drive=drive)
     problem.drives = [drive, *drive.changes]
-    return problem.system(problem._spaces(1e-8), problem.logits)
+    return problem.system(problem.spaces(1e-8), problem.logits)
 
 
 def vector(system):

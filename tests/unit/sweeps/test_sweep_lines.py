@@ -67,6 +67,20 @@ def test_what_friction_does_not_change_is_that_of_solve():
         assert (found[f"{name}_error"] == getattr(truth.error, name)).all()
 
 
+def test_other_poisson_ratios_are_on_the_same_line(work):
+    axes = {"poisson_ratio": [0.1, 0.2, 0.3], "friction": np.linspace(0.01, 0.09, 12)}
+    found = sweep(Scene(0.3, 0.5, 0.5), **axes)
+    assert len(work) < 30
+    assert (found.ending == "converged").all()
+    for nu, f in ((0.1, 3), (0.2, 7), (0.3, 10), (0.3, 11)):
+        own = found.sel(poisson_ratio=nu).isel(friction=f)
+        truth = solve(Scene(nu, 0.5, 0.5, float(own.friction)), 1e-12)
+        for name in (*NUMBERS, "approach", "edge_ratio", "critical_friction"):
+            error = abs(float(own[name]) / getattr(truth, name) - 1.0)
+            assert error <= float(own[f"{name}_error"]) + getattr(truth.error, name) + 1e-15
+            assert own[f"{name}_error"] <= 1e-8
+
+
 def test_where_a_node_fails_the_scenes_are_solved_one_by_one(monkeypatch):
     def broken(self, scene, logit):
         raise FloatingPointError

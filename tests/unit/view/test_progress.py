@@ -17,7 +17,7 @@ from spectral_contact import (
     reference,
     solve,
 )
-from spectral_contact.calibration import ApproachData
+from spectral_contact.calibration import ApproachData, IndentationData
 from spectral_contact.view.progress import ProgressLine
 
 pytest.importorskip("tqdm")
@@ -128,6 +128,16 @@ def test_fits_references_and_energies_show_their_steps(capsys):
     assert "mesh 2 of 2: normal contact" in err
     solve(Scene(0.3)).inside.energies(progress=True)
     assert "energies" in capsys.readouterr().err
+
+
+def test_fits_of_curves_and_smooth_coupled_slip_show_their_steps(capsys):
+    known = {"poisson_ratio": 0.3, "profile": profiles.Parabola(1.0), "load": 1.0}
+    ball = Scene.from_physical(**known, youngs_modulus=1e9)
+    curve = IndentationData([1e-6, 2e-6], [1.5, 4.1], 1.0)
+    fit(ball, curve, "reduced_modulus", rtol=1e-4, progress=True)
+    assert "evaluation 1" in capsys.readouterr().err
+    solve(Scene(0.3, 0.5, 0.0, 0.05, coupling=True), 1e-3, progress=True)
+    assert "zones of stick and slip" in capsys.readouterr().err
 
 
 def test_friction_under_a_profile_shows_how_the_contact_grew(monkeypatch, capsys):

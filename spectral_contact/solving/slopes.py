@@ -1,0 +1,181 @@
+"""How a solution changes with the parameters of its scene, as the system of its zones says.
+
+Without coupling the system is that for kappa = 1, whose friction is ``f/kappa``; here that becomes
+the scene's.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ellipe, ellipkm1
+
+from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.normal import NormalContact, by_compliance, solve_normal
+from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.zone_derivatives import ZoneDerivatives, differentiated
+from spectral_contact.fields.series import Radius
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution, Zone
+from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.threads import cached_property
+
+__all__ = ["PARAMETERS", "SolutionSlopes", "kappa_slope"]
+
+Array = NDArray[np.float64]
+
+#: What can be differentiated by, and what the system calls it.
+PARAMETERS: Final = ("normal_compliance", "tangential_compliance", "friction", "poisson_ratio")
+_COLUMNS: Final = dict(zip(PARAMETERS, ("alpha", "beta", "friction", "kappa"), strict=True))
+_MOST_UNKNOWNS: Final = 20_000
+#: An error of the zones from which on nothing follows from them.
+_HARDLY_KNOWN: Final = 1e-3
+
+
+def kappa_slope(scene: Scene) -> float:
+    """Return the derivative of kappa by Poisson's ratio."""
+    return -0.25 / (1.0 - scene.poisson_ratio) ** 2
+
+
+def _state(own: Solution, zone: Zone) -> int:
+    """Return 0 for stick, and the sign of the traction in slip."""
+    middle = (zone.inner_from_edge + zone.outer_from_edge) / 2.0
+    return 0 if zone.kind == "stick" else int(math.copysign(1.0, own.traction(from_edge=middle)))
+
+
+def _of_smooth_surface(quantity: str, rim: Radius, own: Solution) -> float:
+    """Return the derivative of a number by ``f/kappa`` without compliances, in closed form.
+
+    ``f/kappa = ln((1+c)/(1-c)) / (c K')`` and ``Q/kappa = (f/kappa) E' + ln(1-c**2)``.
+    """
+    c, z, y = rim.value, rim.square, rim.rest
+    ratio = (own.scene.friction or 0.0) / own.scene.kappa
+    first, second = float(ellipkm1(z)), float(ellipe(y))
+    log = 2.0 * math.atanh(c) if c < 0.5 else math.log((1.0 + c) ** 2 / y)
+    rise = 2.0 / (y * log) - 1.0 / c + (second - z * first) / (c * y * first)
+    by_ratio = 1.0 / (ratio * rise)
+    if quantity == "stick_radius":
+        return by_ratio
+    return second + c / y * (ratio * (first - second) - 2.0) * by_ratio
+
+
+class SolutionSlopes:
+    """The derivatives at a solution, in spaces for a tolerance.
+
+    Without coupling the system is that for kappa = 1 and the friction ``f/kappa``.
+    """
+
+    def __init__(self, own: Solution, tolerance: float) -> None:
+        self.own, self.scene, self.tolerance = own, own.scene, tolerance
+        zones = own.zones if self.scene.friction is not None and self.scene.kappa else ()
+        self.inner = [Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1]]
+        self.states = tuple(_state(own, zone) for zone in zones)
+        moving = [n for n in PARAMETERS[:3] if 0.0 < (getattr(self.scene, n) or 0.0) < math.inf]
+        if not self.inner:
+            moving = moving[:2] if "friction" not in moving else moving[:-1]
+        if self.scene.couples:
+            moving.append("poisson_ratio")
+        self.moving = moving
+        compliances = self.scene.normal_compliance, self.scene.tangential_compliance
+        self.smooth = bool(self.inner) and not any(compliances) and not self.scene.couples
+
+    @cached_property
+    def normal(self) -> tuple[NormalContact, NormalContact | None]:
+        """The pressure as it is without coupling, and its derivative by the compliance."""
+        solved = solve_normal(
+            self.scene.normal_compliance, max(0.1 * self.tolerance, 1.2e-13), _MOST_UNKNOWNS
+        )
+        if isinstance(solved, Refinement):
+            return solved.best.value, by_compliance(solved)
+        return solved, None
+
+    @cached_property
+    def zones(self) -> ZoneDerivatives:
+        """The derivatives by what moves."""
+        scene, drives = self.scene, list[Drive]()
+        friction = scene.friction if scene.friction is not None else math.inf
+        own = scene.normal_compliance, scene.tangential_compliance
+        parameters = Parameters(*own, scene.kappa, friction)
+        if not scene.couples:
+            drives = [Drive(one) for one in self.normal if one is not None]
+            parameters = Parameters(*own, 1.0, friction / scene.kappa)
+        layout = Layout(tuple(one.logit for one in self.inner), self.states)
+        names = [_COLUMNS[name] for name in self.moving]
+        return differentiated(parameters, layout, names, self.tolerance, drives)
+
+    def scalar(self, quantity: str, name: str) -> float:
+        """Return the derivative of a number; NaN where zones are hardly known."""
+        if self.inner and (self.own.error.zones or 0.0) > _HARDLY_KNOWN:
+            return math.nan
+        scene, kappa = self.scene, self.scene.kappa
+        rise = kappa_slope(scene)
+        if scene.couples:
+            factor = rise if name == "poisson_ratio" else 1.0
+            return factor * self._of_system(quantity, name)
+        if name == "poisson_ratio":  # kappa enters shear as a factor, and friction as f/kappa
+            ratio = scene.friction / kappa if self.inner and scene.friction else 0.0
+            moved = ratio * self._of_system(quantity, "friction") if ratio else 0.0
+            whole = self.own.total_shear / kappa if quantity == "total_shear" else 0.0
+            scale = 1.0 if quantity == "total_shear" else 1.0 / kappa
+            return rise * (whole - moved) * scale + 0.0
+        factor = kappa if quantity == "total_shear" else 1.0
+        return factor * self._of_system(quantity, name) / (kappa if name == "friction" else 1.0)
+
+    def _of_system(self, quantity: str, name: str) -> float:
+        """Return the derivative of a number by a parameter of the system."""
+        if self.smooth:
+            return _of_smooth_surface(quantity, self.inner[0], self.own)
+        i = self.moving.index(name)
+        if quantity == "stick_radius":
+            c = self.inner[0]
+            return 0.5 * c.value * c.rest * float(self.zones.logits[0, i])
+        return float((self.zones.shear if quantity == "total_shear" else self.zones.approach)[i])
+
+    def noise(self, name: str) -> float:
+        """Return what rounding makes of the derivative of the stick radius, relative to that."""
+        column = "friction" if name == "poisson_ratio" and not self.scene.couples else name
+        i = self.moving.index(column)
+        size = abs(float(self.zones.logits[0, i]))
+        return float(self.zones.noise[0, i]) / size if size else 0.0
+
+    def field(self, quantity: str, name: str, s: Array, from_edge: Array) -> Array:
+        """Return the derivative of a field at some places."""
+        if quantity == "traction":
+            return self._traction(name, s, from_edge)
+        return self._pressure(name, s, from_edge)
+
+    def _pressure(self, name: str, s: Array, from_edge: Array) -> Array:
+        if self.scene.couples:
+            factor = kappa_slope(self.scene) if name == "poisson_ratio" else 1.0
+            return factor * self.zones.pressure[self.moving.index(name)](s, from_edge)
+        change = self.normal[1]
+        if name != "normal_compliance" or change is None:
+            return np.zeros(s.shape)
+        return np.asarray(change.pressure(s, from_edge))
+
+    def _traction(self, name: str, s: Array, from_edge: Array) -> Array:
+        scene, kappa, own = self.scene, self.scene.kappa, self.own
+        rise = kappa_slope(scene)
+        beyond = [one.below(s, from_edge) < 0.0 for one in self.inner]
+        sign = np.array(self.states)[np.sum(beyond, axis=0, dtype=int)]
+        if name == "poisson_ratio" and not scene.couples:
+            q = own.traction(from_edge=from_edge) / kappa
+            if self.inner:
+                by_ratio = self.zones.traction[self.moving.index("friction")](s, from_edge)
+                q = q - (scene.friction or 0.0) / kappa * by_ratio
+            return rise * np.where(sign == 0, q, 0.0)
+        value = self.zones.traction[self.moving.index(name)](s, from_edge)
+        if scene.couples:
+            value = value * (rise if name == "poisson_ratio" else 1.0)
+        elif name != "friction":
+            value = value * kappa
+        if not self.inner:
+            return value
+        slipping = (scene.friction or 0.0) * self._pressure(name, s, from_edge)
+        if name == "friction":
+            slipping = slipping + own.pressure(from_edge=from_edge)
+        return np.asarray(value + sign * slipping)
