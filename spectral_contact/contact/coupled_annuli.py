@@ -10,7 +10,7 @@ from spectral_contact.contact.coupled_assessment import CoupledZones
 from spectral_contact.contact.coupled_outcome import DISTANCES, CoupledSlip, checked
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import CENTRE, EDGE, ZonalField
-from spectral_contact.solution import Zone
+from spectral_contact.records import Zone
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["slip_everywhere", "slip_in_annuli"]

@@ -30,7 +30,7 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.solution import Zone
+from spectral_contact.records import Zone
 from spectral_contact.spectral.annulus import Annulus, gap
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels

@@ -33,7 +33,7 @@ from spectral_contact.contact.newton import LEFT, ZonesNewton
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.fields.series import Radius
-from spectral_contact.solution import Ending
+from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System

@@ -31,7 +31,7 @@ from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.onset import full_stick_violations
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
-from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD
+from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["CoupledSearch"]

@@ -30,7 +30,7 @@ from spectral_contact.contact.slip_outcome import (
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
-from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
+from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:

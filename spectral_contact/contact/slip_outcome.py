@@ -36,7 +36,7 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.solution import Zone
+from spectral_contact.records import Zone
 from spectral_contact.spectral.annulus import Annulus
 
 if TYPE_CHECKING:
