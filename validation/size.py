@@ -36,16 +36,16 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_269, 6_500),
-    Gate("lines in all", 47_990, 23_000),
-    Gate("float literals of the core", 314, 90),
+    Gate("lines of the core", 13_125, 6_500),
+    Gate("lines in all", 47_821, 23_000),
+    Gate("float literals of the core", 311, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 31, 12),
+    Gate("longest chain of imports", 30, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.active_set import ring_layout
 from spectral_contact.contact.boundaries import NoBoundariesError
-from spectral_contact.contact.coupled_annuli import slip_everywhere, slip_in_annuli
-from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
 from spectral_contact.contact.coupled_problem import (
     CoupledProblem,
     find_coupled_zones,
@@ -29,15 +27,38 @@ from spectral_contact.contact.coupled_radii import scanned, stick_radii
 from spectral_contact.contact.coupled_stick import CoupledStick
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.onset import full_stick_violations
+from spectral_contact.contact.slip_outcome import PartialSlip, everywhere, zones_outcome
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD
 from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["CoupledSearch"]
+__all__ = ["CoupledSearch", "NoCoupledSlipError", "lawful"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
+
+
+class NoCoupledSlipError(ArithmeticError):
+    """Zones do not obey the friction law; the text says what is amiss.
+
+    Attributes
+    ----------
+    further : Layout or None
+        Zones that may do so: the same, and stick where slip has the wrong sense.
+    """
+
+    def __init__(self, text: str, further: Layout | None = None) -> None:
+        super().__init__(text)
+        self.further = further
+
+
+def lawful(outcome: PartialSlip) -> PartialSlip:
+    """Return what obeys the friction law, but for rounding, and raise `NoCoupledSlipError` else."""
+    if outcome.amiss:
+        raise NoCoupledSlipError(outcome.amiss, outcome.mended)
+    return outcome
+
 
 #: Tolerance at which guesses are tried before they are solved for to a tighter one.
 _PROBE = 1e-3
@@ -92,7 +113,7 @@ class CoupledSearch:
     max_unknowns: int
     record: Record
 
-    def outcome(self) -> CoupledSlip:
+    def outcome(self) -> PartialSlip:
         """Return the first solution that obeys the friction law.
 
         Raises
@@ -129,7 +150,7 @@ class CoupledSearch:
         first = Radius.from_logit(near.logits[0])
         return first.from_edge / first.value
 
-    def others(self, radius: Radius) -> list[float]:
+    def others(self, logit: float) -> list[float]:
         """Return what other stick radii than that of a solution there may be, roughly.
 
         Where full stick slips at the edge there is an even number of them; none, as far as seen.
@@ -140,7 +161,7 @@ class CoupledSearch:
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
             return []
         problem = CoupledProblem(self.parameters, _DISK, _PROBE)
-        further = scanned(problem, radius.logit + _CLEAR, _APART)
+        further = scanned(problem, logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
 
@@ -186,7 +207,7 @@ class CoupledSearch:
             return alpha > 0.0 or beta == 0.0
         return len(layout.states) > 2 and beta > 0.0
 
-    def _solved(self, layout: Layout, far: bool) -> CoupledSlip:
+    def _solved(self, layout: Layout, far: bool) -> PartialSlip:
         """Solve on zones like these, and record the solution if the friction law holds."""
         parameters, most = self.parameters, self.max_unknowns
         # the search for boundaries that are not there ends at the edge, past rounding
@@ -194,13 +215,13 @@ class CoupledSearch:
             layout = self._narrowed(self._found(layout, far))
             if len(layout.states) > 2 and self.tolerance < _PROBE:
                 rough = solve_coupled_zones(parameters, layout, _PROBE, most)
-                slip_in_annuli(rough.best.value, parameters)
+                lawful(zones_outcome(rough.best.value, parameters))
             begin = perf_counter()
             zones = solve_coupled_zones(parameters, layout, self.tolerance, most)
             if not zones.best.error < _UNKNOWN:
                 raise NoCoupledSlipError("no digit of the fields is known")
             solved = perf_counter()
-            outcome = slip_in_annuli(zones.best.value, parameters)
+            outcome = lawful(zones_outcome(zones.best.value, parameters))
         self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
         self.record(SLIP_FIELD, outcome, solved)
         return outcome
@@ -219,13 +240,14 @@ class CoupledSearch:
         narrower = exp(layout.logits[0] - near.logits[0])
         return replace(layout, logits=near.logits, slopes=narrower * layout.slopes)
 
-    def _all_slip(self) -> CoupledSlip:
+    def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""
         begin = perf_counter()
         zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)
         self.record(PARTIAL_SLIP, zones, begin)
         begin = perf_counter()
-        outcome = slip_everywhere(zones.best.value, self.parameters)
+        point = lawful(zones_outcome(zones.best.value, self.parameters, felt=False))
+        outcome = everywhere(point, self.parameters.friction)
         self.record(SLIP_FIELD, outcome, begin)
         return outcome
 

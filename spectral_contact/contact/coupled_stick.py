@@ -127,7 +127,7 @@ def solve_coupled_stick(
 
 def _with_fields(stick: CoupledStick, solved: CoupledZones) -> CoupledStick:
     """Return full stick with its fields, and their ratio where it means something."""
-    system, [pressure], [shear] = solved.system, solved.pressure, solved.shear
+    system, [pressure], [shear] = solved.system, solved.pressures, solved.shears
     assert shear is not None
     p, q = ended(pressure, shear, system.parameters, 1.0)
     stick = replace(

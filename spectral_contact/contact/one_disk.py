@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.layout import SolvedZones
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
@@ -66,47 +67,21 @@ _ROUGH = 0.03
 _SOFT = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class OneDisk:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OneDisk(SolvedZones):
     """Partial slip with one stick disk, for kappa = 1.
 
     Attributes
     ----------
-    radius : Radius
-        ``c*``.
     traction : DiskSeries
         ``q*/kappa`` on the stick disk.
-    total_shear : float
-        ``Q*/kappa`` of the whole contact.
-    traction_error, shear_error : float
-        Estimates of relative errors.
-    radius_error, edge_error : float
-        Estimates of the relative errors of ``c`` and of ``1 - c``.
-    stuck : Stuck
-        Quadrature of ``t^2 E dt`` over the disk, for the displacement outside it.
-    depth : float
-        ``-ln`` of the smallest scaled distance from the rim that was resolved.
-    stray : float
-        Estimate of the largest error of E.
-    slope : float
-        By what the condition of continuity rises with ``ln(c**2/(1 - c**2))``.
     friction : float
         ``f / kappa``.
     shift : float
         Estimate of the error of ``ln(c**2/(1 - c**2))``.
     """
 
-    radius: Radius
     traction: DiskSeries
-    total_shear: float
-    traction_error: float
-    shear_error: float
-    radius_error: float
-    edge_error: float
-    stuck: Stuck
-    depth: float
-    stray: float
-    slope: float
     friction: float
     shift: float
 
@@ -375,19 +350,25 @@ class OneDiskProblem:
         disk = space.operator.disk
         lost_misfit = Stuck.disk(radius, disk, space.half_integral(change))
         stray += SAFETY * own * largest_displacement([lost_misfit], radius, EDGE)
+        radius_error, edge_error = boundary_error(shift, radius)
         value = OneDisk(
-            radius,
-            DiskSeries(radius, series),
-            shear,
-            error,
-            lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
-            *boundary_error(shift, radius),
-            Stuck.disk(radius, disk, misfit),
-            panels.panels * panels.width,
-            stray,
-            self.slope,
-            self.friction,
-            shift,
+            radii=(radius,),
+            states=(0, 1),
+            approach=normal.approach,
+            total_shear=shear,
+            stuck=[Stuck.disk(radius, disk, misfit)],
+            approach_error=normal.approach_error,
+            shear_error=lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
+            pressure_error=normal.pressure_error,
+            traction_error=error,
+            radius_error=radius_error,
+            zones_error=max(radius_error, edge_error),
+            loose=edge_error,
+            stray=stray,
+            slopes=np.array([[self.slope]]),
+            traction=DiskSeries(radius, series),
+            friction=self.friction,
+            shift=shift,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
 

@@ -143,6 +143,10 @@ class _Search:
         """
         return self.drive.contact.compliance == 0.0 and self.beta > 0.0
 
+    @property
+    def _parameters(self) -> Parameters:
+        return Parameters(self.drive.contact.compliance, self.beta, 1.0, self.friction)
+
     def _first(self) -> PartialSlip | None:
         """Return one stick disk, or what is known to be there instead."""
         if self._smooth and (self.friction * self.beta) ** 2 >= _NO_EDGE:
@@ -238,7 +242,7 @@ class _Search:
         ):  # a zone about to vanish: its ends coincide
             return None
         zones: CoupledZones = self.record(ZONE_SEARCH, refinement, begin)
-        return zones_outcome(self.drive, zones, self.beta, self.friction)
+        return zones_outcome(zones, self._parameters, self.drive)
 
     def _zones(self, layout: Layout) -> Refinement[CoupledZones]:
         """Solve on zones like these."""
@@ -251,7 +255,7 @@ class _Search:
         if max(solved.shear_error, solved.radius_error) <= self.tolerance:
             return loose
         try:
-            return self._solved(replace(solved.layout, slopes=solved.slopes), self.tolerance)
+            return self._solved(solved.layout, self.tolerance)
         except NoBoundariesError:  # nothing better is found near by
             return loose
 
@@ -259,11 +263,10 @@ class _Search:
         """Solve on zones like these, with fields to a tolerance."""
         from spectral_contact.contact.coupled_problem import CoupledProblem
 
-        parameters = Parameters(self.drive.contact.compliance, self.beta, 1.0, self.friction)
         # the search for boundaries that are not there ends at the edge, past rounding
         with np.errstate(all="ignore"):
             problem = CoupledProblem(
-                parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
+                self._parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
             )
             return refine(problem, tolerance, self.max_unknowns)
 
@@ -281,7 +284,7 @@ class _Search:
         except (np.linalg.LinAlgError, ArithmeticError):  # they have other zones
             return None
         zones = refinement.best.value
-        outcome = zones_outcome(self.drive, zones, self.beta, self.friction)
+        outcome = zones_outcome(zones, self._parameters, self.drive)
         error = max(zones.traction_error if self.pointwise else 0.0, zones.shear_error)
         if not outcome.settled or outcome.slip_error == inf or error > self.tolerance:
             return None

@@ -17,7 +17,6 @@ from spectral_contact.solution import (
     PARTIAL_SLIP,
     SLIP_FIELD,
     ZONE_SEARCH,
-    Ending,
     PlannedStep,
     StepState,
     Zone,
@@ -26,10 +25,10 @@ from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_outcome import CoupledSlip
     from spectral_contact.contact.coupled_search import CoupledSearch
     from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.layout import Layout
+    from spectral_contact.contact.slip_outcome import PartialSlip
 
 __all__ = ["CoupledRun"]
 
@@ -157,47 +156,21 @@ class CoupledRun(Run):
         if found is None:
             self._about_to_slip(stick, unsure, search.about_to_slip(unsure))
             return
-        solved = found.solved
-        self.pressure, self.traction, self.slip = found.pressure, found.traction, found.slip
         if "opening" in self.values:
             self.values["opening"] = None
-        self.values.update(
-            approach=solved.approach,
-            total_shear=solved.total_shear,
-            stick_radius=found.zones[0].outer if found.zones[0].kind == "stick" else 0.0,
-            zones=found.zones,
-        )
-        self.errors.update(
-            approach=solved.approach_error,
-            pressure=solved.pressure_error,
-            traction=max(solved.traction_error, solved.pressure_error),
-            total_shear=solved.shear_error,
-            stick_radius=solved.radius_error,
-            zones=solved.zones_error,
-            slip=found.slip_error,
-            violation=found.violation,
-        )
-        below = f"friction is below the critical {stick.critical:.6g}"
-        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
+        self.take(found, 1.0)
         one = "pressure and traction are one system"
-        others = search.others(solved.radii[0]) if found.zones[0].kind == "stick" else []
+        others = []
+        if found.layout is not None and found.zones[0].kind == "stick":
+            others = search.others(found.layout.logits[0])
         if others:
             radii = ", ".join(f"{radius:.3g}" for radius in others)
             one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
         self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
-        if len(found.zones) > 2:
-            several = f"one stick disk breaks the friction law; {len(found.zones)} zones found"
-            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, several)
-        else:
-            self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
-        checked = PlannedStep(SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked")
-        self.outcome[SLIP_FIELD] = checked
-        if not found.consistent:
-            self.endings.append(Ending.ZONES)
 
-    def _found(self, search: CoupledSearch, unsure: float) -> CoupledSlip | None:
+    def _found(self, search: CoupledSearch, unsure: float) -> PartialSlip | None:
         """Return the zones, or None next to the onset where full stick is as good."""
-        from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
+        from spectral_contact.contact.coupled_search import NoCoupledSlipError
 
         try:
             found = search.outcome()
@@ -209,8 +182,9 @@ class CoupledRun(Run):
                 f"no zones were found that obey the friction law ({missing}); "
                 "pass friction=math.inf, or coupling=False",
             ) from missing
-        own = found.solved
-        worst = max(own.pressure_error, own.traction_error, own.shear_error, own.approach_error)
+        worst = max(
+            found.pressure_error, found.traction_error, found.shear_error, found.approach_error
+        )
         good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
         return found if good or unsure > _ONSET else None
 

@@ -366,13 +366,11 @@ class Run:
             pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
         )
         path.add((alpha, beta, along), solved.layout)
-        self._take(solved)
+        self.take(solved, scene.kappa)
 
-    def _take(self, solved: PartialSlip) -> None:
-        """Copy the outcome of partial slip, scaled by kappa."""
-        kappa = self.scene.kappa
-        critical = self.values["critical_friction"]
-        reason = f"friction is below the critical {critical:.6g}"
+    def take(self, solved: PartialSlip, scale: float) -> None:
+        """Copy the outcome of partial slip, with everything tangential scaled."""
+        reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
         if solved.searched:
             found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
@@ -383,11 +381,14 @@ class Run:
             SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked"
         )
         self.values.update(
+            approach=solved.approach,
             zones=solved.zones,
             stick_radius=solved.zones[0].outer if solved.zones[0].kind == "stick" else 0.0,
-            total_shear=kappa * solved.total_shear,
+            total_shear=scale * solved.total_shear,
         )
         self.errors.update(
+            approach=solved.approach_error,
+            pressure=solved.pressure_error,
             traction=solved.traction_error,
             total_shear=solved.shear_error,
             zones=solved.zones_error,
@@ -395,8 +396,8 @@ class Run:
             slip=solved.slip_error,
             violation=solved.violation,
         )
-        self.traction = solved.traction.times(kappa)
-        self.slip = solved.slip.times(kappa)
+        self.pressure = solved.pressure
+        self.traction, self.slip = solved.traction.times(scale), solved.slip.times(scale)
         if not solved.consistent:
             self.endings.append(Ending.ZONES)
 

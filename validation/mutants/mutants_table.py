@@ -125,16 +125,16 @@ MUTANTS = (
     # contact: what coupled solves refuse, bound and estimate, and any zones
     Mutant(
         "traction in stick may exceed friction",
-        f"{_CONTACT}/coupled_outcome.py",
-        "if excess > _BROKEN:",
+        f"{_CONTACT}/slip_outcome.py",
+        "if not excess <= _BROKEN:",
         "if False:",
         _COUPLED,
     ),
     Mutant(
         "the pressure may pull",
-        f"{_CONTACT}/coupled_outcome.py",
-        "if not np.min(values) > 0.0:",
-        "if False:",
+        f"{_CONTACT}/slip_outcome.py",
+        "found if positive(solved) else",
+        "found if True else",
         _COUPLED,
     ),
     Mutant(

@@ -43,7 +43,6 @@ ZONES = {
     "boundaries",
     "coupled_assessment",
     "coupled_errors",
-    "coupled_outcome",
     "coupled_parts",
     "coupled_problem",
     "coupled_spaces",
@@ -51,14 +50,13 @@ ZONES = {
     "driven",
     "newton",
 }
-ANY_ZONES = ONE_DISK | ONSET | RINGS | ZONES
+ANY_ZONES = ONE_DISK | ONSET | RINGS | ZONES | {"zone_fields"}
 COUPLED_STICK = (
     NORMAL
     | ZONES
     | {
         "coupled_stick",
         "drive",
-        "friction_law",
         "layout",
         "ratio",
         "slip_displacement",
