@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
+from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
@@ -117,7 +117,7 @@ class _Search:
         failed = not best.consistent or error > self.tolerance
         critical = self.stick.critical * (1.0 - self.stick.critical_error)
         if failed and self.friction > critical:
-            return no_slip(self.drive, self.stick, self.beta, self.friction)
+            return no_slip(self.stick, self._parameters)
         return best
 
     def _best(self) -> PartialSlip:
@@ -160,7 +160,7 @@ class _Search:
             if missing.at_centre:
                 return all_slip(self.drive, self.beta, self.friction, self.tolerance)
             if self.beta == 0.0:
-                return no_slip(self.drive, self.stick, self.beta, self.friction)
+                return no_slip(self.stick, self._parameters)
             return None
 
     def _least_wrong(self, first: PartialSlip | None, searched: list[PartialSlip]) -> PartialSlip:
@@ -171,7 +171,7 @@ class _Search:
             searched = [one for one in searched if one.consistent and one.slip_error < inf]
         found += searched
         if not found:  # slip about to start, thinner than its own conditioning
-            return no_slip(self.drive, self.stick, self.beta, self.friction)
+            return no_slip(self.stick, self._parameters)
         best = min(found, key=lambda outcome: outcome.violation)
         if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
             best = replace(best, zones_error=max(best.zones_error, 1.0))
@@ -219,7 +219,7 @@ class _Search:
             seen.add((0, 1))
             yield first.mended
         radius = None if first is None else first.zones[0].outer
-        for layout in search_zones(self.drive, self.stick, self.beta, self.friction, radius):
+        for layout in search_zones(self.stick, self._parameters, radius):
             if layout.states not in seen:
                 seen.add(layout.states)
                 yield layout

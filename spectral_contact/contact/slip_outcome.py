@@ -19,8 +19,8 @@ from spectral_contact.contact.friction_law import (
     obeys,
     stick_excess,
 )
-from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout, SolvedZones
+from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_displacement import (
     Slipping,
@@ -124,21 +124,22 @@ class PartialSlip:
         return None if self.layout is None else self.layout.mended(self.missing)
 
 
-def no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> PartialSlip:
+def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     """Return full stick: the slip there is is narrower than what can be resolved."""
     from spectral_contact.contact.onset import unresolved_slip
 
-    radius_error, contact = unresolved_slip(drive, stick, beta, friction), drive.contact
+    assert stick.pressure is not None
+    radius_error = unresolved_slip(stick, parameters)
     return PartialSlip(
         zones=(Zone.between("stick", CENTRE, EDGE),),
-        pressure=drive.pressure,
+        pressure=stick.pressure,
         traction=ZonalField((ZonePiece(EDGE, stick.traction),)),
         slip=ZonalField((ZonePiece(EDGE, None),)),
-        approach=contact.approach,
+        approach=stick.approach,
         total_shear=stick.total_shear,
-        approach_error=contact.approach_error,
-        pressure_error=contact.pressure_error,
-        traction_error=max(stick.traction_error, contact.pressure_error),
+        approach_error=stick.approach_error,
+        pressure_error=stick.pressure_error,
+        traction_error=max(stick.traction_error, stick.pressure_error),
         shear_error=stick.shear_error,
         radius_error=radius_error,
         zones_error=max(radius_error, 1.0),

@@ -7,7 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.coupled_stick import CoupledStick, solve_coupled_stick
+from spectral_contact.contact.coupled_stick import solve_coupled_stick
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import Radius
@@ -23,11 +23,13 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
+from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.coupled_search import CoupledSearch
     from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.layout import Layout
+    from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
 
 __all__ = ["CoupledRun"]
@@ -56,27 +58,23 @@ class CoupledRun(Run):
 
     def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
         """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
-        self._take_ratios(self._coupled_stick())
+        self._take(self._coupled_stick())
+
+    @property
+    def parameters(self) -> Parameters:
+        """What pressure, traction and zones depend on."""
+        assert self.scene.friction is not None
+        return super().parameters._replace(kappa=self.scene.kappa, friction=self.scene.friction)
 
     def _together(self, states: dict[str, StepState]) -> None:
         """Solve full stick, and what it decides."""
-        friction = self.scene.friction
-        assert friction is not None
-        if friction == math.inf:
+        if self.scene.friction == math.inf:
             self.all_stick()
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if states[COUPLING] is not StepState.RUN:
             return
         stick = self._coupled_stick()
-        self._take_ratios(stick)
-        self.pressure, self.traction = stick.pressure, stick.traction
-        self.values.update(approach=stick.approach, total_shear=stick.total_shear)
-        self.errors.update(
-            approach=stick.approach_error,
-            pressure=stick.pressure_error,
-            traction=stick.traction_error,
-            total_shear=stick.shear_error,
-        )
+        self._take(stick)
         if "pressure" in self.plan.quantities:
             self.values["opening"] = stick.opening
         if stick.opening is not None:
@@ -85,14 +83,14 @@ class CoupledRun(Run):
                 StepState.RUN,
                 f"one system; the contact would open within {stick.opening:.3g} of the edge",
             )
-        if states[PARTIAL_SLIP] is not StepState.SKIPPED:
-            self._coupled_slip(stick)
+        if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
+            self._slipping(stick)
 
-    def _coupled_stick(self) -> CoupledStick:
+    def _coupled_stick(self) -> FullStick:
         scene, begin = self.scene, perf_counter()
         asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
         integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
-        stick: CoupledStick = self.record(
+        stick: FullStick = self.record(
             FULL_STICK,
             solve_coupled_stick(
                 scene.normal_compliance,
@@ -106,10 +104,9 @@ class CoupledRun(Run):
         )
         return stick
 
-    def _take_ratios(self, stick: CoupledStick) -> None:
-        """Copy q/p of full stick, which has no meaning where the pressure is not positive."""
-        self.values.update(edge_ratio=stick.edge_ratio, critical_friction=stick.critical)
-        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+    def _take(self, stick: FullStick) -> None:
+        """Copy full stick, whose q/p has no meaning where the pressure is not positive."""
+        self.take_stick(stick, 1.0)
         if stick.edge_ratio is None and "edge_ratio" in self.plan.quantities:
             self.lacking["edge_ratio"] = (
                 "the traction and the pressure oscillate at the edge of a smooth surface"
@@ -117,44 +114,21 @@ class CoupledRun(Run):
                 else f"the contact would open within {stick.opening:.3g} of the edge"
             )
 
-    def _coupled_slip(self, stick: CoupledStick) -> None:
-        """Stop at full stick above the critical friction; else find the stick disk."""
-        friction = self.scene.friction
-        assert friction is not None
-        if friction < stick.critical:
-            self._slipping(friction, stick)
-            return
-        self.all_stick()
-        # only the errors may say that there is slip
-        safe = friction * (1.0 - stick.critical_error) >= stick.critical
-        error = 0.0 if safe else 1.0
-        self.errors.update(stick_radius=error, zones=error, slip=error, violation=0.0)
-        reason = f"friction is not below the critical {stick.critical:.6g}"
-        self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
-
-    def _slipping(self, friction: float, stick: CoupledStick) -> None:
+    def _slipping(self, stick: FullStick) -> None:
         """Take over partial slip."""
         from spectral_contact.contact.coupled_search import CoupledSearch
-        from spectral_contact.spectral.parameters import Parameters
+        from spectral_contact.contact.onset import unresolved_slip
 
-        scene = self.scene
-        parameters = Parameters(
-            scene.normal_compliance, scene.tangential_compliance, scene.kappa, friction
-        )
+        parameters = self.parameters
         search = CoupledSearch(
-            parameters,
-            stick,
-            self._plain_zones,
-            self.rtol,
-            self.max_unknowns,
-            self.record,
+            parameters, stick, self._plain_zones, self.rtol, self.max_unknowns, self.record
         )
-        lack = 1.0 - friction / stick.critical
+        lack = 1.0 - parameters.friction / stick.critical
         unsure = lack + stick.critical_error
         hidden = lack <= _ROUNDED or (lack <= _HIDDEN and _ROOM * unsure < 0.5 * self.rtol)
         found = None if hidden else self._found(search, unsure)
         if found is None:
-            self._about_to_slip(stick, unsure, search.about_to_slip(unsure))
+            self._about_to_slip(stick, unsure, unresolved_slip(stick, parameters))
             return
         if "opening" in self.values:
             self.values["opening"] = None
@@ -188,7 +162,7 @@ class CoupledRun(Run):
         good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
         return found if good or unsure > _ONSET else None
 
-    def _about_to_slip(self, stick: CoupledStick, lack: float, radius_error: float) -> None:
+    def _about_to_slip(self, stick: FullStick, lack: float, radius_error: float) -> None:
         """Take full stick, with room for the slip that was not found.
 
         It exceeds friction by no more than friction lacks, and what that changes is of its size.

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, cache_sizes, clear_caches, contact, solve
-from spectral_contact.contact import full_stick
+from spectral_contact.contact import ratio
 from spectral_contact.spectral import galerkin
 
 #: Every module of the contact, and those that each kind of scene may load: a module that is new
@@ -30,7 +30,7 @@ ONE_DISK = FULL_STICK | {
     "stick_radius",
 }
 PROFILE = NORMAL | {"contact_radius", "coupled_parts", "indented", "smooth_indented"}
-ONSET = FULL_STICK | {"onset"}
+ONSET = FULL_STICK | {"layout", "onset"}
 LAYERED = PROFILE | {
     "layered",
     "layered_contact",
@@ -145,10 +145,8 @@ def test_the_largest_ratio_is_looked_for_where_it_is_asked_or_decides(
     monkeypatch, friction, quantities, looked_for
 ):
     calls = []
-    original = full_stick.largest_ratio
-    monkeypatch.setattr(
-        full_stick, "largest_ratio", lambda *args: calls.append(1) or original(*args)
-    )
+    original = ratio.largest_ratio
+    monkeypatch.setattr(ratio, "largest_ratio", lambda *args: calls.append(1) or original(*args))
     solution = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6, quantities)
     assert bool(calls) == looked_for
     whole = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
