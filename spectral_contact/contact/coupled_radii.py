@@ -9,13 +9,16 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
 from math import inf, log
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_problem import CoupledProblem
-from spectral_contact.contact.coupled_state import CoupledState
 from spectral_contact.contact.resolution import series_of
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_problem import CoupledProblem
+    from spectral_contact.contact.coupled_state import CoupledState
 
 __all__ = ["PossibleRadius", "scanned", "stick_radii"]
 

@@ -20,7 +20,6 @@ from spectral_contact.contact.resolution import (
     decay_rates,
     expected_error,
     functional_error,
-    interpolate,
     on_mesh,
     panel_table,
     series_of,
@@ -74,11 +73,8 @@ class _StickProblem:
         moved, swayed = np.zeros_like(solution), np.zeros(1)
         moments = space.shear_moments
         if self.drive.changes:
-
-            def lost_targets(d: Array) -> Array:
-                return Drive.targets(self.drive.changes, d).T
-
-            both = factored.solve(interpolate(panels, lost_targets)[0], correct=False)
+            lacking = Drive.targets(self.drive.changes, disk.samples.distances).T
+            both = factored.solve(disk.samples.interpolate(lacking), correct=False)
             moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both
         size = series.at_ends()
         shares = expected_error(share_of_change(panels, change.coefficients, size), rates)

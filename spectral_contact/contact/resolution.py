@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, log
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,13 @@ from spectral_contact.contact.refine import Resolution
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
 from spectral_contact.spectral.jacobi import (
     legendre_projection_matrix,
 )
 from spectral_contact.spectral.panels import LogPanels
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.galerkin import Change, Factored
 
 __all__ = [
     "LEAST_RATE",
@@ -30,7 +32,6 @@ __all__ = [
     "decay_rates",
     "expected_error",
     "functional_error",
-    "interpolate",
     "load_vector",
     "on_mesh",
     "panel_of",
@@ -145,22 +146,6 @@ def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
     if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
         return resolution
     return Resolution(mesh, resolution.degrees + (_LEAST,) * more)
-
-
-def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[Array, float]:
-    """Return a function of ``d`` at the Galerkin nodes, sampled where it is cheap.
-
-    On every panel it is analytic in ``x``: few samples serve the many nodes.
-
-    Returns
-    -------
-    values : ndarray, shape (nodes, ...)
-    unresolved : float
-        The last two coefficients, at their largest: what the expansion leaves out is less.
-    """
-    samples = disk_operators(panels).samples
-    values = function(samples.distances)
-    return samples.interpolate(values), samples.unresolved(values)
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:
