@@ -16,6 +16,8 @@ from spectral_contact.contact.coupled_state import CoupledState, Effect
 from spectral_contact.contact.layout import SolvedZones
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import (
+    CENTRE_ROUNDS,
+    FIELD_ROUNDING,
     LEAST_RATE,
     ROUNDING,
     SAFETY,
@@ -39,11 +41,9 @@ Array = NDArray[np.float64]
 
 #: What slopes change by over the width of a zone, of themselves.
 _BENT = 8.0
-#: Where all sticks q/s rounds by so much more at the centre, where it is weakly determined.
-_CENTRE = 5.0
-#: What rounding leaves of a pressure; and of approach and shear, with boundaries, under a pressure
-#: that is given, and without boundaries.
-_PRESSURE_ROUNDING = 20.0 * ROUNDING
+#: What rounding leaves of approach and shear, with boundaries, under a pressure that is given, and
+#: without boundaries. Of 60 random scenes solved as one disk and as zones at 1e-12 the shears
+#: differ by 9.6 ROUNDING or less, half of them by 0.1.
 _NOISE, _GIVEN_NOISE, _STUCK_NOISE = 40.0 * ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
 #: Degrees that the panels of the displacement have beyond those of the pressure: the far end of an
 #: annulus is a singularity ln 2 before the first panel.
@@ -177,8 +177,8 @@ class _Assessment:
         state, system, fields = self.state, self.system, self.fields
         known = self.squared + self.noise + (0.0 if system.given else self.off)
         left = self.left + self.off
-        rounding = TRACTION_ROUNDING * (1.0 if system.radii else _CENTRE)
-        errors = fields.pressure + left + _PRESSURE_ROUNDING, fields.traction + left + rounding
+        rounding = TRACTION_ROUNDING * (1.0 if system.radii else CENTRE_ROUNDS)
+        errors = fields.pressure + left + FIELD_ROUNDING, fields.traction + left + rounding
         boundary_errors = tuple(
             boundary_error(float(d), r) for d, r in zip(self.shifts, system.radii, strict=True)
         )

@@ -21,7 +21,7 @@ from spectral_contact.contact.coupled_problem import solve_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.resolution import TINY, places, series_of
 from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.tangential import Tangential
@@ -29,9 +29,6 @@ from spectral_contact.spectral.tangential import Tangential
 __all__ = ["solve_coupled_stick"]
 
 Array = NDArray[np.float64]
-
-#: Distances below this are no place that `Solution` can be asked about.
-_CLOSEST = 1e-300
 
 
 def solve_coupled_stick(
@@ -111,7 +108,7 @@ def _opening(pressure: LogSeries) -> float | None:
     """Return the distance from the edge at which the pressure first changes sign."""
     count = len(pressure.coefficients)
     depth = count * pressure.width
-    x = np.linspace(1e-3, depth, 8 * count + 1)  # close enough to see every change of sign
+    x = places(depth, 8 * count + 1)  # close enough to see every change of sign
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])
@@ -125,4 +122,4 @@ def _opening(pressure: LogSeries) -> float | None:
         return None
     y = exp(-depth)
     distance = y / (1.0 + sqrt(1.0 - y))
-    return distance if distance > _CLOSEST else None
+    return distance if distance > TINY else None

@@ -88,11 +88,6 @@ class Drive:
         return sampled_series(panels, transforms(panels).mean(contact.coefficients))
 
     @cached_property
-    def coarser(self) -> Drive:
-        """The drive of the pressure without its last change."""
-        return Drive(self.contact.coarser)
-
-    @cached_property
     def changes(self) -> list[Drive]:
         """The drives of the pressure's last change and of what its top degree contributes.
 

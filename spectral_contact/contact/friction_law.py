@@ -8,10 +8,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.resolution import DEEPEST, places
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Annulus, gap
 
 __all__ = [
+    "DISTANCES",
     "Interval",
     "known_share",
     "loose_slip",
@@ -28,7 +30,7 @@ _NEGLIGIBLE = 1e-10
 #: Distance from an end, of the width, at which slip, which grows like its power 3/2, is its error.
 _TOUCHING = 1e-6
 #: Distances from the ends of a stick zone, of its width, at which friction is looked at.
-_DISTANCES = np.exp(-np.linspace(1e-3, 36.0, 400))
+DISTANCES = np.exp(-places(DEEPEST, 400))
 
 
 def missing_stick(
@@ -107,7 +109,7 @@ def stick_excess(
     traction: Any, pressure: Any, friction: float, inner: Radius, outer: Radius
 ) -> float:
     """Return the largest ``|q|/(f p) - 1`` inside a stick zone, toward its ends, or 0."""
-    offset = gap(inner, outer) * _DISTANCES
+    offset = gap(inner, outer) * DISTANCES
     ends = [(outer.square - offset, outer.rest + offset)]
     if inner.square > 0.0:
         ends.append((inner.square + offset, inner.rest - offset))

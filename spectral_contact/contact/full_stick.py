@@ -14,7 +14,8 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
-    ROUNDING,
+    CENTRE_ROUNDS,
+    CLOSED_FORM_ROUNDING,
     SAFETY,
     TRACTION_ROUNDING,
     decay_rates,
@@ -79,12 +80,11 @@ class _StickProblem:
         size = series.at_ends()
         shares = expected_error(share_of_change(panels, change.coefficients, size), rates)
         propagated = SAFETY * normal.rate**2
-        # under a pressure that is infinite at the edge q/s at the centre is off by up to 2.5e-13
-        centre = 5.0 if normal.compliance == 0.0 else 1.0
+        centre = CENTRE_ROUNDS if normal.compliance == 0.0 else 1.0
         traction_error = float(shares.max()) + centre * TRACTION_ROUNDING
         traction_error += propagated * float(share_of_change(panels, moved, size).max())
         shear_error = functional_error(factored, moments, change, rates, resolution) / shear
-        shear_error += propagated * float(np.abs(swayed).max()) / shear + 4.0 * ROUNDING
+        shear_error += propagated * float(np.abs(swayed).max()) / shear + CLOSED_FORM_ROUNDING
         if self.pointwise:
             indicators, error = shares, traction_error
         else:
@@ -157,12 +157,12 @@ def solve_full_stick(
             approach=contact.approach,
             total_shear=shear,
             approach_error=contact.approach_error,
-            shear_error=4.0 * ROUNDING,
+            shear_error=CLOSED_FORM_ROUNDING,
             pressure=drive.pressure,
             traction=traction,
             edge_ratio=inf,
             pressure_error=contact.pressure_error,
-            traction_error=4.0 * ROUNDING,
+            traction_error=CLOSED_FORM_ROUNDING,
         )
     return refine(
         _StickProblem(drive, compliance, tolerance, goal, ratios), tolerance, max_unknowns

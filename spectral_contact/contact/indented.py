@@ -20,6 +20,7 @@ from spectral_contact.contact.coupled_parts import joined
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
+    FIELD_ROUNDING,
     PANEL_WIDTH,
     ROUNDING,
     expected_error,
@@ -256,7 +257,7 @@ class _IndentationProblem(PartedProblem):
         indicators, rates = pointwise_errors(used, series, solved.whole, change, mean)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
         shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
-        pressure_error = float(indicators.max()) + 20.0 * _ROUNDINGS * ROUNDING
+        pressure_error = float(indicators.max()) + _ROUNDINGS * FIELD_ROUNDING
         place = ROUNDING * max((a / (a - b) for b in self.profile.breaks if b < a), default=0.0)
         shifted += _PLACE * place * approach
         pressure_error += _PLACE_POINTWISE * place
@@ -393,7 +394,7 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
         2.0 * ROUNDING,
         2.0 * ROUNDING,
         ROUNDING,
-        inf if pressure is None else pressure.error + 20.0 * ROUNDING,
+        inf if pressure is None else pressure.error + FIELD_ROUNDING,
     )
 
 

@@ -41,11 +41,6 @@ class Layout:
     states: tuple[int, ...]
     slopes: NDArray[np.float64] | None = None
 
-    def mended(self, missing: tuple[tuple[float, float], ...]) -> Layout | None:
-        """Return the layout with stick where it is missing, or None if that makes no zone."""
-        layout = self.with_stick(missing)
-        return layout if len(layout.states) > len(self.states) else None
-
     def with_stick(self, intervals: tuple[tuple[float, float], ...]) -> Layout:
         """Return the layout with further stick in intervals of slip.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
+    CLOSED_FORM_ROUNDING,
+    FIELD_ROUNDING,
     ROUNDING,
     decay_rates,
     expected_error,
@@ -71,21 +73,6 @@ class NormalContact:
     lesser: NormalContact | None = None
     rate: float = 0.0
 
-    @property
-    def coarser(self) -> NormalContact:
-        """The contact without its last change."""
-        change = self.change
-        if change is None or self.pressure.series is None or change.pressure.series is None:
-            return self
-        series = self.pressure.series.minus(change.pressure.series)
-        return replace(
-            self,
-            pressure=PressureField(self.pressure.weight, series),
-            coefficients=self.coefficients - change.coefficients,
-            change=None,
-            lesser=None,
-        )
-
 
 class _NormalProblem:
     """Spaces for the normal problem; see `solve_normal` for the goals."""
@@ -132,7 +119,7 @@ class _NormalProblem:
         if self.pointwise:
             shares = share_of_change(panels, change.coefficients * approach, pressure.at_ends())
             indicators = expected_error(shares, rates)
-            pressure_error = float(indicators.max()) + 20.0 * ROUNDING
+            pressure_error = float(indicators.max()) + FIELD_ROUNDING
             error = pressure_error
             worst = float(rates[np.argmax(indicators)])
             if self.drives:
@@ -187,5 +174,7 @@ def solve_normal(
     """
     if compliance == 0.0:
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
-        return NormalContact(0.0, 0.125, pressure, None, np.zeros(0), ROUNDING, 4.0 * ROUNDING)
+        return NormalContact(
+            0.0, 0.125, pressure, None, np.zeros(0), ROUNDING, CLOSED_FORM_ROUNDING
+        )
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)

@@ -184,7 +184,7 @@ class OneDiskProblem:
         of its displacement; what is added for less is fitted.
         """
         radius = Radius.from_logit(logit)
-        source = SlipSource([self.drive.pressure], radius, EDGE, self.alpha, 1e-3, radius.rest)
+        source = SlipSource([self.drive.pressure], radius, self.alpha, 1e-3, radius.rest)
         mismatch = self.drive.value(radius.rest)
         mismatch -= self.friction * float(source.at_rim[0])
         if self.beta > 0.0:
@@ -235,11 +235,9 @@ class OneDiskProblem:
         pressures = [drive.pressure for drive in drives]
         samples = factored.space.operator.disk.samples
         nearest = radius.square * float(samples.distances[-1])
-        source = SlipSource(
-            pressures, radius, EDGE, self.alpha, tolerance, nearest, samples=samples
-        )
-        sources = [(friction, source)]
-        balance, sampled = rim_target(drives, radius, sources, samples, keep=self.beta > 0.0)
+        source = SlipSource(pressures, radius, self.alpha, tolerance, nearest, samples=samples)
+        keep = self.beta > 0.0
+        balance, sampled = rim_target(drives, radius, friction, source, samples, keep=keep)
         values, unresolved = samples.interpolate(sampled), samples.unresolved(sampled)
         rim, unit, slipping, response = -balance, 0.0, friction * source.at_rim, None
         solved = factored.solve(values, correct=correct)

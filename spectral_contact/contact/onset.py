@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
+from spectral_contact.contact.resolution import places
 from spectral_contact.fields.series import PressureField, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -25,6 +26,8 @@ UNRESOLVED_SLIP = 1e-6
 _WIDENED = 4.0
 #: Slip narrower than this, as a logit, may fall between rings; full stick has its place then.
 _NARROW = 0.25
+#: The places next to the largest ratio that are looked at.
+_CLOSEST = 1e-10
 
 
 def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
@@ -87,11 +90,10 @@ def full_stick_violations(
             ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
         return np.asarray(np.minimum(ratio, 2.0 * friction) - friction)
 
-    x = np.linspace(1e-3, depth, 4001)
+    x = places(depth, 4001)
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
-    near = peak + np.concatenate(
-        [-np.geomspace(1e-10, 1.0, 200), [0.0], np.geomspace(1e-10, 1.0, 200)]
-    )
+    aside = np.geomspace(_CLOSEST, 1.0, 200)
+    near = peak + np.concatenate([-aside, [0.0], aside])
     x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))
     above = excess(x) > 0.0
     intervals: list[tuple[float, float]] = []

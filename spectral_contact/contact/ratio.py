@@ -11,7 +11,12 @@ import numpy as np
 from numpy.polynomial.legendre import legder
 from numpy.typing import NDArray
 
-from spectral_contact.contact.resolution import ROUNDING, panel_of
+from spectral_contact.contact.resolution import (
+    CLOSED_FORM_ROUNDING,
+    FIELD_ROUNDING,
+    panel_of,
+    places,
+)
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
@@ -25,8 +30,6 @@ Array = NDArray[np.float64]
 #: largest q/p that is too much by far: without this factor the estimate was 34 times the error at
 #: the least, over 45 random scenes whose error exceeds rounding.
 _AT_ONE_PLACE = 1.0 / 6.0
-#: What rounding leaves of q/p.
-_ROUNDING = 20.0 * ROUNDING
 #: Places of the first look, and the nodes of a polynomial between two of these: as q/p is analytic
 #: in ``x`` up to an imaginary part of pi or so, that is right to rounding.
 _GRID, _POINTS = 129, 16
@@ -75,8 +78,8 @@ class FullStick:
     critical_at: float = 0.0
     pressure_error: float = inf
     traction_error: float = inf
-    edge_error: float = 4.0 * ROUNDING
-    critical_error: float = 4.0 * ROUNDING
+    edge_error: float = CLOSED_FORM_ROUNDING
+    critical_error: float = CLOSED_FORM_ROUNDING
 
     def with_ratios(
         self, depth: float, shares: Iterable[tuple[LogPanels, Array]], at_edge: float
@@ -100,15 +103,15 @@ class FullStick:
         def error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""
             places = sum(float(share[panel_of(panels, y)]) for panels, share in shares)
-            return _ROUNDING + _AT_ONE_PLACE * places + (at_edge if y == 0.0 else 0.0)
+            return FIELD_ROUNDING + _AT_ONE_PLACE * places + (at_edge if y == 0.0 else 0.0)
 
         return replace(
             self,
             edge_ratio=edge,
             critical=critical,
             critical_at=where,
-            edge_error=error(0.0) if 0.0 < edge < inf else _ROUNDING,
-            critical_error=error(where) if critical < inf else _ROUNDING,
+            edge_error=error(0.0) if 0.0 < edge < inf else FIELD_ROUNDING,
+            critical_error=error(where) if critical < inf else FIELD_ROUNDING,
         )
 
 
@@ -151,10 +154,10 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
         edge = traction.series.limit / at_edge
         if edge == inf:
             return LargestRatio(inf, inf, 0.0)
-    x = np.linspace(1e-3, depth, _GRID)
+    x = places(depth, _GRID)
     values = ratio(x)
     i = int(np.argmax(values))
-    if values[i] <= abs(edge) * (1.0 + 4e-16):
+    if values[i] <= abs(edge) * (1.0 + 2.0 * np.finfo(float).eps):
         return LargestRatio(edge, abs(edge), 0.0)
     low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, _GRID - 1)])
     middle, half = (low + high) / 2.0, (high - low) / 2.0

@@ -23,10 +23,15 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.galerkin import Change, Factored
 
 __all__ = [
+    "CENTRE_ROUNDS",
+    "CLOSED_FORM_ROUNDING",
+    "DEEPEST",
+    "FIELD_ROUNDING",
     "LEAST_RATE",
     "PANEL_WIDTH",
     "ROUNDING",
     "SAFETY",
+    "TINY",
     "TRACTION_ROUNDING",
     "boundary_error",
     "decay_rates",
@@ -36,6 +41,7 @@ __all__ = [
     "on_mesh",
     "panel_of",
     "panel_table",
+    "places",
     "series_of",
     "share_of_change",
     "starting_resolution",
@@ -46,8 +52,15 @@ Array = NDArray[np.float64]
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
-#: That of a traction, pointwise: q/s at the centre is the least accurate.
-TRACTION_ROUNDING = 30.0 * ROUNDING
+#: That of what a closed form gives, of a pressure or a ratio at one place, and of a traction,
+#: pointwise: q/s at the centre is the least accurate; and by how much more it rounds where all
+#: sticks under a pressure that is infinite at the edge, or unknown: 2.5e-13, measured.
+CLOSED_FORM_ROUNDING, FIELD_ROUNDING = 4.0 * ROUNDING, 20.0 * ROUNDING
+TRACTION_ROUNDING, CENTRE_ROUNDS = 30.0 * ROUNDING, 5.0
+#: Next to no divisor.
+TINY = float(np.finfo(float).tiny)
+#: ``-ln`` of the rounding of doubles: a boundary is not known more closely.
+DEEPEST = -log(np.finfo(float).eps)
 #: The error of a space is estimated as 1.6 * change * rate: dropping two degrees makes a change of
 #: about rate**-2 times the error. Over 4400 random scenes this is 1.1 times the true error or more.
 _POINTWISE = 1.6
@@ -65,12 +78,13 @@ LEAST_RATE = 0.25
 PANEL_WIDTH = 2.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
 _ROOT_DEPTH = 7.0
+#: The first place at which a field is looked at.
+_FIRST = 1e-3
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
 _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
     BoundedCache("last coefficients", 128)
 )
-_TINY = float(np.finfo(float).tiny)
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
 
@@ -236,6 +250,11 @@ def functional_error(
     return float(parts[:-1] @ (rates * decay_rates(resolution, dual)) + parts[-1])
 
 
+def places(depth: float, count: int) -> Array:
+    """Return depths ``x = -ln d`` to look at: from next to the far end, where q/s is 0/0, on."""
+    return np.linspace(_FIRST, depth, count)
+
+
 def panel_of(panels: LogPanels, y: float) -> int:
     """Return the panel that holds the distance `y`; the last one holds the tail."""
     return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
@@ -265,7 +284,7 @@ def share_of_change(
     if panels.power != 0.0:
         d = np.exp(-panels.width * np.arange(1, panels.panels + 1))
         total, tail = total * d**panels.power, tail * panels.end**panels.power
-    size = np.maximum(np.abs(size), _TINY)
+    size = np.maximum(np.abs(size), TINY)
     share = total / np.minimum(size[1:], size[:-1])
     share[-1] = max(share[-1], tail / size[-1])
     if min(leading, known) < inf:

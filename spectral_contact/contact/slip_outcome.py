@@ -21,7 +21,7 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, SolvedZones
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     annulus_between,
@@ -120,8 +120,11 @@ class PartialSlip:
 
     @property
     def mended(self) -> Layout | None:
-        """The zones with the stick that is missing, if any is."""
-        return None if self.layout is None else self.layout.mended(self.missing)
+        """The zones with the stick that is missing, if that makes any."""
+        if self.layout is None:
+            return None
+        found = self.layout.with_stick(self.missing)
+        return found if len(found.states) > len(self.layout.states) else None
 
 
 def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
@@ -281,12 +284,12 @@ def _held(
         displacement.append(ZonePiece(outer, next(slips) if state else None))
         if k in sticks:
             excess = max(excess, stick_excess(sticks[k], pressure, friction, inner, outer))
-    stray = solved.stray + unresolved + 20.0 * ROUNDING / (2.0 * np.pi)
+    stray = solved.stray + unresolved + FIELD_ROUNDING / (2.0 * np.pi)
     if beta > 0.0:  # p is largest at the outermost slip end
         last = max(k for k, state in enumerate(solved.states) if state)
         highest = float(pressure.at(np.array(bounds[last][1].rest)))
         stray += beta * friction * highest * solved.pressure_error
-    largest = max(largest, 1e-300)
+    largest = max(largest, TINY)
     known, loose = known_share(stray / largest), loose_slip(solved.loose)
     wrong, allowed = max(float(one.max()) for one in samples) / largest, known + min(loose, 0.5)
     error = max(solved.traction_error, solved.pressure_error)

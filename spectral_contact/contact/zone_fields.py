@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.coupled_parts import LEADING, ended
+from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,
@@ -27,13 +28,10 @@ if TYPE_CHECKING:
 
 __all__ = ["positive", "pressure_field", "stick_series"]
 
-#: Distances from the ends of all parts, of their extent, at which the pressure must be positive.
-_DISTANCES = np.exp(-np.linspace(0.0, 60.0, 500))
-
 
 def positive(solved: CoupledZones) -> bool:
     """Return whether the pressure is: else the contact would open."""
-    return bool(np.min([one(_DISTANCES) for one in solved.pressures]) > 0.0)
+    return bool(np.min([one(DISTANCES) for one in solved.pressures]) > 0.0)
 
 
 def stick_series(solved: CoupledZones) -> Iterator[tuple[int, DiskSeries | AnnulusSeries]]:

@@ -56,6 +56,7 @@ ROOT_TERMS = 9
 TAIL_EXTRA = 9
 #: Places in ``x`` that are the same to rounding.
 _SAME = 2e-14
+_TINY = float(np.finfo(float).tiny)
 
 
 def _smooth(u: Array) -> Array:
@@ -272,7 +273,7 @@ def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) 
     Shapes are those of `deeper`; `power` is the endpoint weight, with which d must be positive.
     """
     end = np.exp(-panels * width)
-    x = -np.log(np.maximum(d, 1e-300))
+    x = -np.log(np.maximum(d, _TINY))
     own = np.clip(np.floor(x / width).astype(int), 0, panels - 1)
     matrix = np.zeros((len(d), panels, degree + 1))
     scale = np.exp(-(0.5 + power) * width * np.arange(panels))
@@ -399,7 +400,7 @@ def rise(d: Array, panels: int, width: float, degree: int) -> Array:
     whole = beyond(np.zeros(1), panels, width, degree)[0]
     matrix = outer(d, panels, width, degree) - whole
     source = _sources(panels, width, degree)
-    x = np.maximum(-np.log(np.maximum(d, 1e-300)), 0.0)
+    x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     own = np.minimum(np.floor(x / width).astype(int), panels + 1)
     for i in np.unique(own[own >= 2]):
         rows, far = np.flatnonzero(own == i), slice(0, min(i - 1, panels))
