@@ -69,6 +69,8 @@ _SINGLE = 5e-7
 #: What corrections and steps should leave, of the tolerance, so that it counts for nothing, and at
 #: the least.
 _NOTHING, _LEAST = 0.01, 2.0 * ROUNDING
+#: The least friction with which the traction of a disk that is not felt has digits.
+_FRICTIONLESS = 1e-14
 #: By how much tighter first spaces are tried, so often, where the estimate does not fall any more:
 #: what is added to a space here and there may not help, a better one does. And the least tolerance.
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
@@ -329,7 +331,7 @@ def solve_coupled_slip(
     Parameters are those of `solve_coupled_zones`.
     """
     alpha, beta, kappa, friction = parameters
-    # slopes so steep that the boundary does not move, and the least friction that is felt
-    felt = Parameters(alpha, beta, kappa, max(friction, ROUNDING))
+    # slopes so steep that the boundary does not move
+    felt = Parameters(alpha, beta, kappa, max(friction, _FRICTIONLESS))
     disk = Layout((_UNFELT,), (0, 1), np.array([[1.0 / TINY]]))
     return solve_coupled_zones(felt, disk, tolerance, max_unknowns)

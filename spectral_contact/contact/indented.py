@@ -253,7 +253,7 @@ class _IndentationProblem(PartedProblem):
         whole_height = float(self.profile._transform(np.asarray(a))) / (2.0 * a)
         approach = whole_height + solved.shift
 
-        change, mean = solved.factored.change(solved.whole), 4.0 / pi * moment
+        change, mean = solved.factored.change(solved.whole), 4 / pi * moment
         indicators, rates = pointwise_errors(used, series, solved.whole, change, mean)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
         shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
@@ -266,15 +266,15 @@ class _IndentationProblem(PartedProblem):
         indentation = Indentation(
             a,
             a * approach,
-            4.0 * a**2 * moment,
+            4 * a**2 * moment,
             a**3 * energy,
-            4.0 * a * flat_moment,
+            4 * a * flat_moment,
             self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
             self.parts.field(series),
             self.parts.field(series_on_parts(used, solved.flat)) if self.pointwise else None,
             shifted / approach + ROUNDING,
             (shifted * flat_moment + errors.load) / moment + ROUNDING,
-            (4.0 * shifted * moment + errors.work) / energy + ROUNDING,
+            (4 * shifted * moment + errors.work) / energy + ROUNDING,
             errors.flat / flat_moment + 2.0 * ROUNDING,
             pressure_error,
         )
@@ -384,9 +384,9 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
     return Indentation(
         a,
         float(profile._transform(np.asarray(a))) / 2.0,
-        4.0 * a**2 * moment,
+        4 * a**2 * moment,
         a**3 * energy,
-        8.0 * a,
+        8 * a,
         float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
         None if pressure is None else parts.field(pressure.series),
         None,

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 #: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
 SMALL_COMPLIANCE = 1e-2
 #: With ``1/sqrt(y + WEIGHT_SHIFT * c)`` the weight alone has the right edge value as c -> 0.
-WEIGHT_SHIFT = 4.0 / pi
+WEIGHT_SHIFT = 4 / pi
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class _NormalProblem:
         self.tolerance = tolerance
         self.pointwise, self.drives = goal != "approach", goal == "drive"
         small = compliance < SMALL_COMPLIANCE and self.pointwise
-        self.weight = EdgeWeight(4.0 / pi, WEIGHT_SHIFT * compliance) if small else None
+        self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if small else None
 
     def start(self) -> Resolution:
         layer = max(-log(self.compliance), 0.0)
@@ -175,6 +175,6 @@ def solve_normal(
     if compliance == 0.0:
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
         return NormalContact(
-            0.0, 0.125, pressure, None, np.zeros(0), ROUNDING, CLOSED_FORM_ROUNDING
+            0.0, 1 / 8, pressure, None, np.zeros(0), ROUNDING, CLOSED_FORM_ROUNDING
         )
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)

@@ -51,6 +51,7 @@ from spectral_contact.contact.stick_radius import (
     bracketed_root,
     polished_root,
     root_near,
+    slope_at,
 )
 from spectral_contact.fields.series import EDGE, DiskSeries, Radius
 from spectral_contact.spectral.galerkin import Factored, disk_operators
@@ -63,8 +64,12 @@ Array = NDArray[np.float64]
 _NEAR = 1e-5
 #: That from which the small spaces start.
 _ROUGH = 0.03
+#: Share of the tolerance to which the slope at a guess is found.
+_GUESSED = 0.01
 #: Compliance of the disk above which rounding of q/s at the centre is that of any place.
 _SOFT = 0.1
+#: Tolerance of trials that only look for the radius, or carry a change.
+_ROUGHLY = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,8 +121,11 @@ class OneDiskProblem:
         self.begin(drive, beta, friction, tolerance)
         if guess is not None:  # in a space that sees a narrow annulus
             space = self._resolution(guess, tolerance)
-            ends = [self._trial(space, guess + h, 0.01 * tolerance).mismatch for h in (-0.05, 0.05)]
-            self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
+
+            def mismatch(logit: float) -> float:
+                return self._trial(space, logit, _GUESSED * tolerance).mismatch
+
+            self.logit, self.slope = guess, slope_at(mismatch, guess)
             return
         if near is not None and beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
             self.logit, self.slope = root_near(self._rough_mismatch, *near, _NEAR)
@@ -184,7 +192,7 @@ class OneDiskProblem:
         of its displacement; what is added for less is fitted.
         """
         radius = Radius.from_logit(logit)
-        source = SlipSource([self.drive.pressure], radius, self.alpha, 1e-3, radius.rest)
+        source = SlipSource([self.drive.pressure], radius, self.alpha, _ROUGHLY, radius.rest)
         mismatch = self.drive.value(radius.rest)
         mismatch -= self.friction * float(source.at_rim[0])
         if self.beta > 0.0:
@@ -196,7 +204,7 @@ class OneDiskProblem:
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
-        return self._trial(self._resolution(logit, 1e-3), logit, 1e-3).mismatch
+        return self._trial(self._resolution(logit, _ROUGHLY), logit, _ROUGHLY).mismatch
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
         """Return the first space for a disk of this radius."""
@@ -231,7 +239,7 @@ class OneDiskProblem:
 
         Each may have a friction of its own.
         """
-        panels, correct = resolution.panels, tolerance < 1e-3
+        panels, correct = resolution.panels, tolerance < _ROUGHLY
         pressures = [drive.pressure for drive in drives]
         samples = factored.space.operator.disk.samples
         nearest = radius.square * float(samples.distances[-1])
@@ -317,7 +325,7 @@ class OneDiskProblem:
             shift = kept * max(limits) / abs(trial.unit)
         changes = self.drive.changes
         if changes:
-            trials = self.at(changes, resolution, radius, trial.factored, 1e-3, self.friction)
+            trials = self.at(changes, resolution, radius, trial.factored, _ROUGHLY, self.friction)
             moved = trials[0]
             share = float(share_of_change(panels, moved.coefficients, series.at_ends()).max())
             error += propagated * share

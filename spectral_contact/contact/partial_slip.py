@@ -30,6 +30,7 @@ from spectral_contact.contact.slip_outcome import (
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
+from spectral_contact.fields.series import Radius
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
 
@@ -50,6 +51,8 @@ _NARROWEST = 1e-3
 _NO_EDGE = 1e-80
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
+#: How often rings at boundaries are split into four.
+_SPLITS = 3
 
 
 def solve_partial_slip(
@@ -211,18 +214,36 @@ class _Search:
         return outcomes
 
     def _layouts(self, first: PartialSlip | None) -> Iterator[Layout | None]:
-        """Guess zones: where one disk lacks stick, then those of a search."""
-        from spectral_contact.contact.zone_search import search_zones
-
+        """Guess zones: where one disk lacks stick, then others, of every kind once."""
         seen: set[tuple[int, ...]] = set()
         if first is not None:
             seen.add((0, 1))
             yield first.mended
-        radius = None if first is None else first.zones[0].outer
-        for layout in search_zones(self.stick, self._parameters, radius):
+        for layout in self._guesses(None if first is None else first.zones[0].outer):
             if layout.states not in seen:
                 seen.add(layout.states)
                 yield layout
+
+    def _guesses(self, radius: float | None) -> Iterator[Layout]:
+        """Yield zones on rings, and those where full stick breaks the law, which rings may miss.
+
+        The radius of one disk is for disks smaller than a ring.
+        """
+        from spectral_contact.contact.active_set import ring_layout
+        from spectral_contact.contact.onset import exceeded, is_narrow
+
+        alpha, beta, _, friction = self._parameters
+        slips = exceeded(self.stick, self._parameters)
+        if is_narrow(slips):
+            yield slips
+        found = ring_layout(alpha, beta, friction, 1.0, False, splits=_SPLITS)
+        logits = tuple(one.logit for one in found.boundaries)
+        if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
+            centre = 2.0 * beta * friction if radius is None else radius
+            yield Layout((Radius(centre, 1.0 - centre).logit, *logits), (0, *found.states))
+        elif found.states[-1] == 0 or not self._smooth:  # a smooth edge sticks, if below rings
+            yield Layout(logits, found.states)
+        yield slips
 
     def _on(self, layout: Layout) -> PartialSlip | None:
         """Return the solution on zones like these, if there is one."""

@@ -38,6 +38,7 @@ __all__ = [
     "expected_error",
     "functional_error",
     "load_vector",
+    "nearness",
     "on_mesh",
     "panel_of",
     "panel_table",
@@ -137,17 +138,21 @@ def _first_space(
     # half-integer powers fall too slowly to taper the few panels above a root tail
     taper = 0.0 if root_tail else rate
     missing = np.clip(1.0 - taper * (x - layer - 2.0) / digits, 0.0, 1.0)
-    nearness = np.zeros(panels)
-    for bend in (layer, *bends):  # a bend takes more, measured 5 degrees at 1e-12
-        if bend > 1.0:
-            distance = np.abs(x + PANEL_WIDTH / 2.0 - bend) / (1.2 * PANEL_WIDTH)
-            nearness = np.maximum(nearness, np.clip(2.6 - distance, 0.0, 1.0))
-    top = top + 0.2 * digits * nearness
+    # a bend takes more, measured 5 degrees at 1e-12
+    near = [nearness(panels, bend) for bend in (layer, *bends) if bend > 1.0]
+    top = top + 0.2 * digits * np.max([np.zeros(panels), *near], axis=0)
     # what falls like exp(-x) still bends on its panel: two degrees more than its share
     degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), _LEAST)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
     mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail)
     return Resolution(mesh, tuple(degrees.tolist()))
+
+
+def nearness(panels: int, bend: float) -> Array:
+    """Return how near panels are to a bend: 1 around it, 0 from some three of them on."""
+    middles = PANEL_WIDTH * (np.arange(panels) + 0.5)
+    distance = np.abs(middles - bend) / (1.2 * PANEL_WIDTH)
+    return np.asarray(np.clip(2.6 - distance, 0.0, 1.0))
 
 
 def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
