@@ -36,8 +36,8 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_031, 6_500),
-    Gate("lines in all", 47_716, 23_000),
+    Gate("lines of the core", 13_028, 6_500),
+    Gate("lines in all", 47_713, 23_000),
     Gate("float literals of the core", 222, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),

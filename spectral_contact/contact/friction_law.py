@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import inf, sqrt
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import DEEPEST, places
-from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Annulus, gap
 
 __all__ = [
@@ -29,7 +29,7 @@ Interval: TypeAlias = tuple[float, float]
 _NEGLIGIBLE = 1e-10
 #: Distance from an end, of the width, at which slip, which grows like its power 3/2, is its error.
 _TOUCHING = 1e-6
-#: Distances from the ends of a stick zone, of its width, at which friction is looked at.
+#: Distances from the ends of zones, of their extent, at which the law is looked at.
 DISTANCES = np.exp(-places(DEEPEST, 400))
 
 
@@ -105,15 +105,11 @@ def loose_slip(share: float) -> float:
     return 10.0 * share * sqrt(share)
 
 
-def stick_excess(
-    traction: Any, pressure: Any, friction: float, inner: Radius, outer: Radius
-) -> float:
-    """Return the largest ``|q|/(f p) - 1`` inside a stick zone, toward its ends, or 0."""
-    offset = gap(inner, outer) * DISTANCES
-    ends = [(outer.square - offset, outer.rest + offset)]
-    if inner.square > 0.0:
-        ends.append((inner.square + offset, inner.rest - offset))
-    z, y = (np.concatenate(both) for both in zip(*ends, strict=True))
-    s = np.sqrt(z)
-    ratio = np.abs(traction(s, y / (1.0 + s))) / (friction * pressure.at(y))
-    return max(float(ratio.max()) - 1.0, 0.0)
+def stick_excess(friction: float, sticking: Iterable[tuple[Array, Array]]) -> float:
+    """Return the largest ``|q|/(f p) - 1`` in stick, or 0, from pairs of q and p in places.
+
+    Next to a boundary they differ by a root of the distance: both are to be of the same distances,
+    which are small but exact.
+    """
+    ratios = (np.abs(q) / (friction * p) for q, p in sticking)
+    return max([0.0, *(float(one.max()) - 1.0 for one in ratios)])

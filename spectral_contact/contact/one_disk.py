@@ -26,7 +26,6 @@ from scipy.special import ellipkm1
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import SolvedZones
-from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -344,7 +343,9 @@ class OneDiskProblem:
             shift += max(6.0 * settling, 3.0 if deep else 0.0) * max(swayed)
             if deep and trial.unit > 0.0 and normal.change is not None:
                 # the change may vanish at the rim itself, what the tail lacks does not
-                shift += 3.0 * self.friction * _largest_in_tail(normal.change) / trial.unit
+                assert normal.change.pressure.series is not None
+                largest = float(np.abs(normal.change.pressure.series.tail).sum())
+                shift += 3.0 * self.friction * largest / trial.unit
             lost += settling * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
@@ -377,12 +378,6 @@ class OneDiskProblem:
             shift=shift,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
-
-
-def _largest_in_tail(change: NormalContact) -> float:
-    """Return the largest modulus of a change of the pressure beyond the last panel."""
-    assert change.pressure.series is not None
-    return float(np.abs(change.pressure.series.tail).sum())
 
 
 def solve_one_disk(

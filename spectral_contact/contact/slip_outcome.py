@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
+    DISTANCES,
     Interval,
     known_share,
     loose_slip,
@@ -39,7 +40,6 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.records import Zone
-from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ def all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> Pa
         stray=4.0 * contact.pressure_error + tolerance * 1e-3,
         slopes=np.zeros((1, 1)),
     )
-    found = _to_the_edge(drive, solved, {}, beta, friction, tolerance)
+    found = _to_the_edge(drive, solved, {}, 0.0, beta, friction, tolerance)
     return replace(everywhere(found, friction), layout=None)
 
 
@@ -194,7 +194,11 @@ def one_disk_outcome(
     drive: Drive, disk: OneDisk, beta: float, friction: float, tolerance: float
 ) -> PartialSlip:
     """Return the one-disk solution with its displacement, held against the friction law."""
-    return _to_the_edge(drive, disk, {0: disk.traction}, beta, friction, tolerance)
+    assert disk.traction.series is not None
+    q = np.sqrt(1.0 - DISTANCES) * disk.traction.series(DISTANCES)
+    p = drive.pressure.at(disk.radii[0].rest + disk.radii[0].square * DISTANCES)
+    excess = stick_excess(friction, [(q, p)])
+    return _to_the_edge(drive, disk, {0: disk.traction}, excess, beta, friction, tolerance)
 
 
 def zones_outcome(
@@ -215,54 +219,49 @@ def zones_outcome(
     felt : bool
         Whether what sticks is; if not, it is a point, and not looked at.
     """
-    from spectral_contact.contact.zone_fields import positive, pressure_field, stick_series
+    from spectral_contact.contact import zone_fields as fields
 
     slipping, lost = solved.slipping
-    solved = replace(solved, stray=solved.stray + lost)
-    sticks = dict(stick_series(solved)) if felt else {}
+    solved, given = replace(solved, stray=solved.stray + lost), None
     if drive is not None:
-        given = drive.contact
-        solved = replace(
-            solved,
-            approach=given.approach,
-            approach_error=given.approach_error,
-            pressure_error=given.pressure_error,
-        )
-        return _held(solved, drive.pressure, sticks, slipping, parameters)
-    found = _held(solved, pressure_field(solved, parameters), sticks, slipping, parameters)
-    return found if positive(solved) else replace(found, amiss="the pressure is not positive")
+        given, own = drive.pressure, drive.contact
+        solved = replace(solved, approach=own.approach, approach_error=own.approach_error)
+        solved = replace(solved, pressure_error=own.pressure_error)
+    sticks = dict(fields.stick_series(solved)) if felt else {}
+    excess = stick_excess(parameters.friction, fields.in_stick(solved, given) if felt else ())
+    pressure = given or fields.pressure_field(solved, parameters)
+    found = _held(solved, pressure, sticks, excess, slipping, parameters)
+    opens = given is None and not fields.positive(solved)
+    return replace(found, amiss="the pressure is not positive") if opens else found
 
 
 def _to_the_edge(
     drive: Drive,
     solved: SolvedZones,
     sticks: dict[int, DiskSeries | AnnulusSeries],
+    excess: float,
     beta: float,
     friction: float,
     tolerance: float,
 ) -> PartialSlip:
     """Return a stick disk with slip between it and the edge, held against the friction law."""
-    annulus = _edge_annulus(drive, solved.radii[0], beta, tolerance)
-    slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
-    parameters = Parameters(drive.contact.compliance, beta, 1.0, friction)
-    return _held(solved, drive.pressure, sticks, [slipping], parameters)
-
-
-def _edge_annulus(drive: Drive, inner: Radius, beta: float, tolerance: float) -> Annulus:
-    """Return the panels of a slip zone that reaches the edge."""
-    alpha = drive.contact.compliance
+    alpha, inner = drive.contact.compliance, solved.radii[0]
     layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
-    return annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
+    annulus = annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
+    slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
+    parameters = Parameters(alpha, beta, 1.0, friction)
+    return _held(solved, drive.pressure, sticks, excess, [slipping], parameters)
 
 
 def _held(
     solved: SolvedZones,
     pressure: PressureField | ZonalField,
     sticks: dict[int, DiskSeries | AnnulusSeries],
+    excess: float,
     slipping: list[Slipping],
     parameters: Parameters,
 ) -> PartialSlip:
-    """Return zones with displacement and checks.
+    """Return zones with displacement and checks; `excess` is that of the traction in stick.
 
     An error e of E moves the displacement by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) =
     e s/4``, taken four times because E is seen at its nodes only; one of the pressure by beta f p
@@ -272,7 +271,7 @@ def _held(
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, slipping, pressure, beta, friction
     )
-    slips, bounds, excess = iter(fields), list(pairwise(solved.bounds)), 0.0
+    slips, bounds = iter(fields), list(pairwise(solved.bounds))
     zones, traction, displacement = [], [], []
     for k, (state, (inner, outer)) in enumerate(zip(solved.states, bounds, strict=True)):
         zones.append(Zone.between("slip" if state else "stick", inner, outer))
@@ -282,8 +281,6 @@ def _held(
         else:
             traction.append(ZonePiece(outer, sticks.get(k)))
         displacement.append(ZonePiece(outer, next(slips) if state else None))
-        if k in sticks:
-            excess = max(excess, stick_excess(sticks[k], pressure, friction, inner, outer))
     stray = solved.stray + unresolved + FIELD_ROUNDING / (2.0 * np.pi)
     if beta > 0.0:  # p is largest at the outermost slip end
         last = max(k for k, state in enumerate(solved.states) if state)

@@ -54,13 +54,9 @@ def root_near(
 ) -> tuple[float, float]:
     """Return a rough root in logit(c**2), and the slope there; else that of a bracket.
 
-    Below the least logit none is looked for.
-
-    The slope is a guess at first, and steps are no longer than a longest one.
-
-    The root of the parabola of x over the last three values, whose error is estimated by the
-    product of their distances from it. The slope is a guess at first: no step is longer than
-    `longest` then.
+    Below the least logit none is looked for. The root is that of the parabola of x over the last
+    three values; its error is estimated by the product of their distances from it. The slope is a
+    guess at first: no step is longer than `longest` then.
     """
     if slope == 0.0:
         return bracketed_root(function, least)

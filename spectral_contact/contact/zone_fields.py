@@ -9,6 +9,7 @@ from math import atan, ceil, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spectral_contact.contact.coupled_parts import LEADING, ended
 from spectral_contact.contact.friction_law import DISTANCES
@@ -16,6 +17,7 @@ from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,
     LogSeries,
+    PressureField,
     ZonalField,
     ZonePiece,
 )
@@ -26,12 +28,23 @@ from spectral_contact.spectral.parameters import Parameters
 if TYPE_CHECKING:
     from spectral_contact.contact.coupled_assessment import CoupledZones
 
-__all__ = ["positive", "pressure_field", "stick_series"]
+__all__ = ["in_stick", "positive", "pressure_field", "stick_series"]
+
+Array = NDArray[np.float64]
 
 
 def positive(solved: CoupledZones) -> bool:
     """Return whether the pressure is: else the contact would open."""
     return bool(np.min([one(DISTANCES) for one in solved.pressures]) > 0.0)
+
+
+def in_stick(solved: CoupledZones, given: PressureField | None) -> Iterator[tuple[Array, Array]]:
+    """Yield q and p at `DISTANCES` from every end of a stick zone; p may be given."""
+    for k, (part, shear) in enumerate(zip(solved.system.parts, solved.shears, strict=True)):
+        if shear is not None:
+            at = part.family.points(DISTANCES)
+            p = solved.pressures[k](DISTANCES) if given is None else given.at(at.y)
+            yield np.sqrt(np.maximum(at.z, 0.0)) * shear(DISTANCES), p
 
 
 def stick_series(solved: CoupledZones) -> Iterator[tuple[int, DiskSeries | AnnulusSeries]]:

@@ -126,8 +126,8 @@ MUTANTS = (
     Mutant(
         "the pressure may pull",
         f"{_CONTACT}/slip_outcome.py",
-        "found if positive(solved) else",
-        "found if True else",
+        "given is None and not fields.positive(solved)",
+        "False",
         _COUPLED,
     ),
     Mutant(
