@@ -99,7 +99,7 @@ __all__ = [
     "sweep",
     "testing",
 ]
-__version__ = "0.2.0"
+__version__ = processes.VERSION
 
 #: What is loaded when it is used: the module, and the name in it unless it is meant itself.
 _LAZY: dict[str, tuple[str, str | None]] = {

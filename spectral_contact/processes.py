@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "PROGRAM",
+    "VERSION",
     "Terminated",
     "end_with_parent",
     "failed",
@@ -28,7 +29,7 @@ __all__ = [
     "workers",
 ]
 
-PROGRAM = "spectral-contact"
+PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 
 class Terminated(KeyboardInterrupt):

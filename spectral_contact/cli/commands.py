@@ -16,7 +16,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-import spectral_contact
 from spectral_contact.cli import benchmark as cli_benchmark
 from spectral_contact.cli import explore as cli_explore
 from spectral_contact.cli import inside as cli_inside
@@ -34,7 +33,7 @@ from spectral_contact.errors import (
 )
 from spectral_contact.inputs.choices import suggestion
 from spectral_contact.paper import FIGURES, reproduce
-from spectral_contact.processes import PROGRAM, failed, guarded
+from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
 from spectral_contact.solution import GROWTH, QUANTITIES, Plan, Solution, StepState
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
@@ -105,7 +104,7 @@ def _parser() -> _Parser:
         description="Contact of a rigid flat punch with a rough elastic half-space.",
         allow_abbrev=False,
     )
-    version = f"{PROGRAM} {spectral_contact.__version__}"
+    version = f"{PROGRAM} {VERSION}"
     parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(dest="command", metavar="command", required=True)
     command = commands.add_parser(

@@ -9,6 +9,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.resolution import TINY
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import gap
 
@@ -80,7 +81,7 @@ def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array
 
 def longest(x: Array, step: Array) -> float:
     """Return the factor that keeps the boundaries in order and the step moderate."""
-    factor = 1.5 / max(float(np.abs(step).max()), 1e-300)
+    factor = 1.5 / max(float(np.abs(step).max()), TINY)
     for width, change in zip(np.diff(x), np.diff(step), strict=True):
         if change < 0.0:
             factor = min(factor, 0.6 * width / -change)

@@ -16,6 +16,7 @@ import numpy as np
 
 from spectral_contact.contact.indented import Indentation, solve_indentation
 from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.errors import SceneError
 from spectral_contact.profiles import Profile
 
@@ -31,10 +32,8 @@ _STEPS, _LONGEST = 60, 3.0
 _CLOSE = 0.5
 #: Share of the tolerance that what was asked for, and what follows from the radius, may be off.
 _SHARE = 0.02
-#: Relative rounding of a value, at which a step ends the search.
-_ROUNDING = 2e-15
 #: Distances from edge and breaks between which the slope of the pressure is taken.
-_PLACES = np.geomspace(_ROUNDING, 1.0, 61)
+_PLACES = np.geomspace(ROUNDING, 1.0, 61)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,13 +114,13 @@ def find_radius(
     def solved(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
         return lambda radius: solve(radius, tolerance, pointwise)
 
-    off = max(_SHARE * tolerance, _ROUNDING)
+    off = max(_SHARE * tolerance, ROUNDING)
     # a poor space knows what is integrated as well as a rich one knows the pressure
     search.run(solved(tolerance, False), off, rough=True)
     search.run(solved(tolerance, pointwise), off)
     found, error = search.found()
     if search.rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
-        search.run(solved(tolerance, pointwise), max(off / search.rate, _ROUNDING))
+        search.run(solved(tolerance, pointwise), max(off / search.rate, ROUNDING))
         found, error = search.found()
     return found, error
 

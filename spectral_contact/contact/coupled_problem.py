@@ -31,9 +31,10 @@ from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.newton import LEFT, ZonesNewton
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.resolution import ROUNDING, TINY
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.fields.series import Radius
-from spectral_contact.solution import Ending
+from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
@@ -45,21 +46,19 @@ Array = NDArray[np.float64]
 
 #: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
 _UNFELT = -40.0
-#: Tolerance of the spaces in which boundaries are found first, and are looked at by the way.
+#: Tolerance of the spaces and steps in which boundaries are found first, and of the spaces in which
+#: they are looked at by the way.
 _ROUGH, _PROBE = 1e-3, 1e-2
 #: What corrections leave of conditions whose differences are taken.
 _SLOPING = 1e-8
-#: How short the last step of the boundaries is in the first.
-_SETTLED = 1e-3
 #: A first guess of how fast the condition of one stick disk rises with its logit.
 _SLOPE = 0.3
-#: Where more of a step is left, of the narrowest zone, there are no such boundaries.
-_LOST = 0.1
 #: At the edge nothing happens in less than this of the layer.
 _NARROWEST = 1e-12
 #: A step as short as this is not taken.
 _ENOUGH = 1e-13
-#: How far boundaries may move, of the narrowest zone, before their slopes are found anew.
+#: How far boundaries may move, of the narrowest zone, before their slopes are found anew; where
+#: more of a step is left there are no such boundaries.
 _STALE = 0.1
 #: Most corrections at given boundaries.
 _CORRECTIONS = 10
@@ -67,18 +66,14 @@ _CORRECTIONS = 10
 _FAR, _FAR_THIN, _THICK = 0.03, 1e-4, 1e-2
 #: Compliances from which on corrections with factors in single precision are not more.
 _SINGLE = 5e-7
-#: What may be left of the boundaries, of their tolerance.
-_NEARLY = 0.01
-#: What corrections should leave, of the tolerance, as boundaries are known better than the fields.
-_FURTHER, _LEAST = 1e-2, 5e-15
-#: Friction that is as little as nothing.
+#: What corrections and steps should leave, of the tolerance, so that it counts for nothing, and at
+#: the least.
+_NOTHING, _LEAST = 0.01, 2.0 * ROUNDING
+#: The least friction with which the traction of a disk that is not felt has digits.
 _FRICTIONLESS = 1e-14
-#: A slope of a condition so steep that its boundary does not move.
-_FIXED = 1e300
-#: Shares of the tolerance that first spaces are for, one after the other where the estimate does
-#: not fall any more: what is added to a space here and there may not help, a better one does. And
-#: the least tolerance.
-_FINER, _TIGHTEST = (1.0, 0.1, 0.01), 1e-12
+#: By how much tighter first spaces are tried, so often, where the estimate does not fall any more:
+#: what is added to a space here and there may not help, a better one does. And the least tolerance.
+_FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
 
 
 class CoupledProblem:
@@ -143,17 +138,17 @@ class CoupledProblem:
                 return float(self.rough([logit]).mismatch[0])
 
             start = float(self.logits[0])
-            logit, slope = root_near(mismatch, start, _SLOPE, _SETTLED, 1.0, _UNFELT)
+            logit, slope = root_near(mismatch, start, _SLOPE, _ROUGH, 1.0, _UNFELT)
             self.logits, self._slopes = np.array([logit]), np.array([[slope]])
             return
         begin, spaces = self.logits, self.spaces(_ROUGH)
         factors = self.factored(self.system(spaces, begin))
         self._slopes = self._differences(factors, spaces)
-        settle = min(_SETTLED, 0.5 * _LOST * self.narrowest)
+        settle = min(_ROUGH, 0.5 * _STALE * self.narrowest)
         state = ZonesNewton(self, spaces, settle, factors).run(_ROUGH)
         narrowest = self.narrowest
         left = np.abs(np.linalg.solve(self._slopes, state.mismatch))
-        if not float(left.max()) < _LOST * narrowest:
+        if not float(left.max()) < _STALE * narrowest:
             raise NoBoundariesError("no such boundaries are found")
         if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
             spaces = self.spaces(_ROUGH)
@@ -164,7 +159,7 @@ class CoupledProblem:
         """Return the contact with given boundaries, as logits, in a small space."""
         at = np.array(logits)
         system = self.system(self.spaces(_PROBE, at), at)
-        return self.settled(self.factored(system), 1e-2 * _PROBE)
+        return self.settled(self.factored(system), _NOTHING * _PROBE)
 
     def _differences(self, factors: Factored, spaces: list[Resolution]) -> Array:
         """Return the slopes of the conditions in a small space, with factors that are near."""
@@ -192,7 +187,7 @@ class CoupledProblem:
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway = np.sqrt(self.tolerance)
         known = self.drives and self.near  # to digits that are as good
-        if len(self.slopes) and halfway < 0.1 * _ROUGH and not known:
+        if len(self.slopes) and halfway < _FINER * _ROUGH and not known:
             rough = self.spaces(halfway)
             ZonesNewton(self, rough, max(self.tolerance, _ENOUGH)).run(halfway)
         spaces = self.spaces(self.tolerance)
@@ -275,7 +270,7 @@ class CoupledProblem:
         spaces = parted(resolution, self._counts, self.parameters.alpha)
         if self.drives:  # from now on with what is known of the errors of the pressure
             self.drives = [self.drives[0], *self.drives[0].changes]
-        aim, settle = max(_FURTHER * self.goal, _LEAST), max(_NEARLY * self.goal, _ENOUGH)
+        aim, settle = max(_NOTHING * self.goal, _LEAST), max(_NOTHING * self.goal, _ENOUGH)
         newton = ZonesNewton(self, spaces, settle)
         return assessed(self, spaces, newton.run(aim), newton.left)
 
@@ -326,8 +321,8 @@ def solve_coupled_zones(
         If there are no such boundaries.
     """
     best: Refinement[CoupledZones] | None = None
-    for finer in _FINER:
-        aim = max(finer * tolerance, _TIGHTEST)
+    for k in range(_TRIES):
+        aim = max(_FINER**k * tolerance, _TIGHTEST)
         problem = CoupledProblem(parameters, layout, aim, pointwise=pointwise)
         found = refine(problem, tolerance, max_unknowns // 2)
         if best is None or found.best.error < best.best.error:
@@ -346,6 +341,7 @@ def solve_coupled_slip(
     Parameters are those of `solve_coupled_zones`.
     """
     alpha, beta, kappa, friction = parameters
+    # slopes so steep that the boundary does not move
     felt = Parameters(alpha, beta, kappa, max(friction, _FRICTIONLESS))
-    disk = Layout((_UNFELT,), (0, 1), np.array([[_FIXED]]))
+    disk = Layout((_UNFELT,), (0, 1), np.array([[1.0 / TINY]]))
     return solve_coupled_zones(felt, disk, tolerance, max_unknowns)

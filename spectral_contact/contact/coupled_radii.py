@@ -9,24 +9,26 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
 from math import inf, log
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_problem import CoupledProblem
-from spectral_contact.contact.coupled_state import CoupledState
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.friction_law import DISTANCES
+from spectral_contact.contact.resolution import DEEPEST, series_of
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_problem import CoupledProblem
+    from spectral_contact.contact.coupled_state import CoupledState
 
 __all__ = ["PossibleRadius", "scanned", "stick_radii"]
 
 Array = NDArray[np.float64]
 
-#: How far past the layers radii are looked at, as logits, and the last one.
-_PAST, _LAST = 8.0, 36.0
+#: How far past the layers radii are looked at, as logits.
+_PAST = 8.0
 #: Half the width, as a logit, of what a radius is told apart by.
 _NEAR = 0.02
-#: Distances at which fields are looked at, on each side of a boundary.
-_DISTANCES = np.exp(-np.linspace(1e-3, 36.0, 300))
 #: A small space does not tell a smaller violation of the friction law.
 _UNSEEN = 1e-2
 
@@ -84,7 +86,7 @@ def stick_radii(
 def scanned(problem: CoupledProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
     layers = min(problem.parameters.alpha, problem.parameters.beta)
-    last = min(_LAST, _PAST - log(layers)) if layers > 0.0 else _LAST
+    last = min(DEEPEST, _PAST - log(layers)) if layers > 0.0 else DEEPEST
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
@@ -93,7 +95,7 @@ def _parts(state: CoupledState) -> list[Array]:
     pressure, shear = state.system.split(state.solution)
     parts = [part.family.panels for part in state.system.parts]
     pairs = zip([*parts, parts[0]], [*pressure, shear[0]], strict=True)
-    return [series_of(one, values)(_DISTANCES) for one, values in pairs]
+    return [series_of(one, values)(DISTANCES) for one, values in pairs]
 
 
 def _positive(pressure: list[Array]) -> bool:
@@ -105,6 +107,6 @@ def _described(logit: float, state: CoupledState) -> PossibleRadius:
     *pressure, shear = _parts(state)
     if not _positive(pressure):
         return PossibleRadius(logit, False, inf)
-    q = state.system.radii[0].value * np.sqrt(1.0 - _DISTANCES) * np.abs(shear)
+    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * np.abs(shear)
     ratio = float((q / (state.system.parameters.friction * pressure[0])).max())
     return PossibleRadius(logit, True, max(ratio - 1.0, 0.0))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from math import exp, inf
+from math import exp
 from time import perf_counter
 from typing import Any
 
@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.active_set import ring_layout
 from spectral_contact.contact.boundaries import NoBoundariesError
-from spectral_contact.contact.coupled_annuli import slip_everywhere, slip_in_annuli
-from spectral_contact.contact.coupled_outcome import CoupledSlip, NoCoupledSlipError
 from spectral_contact.contact.coupled_problem import (
     CoupledProblem,
     find_coupled_zones,
@@ -26,18 +24,41 @@ from spectral_contact.contact.coupled_problem import (
     solve_coupled_zones,
 )
 from spectral_contact.contact.coupled_radii import scanned, stick_radii
-from spectral_contact.contact.coupled_stick import CoupledStick
-from spectral_contact.contact.layout import Layout, logit_at
-from spectral_contact.contact.onset import full_stick_violations
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.onset import exceeded, is_narrow
+from spectral_contact.contact.ratio import FullStick
+from spectral_contact.contact.slip_outcome import PartialSlip, everywhere, zones_outcome
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
-from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD
+from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD
 from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["CoupledSearch"]
+__all__ = ["CoupledSearch", "NoCoupledSlipError", "lawful"]
 
 Array = NDArray[np.float64]
 Record = Callable[[str, Any, float], Any]
+
+
+class NoCoupledSlipError(ArithmeticError):
+    """Zones do not obey the friction law; the text says what is amiss.
+
+    Attributes
+    ----------
+    further : Layout or None
+        Zones that may do so: the same, and stick where slip has the wrong sense.
+    """
+
+    def __init__(self, text: str, further: Layout | None = None) -> None:
+        super().__init__(text)
+        self.further = further
+
+
+def lawful(outcome: PartialSlip) -> PartialSlip:
+    """Return what obeys the friction law, but for rounding, and raise `NoCoupledSlipError` else."""
+    if outcome.amiss:
+        raise NoCoupledSlipError(outcome.amiss, outcome.mended)
+    return outcome
+
 
 #: Tolerance at which guesses are tried before they are solved for to a tighter one.
 _PROBE = 1e-3
@@ -49,12 +70,6 @@ _CLEAR, _APART = 1.0, 3.0
 #: Square of friction times compliance, which is about how wide a smooth surface sticks at the edge,
 #: below which no digit of it is found, measured.
 _RESOLVED = 1e-29
-#: Friction may lack four times what the onset of slip is away, and what a grid of places can miss.
-_WIDENED, _MISSED = 4.0, 1e-3
-#: Down to this ``-ln y`` full stick is compared with friction.
-_DEPTH = 40.0
-#: Slip narrower than this, as a logit, may fall between rings.
-_NARROW = 0.25
 #: Friction that lacks as little as this lets no more slip than where full stick exceeds it: to 0.01
 #: in the logit, measured; as much is seen of the difference to where rough spaces have slip.
 _ABOUT, _SEEN = 1e-2, 0.02
@@ -73,7 +88,7 @@ class CoupledSearch:
     Parameters
     ----------
     parameters : Parameters
-    stick : CoupledStick
+    stick : FullStick
         Full stick, with its fields.
     plain : callable
         Returns the zones without coupling.
@@ -86,13 +101,13 @@ class CoupledSearch:
     """
 
     parameters: Parameters
-    stick: CoupledStick
+    stick: FullStick
     plain: Callable[[], Layout]
     tolerance: float
     max_unknowns: int
     record: Record
 
-    def outcome(self) -> CoupledSlip:
+    def outcome(self) -> PartialSlip:
         """Return the first solution that obeys the friction law.
 
         Raises
@@ -121,15 +136,7 @@ class CoupledSearch:
                     layout = further if further and self._possible(further) else None
         raise NoCoupledSlipError("; ".join(reasons))
 
-    def about_to_slip(self, lack: float) -> float:
-        """Return the relative error of a stick radius of 1 where friction lacks so little of it."""
-        near = self._violated(self.stick.critical * (1.0 - max(_WIDENED * lack, _MISSED)))
-        if near.states[0] != 0 or not near.logits:
-            return 1.0
-        first = Radius.from_logit(near.logits[0])
-        return first.from_edge / first.value
-
-    def others(self, radius: Radius) -> list[float]:
+    def others(self, logit: float) -> list[float]:
         """Return what other stick radii than that of a solution there may be, roughly.
 
         Where full stick slips at the edge there is an even number of them; none, as far as seen.
@@ -140,7 +147,7 @@ class CoupledSearch:
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
             return []
         problem = CoupledProblem(self.parameters, _DISK, _PROBE)
-        further = scanned(problem, radius.logit + _CLEAR, _APART)
+        further = scanned(problem, logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
 
@@ -159,9 +166,8 @@ class CoupledSearch:
 
         Full stick comes first where it is narrow slip: rings miss it, or its place.
         """
-        violated = self._violated()
-        widths = np.diff(violated.logits)[::2]
-        if len(violated.logits) == 2 * len(widths) and max(widths, default=inf) < _NARROW:
+        violated = exceeded(self.stick, self.parameters)
+        if is_narrow(violated):
             yield violated
         yield self._on_rings()
         yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
@@ -186,7 +192,7 @@ class CoupledSearch:
             return alpha > 0.0 or beta == 0.0
         return len(layout.states) > 2 and beta > 0.0
 
-    def _solved(self, layout: Layout, far: bool) -> CoupledSlip:
+    def _solved(self, layout: Layout, far: bool) -> PartialSlip:
         """Solve on zones like these, and record the solution if the friction law holds."""
         parameters, most = self.parameters, self.max_unknowns
         # the search for boundaries that are not there ends at the edge, past rounding
@@ -194,13 +200,13 @@ class CoupledSearch:
             layout = self._narrowed(self._found(layout, far))
             if len(layout.states) > 2 and self.tolerance < _PROBE:
                 rough = solve_coupled_zones(parameters, layout, _PROBE, most)
-                slip_in_annuli(rough.best.value, parameters)
+                lawful(zones_outcome(rough.best.value, parameters))
             begin = perf_counter()
             zones = solve_coupled_zones(parameters, layout, self.tolerance, most)
             if not zones.best.error < _UNKNOWN:
                 raise NoCoupledSlipError("no digit of the fields is known")
             solved = perf_counter()
-            outcome = slip_in_annuli(zones.best.value, parameters)
+            outcome = lawful(zones_outcome(zones.best.value, parameters))
         self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
         self.record(SLIP_FIELD, outcome, solved)
         return outcome
@@ -211,7 +217,9 @@ class CoupledSearch:
         Next to the onset all slips where full stick exceeds friction, and hardly anything more.
         """
         lack = 1.0 - self.parameters.friction / self.stick.critical
-        near = self._violated() if layout.states == _DISK.states and lack < _ABOUT else _NOWHERE
+        if layout.states != _DISK.states or lack >= _ABOUT:
+            return layout
+        near = exceeded(self.stick, self.parameters)
         if near.states != layout.states or near.logits[0] < layout.logits[0] + _SEEN:
             return layout
         assert layout.slopes is not None
@@ -219,13 +227,14 @@ class CoupledSearch:
         narrower = exp(layout.logits[0] - near.logits[0])
         return replace(layout, logits=near.logits, slopes=narrower * layout.slopes)
 
-    def _all_slip(self) -> CoupledSlip:
+    def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""
         begin = perf_counter()
         zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)
         self.record(PARTIAL_SLIP, zones, begin)
         begin = perf_counter()
-        outcome = slip_everywhere(zones.best.value, self.parameters)
+        point = lawful(zones_outcome(zones.best.value, self.parameters, felt=False))
+        outcome = everywhere(point, self.parameters.friction)
         self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
@@ -247,17 +256,3 @@ class CoupledSearch:
             else:
                 share = part
         return layout
-
-    def _violated(self, friction: float | None = None) -> Layout:
-        """Return slip where full stick exceeds friction, or another one."""
-        friction = self.parameters.friction if friction is None else friction
-        pressure, traction = self.stick.pressure, self.stick.traction
-        if pressure is None or traction is None:
-            return _NOWHERE
-        found = full_stick_violations(pressure, self.stick, friction, _DEPTH)
-        ends = [x for interval in found for x in interval if x < inf]
-        middles = np.array([(low + min(high, _DEPTH)) / 2.0 for low, high in found])
-        s = np.sqrt(-np.expm1(-middles))
-        signs = np.sign(traction(s, np.exp(-middles) / (1.0 + s))).astype(int).tolist()
-        states = [one for sign in signs for one in (0, sign)] + [0] * (len(ends) == 2 * len(found))
-        return Layout(tuple(logit_at(one) for one in ends), tuple(states))

@@ -14,7 +14,7 @@ import numpy as np
 
 from spectral_contact.contact.coupled_parts import LEADING, thinnest_layer, without_rounding
 from spectral_contact.contact.refine import Resolution
-from spectral_contact.contact.resolution import PANEL_WIDTH
+from spectral_contact.contact.resolution import PANEL_WIDTH, nearness
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
@@ -31,6 +31,8 @@ _INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
 #: second space. At the centre, where q/s is weakly determined, degrees that tolerances ask for
 #: would be rounding.
 _STUCK_BEND, _BEFORE, _STUCK_SPARE = 0.2, 3.0, (4, 2, 1)
+#: How far in ``-ln y`` a layer of the pressure is felt at the edge.
+_FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
 #: which boundaries are only looked for, where it is the tolerance.
 _QUADRATURE, _FINEST, _ROUGHLY = 0.01, 1e-11, 1e-3
@@ -96,7 +98,7 @@ def _to_a_boundary(
 ) -> Resolution:
     """Return the space of a part toward a boundary, so much larger than the one across it."""
     bends = [(layer - 1.0, _TURN)] if state == 0 and layer > 1.0 else []
-    begin = min(layer, 0.5 * layer + 3.0)
+    begin = min(layer, 0.5 * layer + _BEFORE)
     if ratio > 1.0:
         bends.append((log(ratio), _TURN if state else _BEND))
         begin = max(begin, log(ratio))
@@ -106,7 +108,7 @@ def _to_a_boundary(
 def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> Resolution:
     layer = thinnest_layer(alpha, beta, extent)
     if alpha > 0.0:
-        return _space(layer + 4.0, [(layer - 4.0, _BEND)], tolerance, 1.0, _AT_EDGE)
+        return _space(layer + _FELT, [(layer - _FELT, _BEND)], tolerance, 1.0, _AT_EDGE)
     if beta == 0.0:
         return _space(LEADING, [], tolerance, 1.0, _AT_EDGE, power=-0.5)
     return _space(layer, [(layer, _BEND)], tolerance, 0.5, _AT_EDGE, power=-0.5)
@@ -115,7 +117,7 @@ def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> 
 def _all_sticks(alpha: float, beta: float, tolerance: float) -> Resolution:
     """Return the space of a disk that sticks to the edge: both layers bend both fields."""
     layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
-    begin = max(layers, default=LEADING) + (4.0 if len(layers) == 2 else 0.0)
+    begin = max(layers, default=LEADING) + (_FELT if len(layers) == 2 else 0.0)
     bends = [(layer - _BEFORE, _STUCK_BEND) for layer in layers]
     # under one compliance alone a field has a square root at the edge
     rate, power = 0.5 if len(layers) == 1 else 1.0, -0.5 if alpha == 0.0 else 0.0
@@ -141,8 +143,7 @@ def _space(
     missing = np.clip(1.0 - rate * (x - begin) / (digits + 2.0), 0.0, 1.0)
     more = np.zeros(panels)
     for place, share in bends:
-        distance = np.abs(x + PANEL_WIDTH / 2.0 - ceil(2.0 * place) / 2.0) / (1.2 * PANEL_WIDTH)
-        more = np.maximum(more, share * np.clip(2.6 - distance, 0.0, 1.0))
+        more = np.maximum(more, share * nearness(panels, ceil(2.0 * place) / 2.0))
     more[:2] = np.maximum(more[:2], first)
     further = np.array([*spare[:2], *(panels - 2) * [spare[2]]])
     degrees = np.ceil(1.0 + further + digits * (_ALL * missing + more)).astype(int)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.factored import Factored
-from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.factored import Factored
+    from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["CoupledState", "Effect"]
 

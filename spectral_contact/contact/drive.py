@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.normal import NormalContact
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series
@@ -23,6 +22,9 @@ from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.normal import NormalContact
 
 __all__ = ["Drive", "Targets"]
 
@@ -84,11 +86,6 @@ class Drive:
         if panels is None:
             return None
         return sampled_series(panels, transforms(panels).mean(contact.coefficients))
-
-    @cached_property
-    def coarser(self) -> Drive:
-        """The drive of the pressure without its last change."""
-        return Drive(self.contact.coarser)
 
     @cached_property
     def changes(self) -> list[Drive]:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import inf, sqrt
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.resolution import ROUNDING
-from spectral_contact.fields.series import Radius
+from spectral_contact.contact.resolution import DEEPEST, places
 from spectral_contact.spectral.annulus import Annulus, gap
 
 __all__ = [
+    "DISTANCES",
     "Interval",
-    "displacement_error",
     "known_share",
     "loose_slip",
     "missing_stick",
@@ -30,6 +29,8 @@ Interval: TypeAlias = tuple[float, float]
 _NEGLIGIBLE = 1e-10
 #: Distance from an end, of the width, at which slip, which grows like its power 3/2, is its error.
 _TOUCHING = 1e-6
+#: Distances from the ends of zones, of their extent, at which the law is looked at.
+DISTANCES = np.exp(-places(DEEPEST, 400))
 
 
 def missing_stick(
@@ -104,33 +105,11 @@ def loose_slip(share: float) -> float:
     return 10.0 * share * sqrt(share)
 
 
-def displacement_error(
-    drive: Drive, outermost: Radius, stray: float, beta: float, friction: float, largest: float
-) -> float:
-    """Return the error of the displacement relative to its largest modulus.
+def stick_excess(friction: float, sticking: Iterable[tuple[Array, Array]]) -> float:
+    """Return the largest ``|q|/(f p) - 1`` in stick, or 0, from pairs of q and p in places.
 
-    An error e of E moves it by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) = e s/4``, taken
-    four times because E is seen at its nodes only; one of the pressure by beta f p times its own;
-    1/(2 pi) bounds every term for the rounding.
+    Next to a boundary they differ by a root of the distance: both are to be of the same distances,
+    which are small but exact.
     """
-    direct = 0.0
-    if beta > 0.0:  # p is largest at the outermost slip end, bounded by its layer at the edge
-        y = max(outermost.rest, drive.contact.compliance)
-        largest_p = drive.pressure.value(min(y, 1.0))
-        direct = beta * friction * largest_p * drive.contact.pressure_error
-    error = (stray + direct + 20.0 * ROUNDING / (2.0 * np.pi)) / max(largest, 1e-300)
-    return known_share(error)
-
-
-def stick_excess(
-    traction: Any, pressure: Any, friction: float, inner: Radius, outer: Radius, depth: float
-) -> float:
-    """Return the largest ``|q|/(f p) - 1`` inside a stick zone, or 0."""
-    x = np.linspace(1e-3, depth, 400)
-    width = outer.square - inner.square if outer.square < 0.5 else inner.rest - outer.rest
-    offset = width * np.exp(-x)
-    s = np.sqrt(outer.square - offset)
-    y = outer.rest + offset
-    edge = y / (1.0 + s)
-    ratio = np.abs(traction(s, edge)) / (friction * pressure.at(y))
-    return max(float(ratio.max()) - 1.0, 0.0)
+    ratios = (np.abs(q) / (friction * p) for q, p in sticking)
+    return max([0.0, *(float(one.max()) - 1.0 for one in ratios)])

@@ -5,25 +5,23 @@ Everything is computed for kappa = 1; the traction is proportional to it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf, log, nan, pi
+from math import inf, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.ratio import AT_ONE_PLACE, largest_ratio
+from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
-    ROUNDING,
+    CENTRE_ROUNDS,
+    CLOSED_FORM_ROUNDING,
     SAFETY,
     TRACTION_ROUNDING,
     decay_rates,
     expected_error,
     functional_error,
-    interpolate,
     on_mesh,
-    panel_of,
     panel_table,
     series_of,
     share_of_change,
@@ -31,51 +29,10 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["FullStick", "solve_full_stick"]
+__all__ = ["solve_full_stick"]
 
 Array = NDArray[np.float64]
-
-_ROUNDING = 20.0 * ROUNDING
-#: What the ratios of traction to pressure are called in `FullStick`.
-_RATIOS = ("edge_ratio", "critical", "critical_at", "edge_error", "critical_error")
-
-
-@dataclass(frozen=True, slots=True)
-class FullStick:
-    """Solution of the full-stick problem for kappa = 1.
-
-    Attributes
-    ----------
-    compliance : float
-        ``beta*``.
-    traction : DiskSeries
-        ``q*/kappa``.
-    total_shear : float
-        ``Q*/kappa``.
-    edge_ratio : float
-        ``q/(kappa p)`` at the edge.
-    critical : float
-        The largest ``|q|/(kappa p)`` on the contact.
-    critical_at : float
-        ``y = 1 - s**2`` where it is reached.
-    traction_error, shear_error : float
-        Estimates of relative errors; of the traction, of q/s pointwise.
-    edge_error, critical_error : float
-        Estimates of the relative errors of the two ratios.
-    """
-
-    compliance: float
-    traction: DiskSeries
-    total_shear: float
-    edge_ratio: float
-    critical: float
-    critical_at: float
-    traction_error: float
-    shear_error: float
-    edge_error: float
-    critical_error: float
 
 
 class _StickProblem:
@@ -117,73 +74,47 @@ class _StickProblem:
         moved, swayed = np.zeros_like(solution), np.zeros(1)
         moments = space.shear_moments
         if self.drive.changes:
-
-            def lost_targets(d: Array) -> Array:
-                return Drive.targets(self.drive.changes, d).T
-
-            both = factored.solve(interpolate(panels, lost_targets)[0], correct=False)
+            lacking = Drive.targets(self.drive.changes, disk.samples.distances).T
+            both = factored.solve(disk.samples.interpolate(lacking), correct=False)
             moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both
         size = series.at_ends()
         shares = expected_error(share_of_change(panels, change.coefficients, size), rates)
         propagated = SAFETY * normal.rate**2
-        # under a pressure that is infinite at the edge q/s at the centre is off by up to 2.5e-13
-        centre = 5.0 if normal.compliance == 0.0 else 1.0
+        centre = CENTRE_ROUNDS if normal.compliance == 0.0 else 1.0
         traction_error = float(shares.max()) + centre * TRACTION_ROUNDING
         traction_error += propagated * float(share_of_change(panels, moved, size).max())
         shear_error = functional_error(factored, moments, change, rates, resolution) / shear
-        shear_error += propagated * float(np.abs(swayed).max()) / shear + 4.0 * ROUNDING
+        shear_error += propagated * float(np.abs(swayed).max()) / shear + CLOSED_FORM_ROUNDING
         if self.pointwise:
             indicators, error = shares, traction_error
         else:
             moved_by = np.abs(panel_table(panels, moments * change.coefficients)).sum(axis=1)
             indicators, error = expected_error(moved_by / shear, rates), shear_error
-        ratios = dict.fromkeys(_RATIOS, nan)
+        stick = FullStick(
+            approach=normal.approach,
+            total_shear=shear,
+            approach_error=normal.approach_error,
+            shear_error=shear_error,
+            pressure=self.drive.pressure,
+            traction=traction,
+            pressure_error=normal.pressure_error,
+            traction_error=traction_error,
+        )
         if self.ratios:
+            moving = propagated * share_of_change(panels, moved, size)
+            changed = [(panels, shares), (panels, moving)]
             at_edge = 0.0
             if self.power == 0.0:
                 lesser = factored.change(solution, degrees=1)
                 limits = [series_of(panels, one.coefficients).limit for one in (change, lesser)]
                 at_edge = max(map(abs, limits)) / abs(series.limit)
-            parts = [(panels, shares), (panels, propagated * share_of_change(panels, moved, size))]
-            ratios = self._ratios(panels, traction, at_edge, parts)
-        stick = FullStick(
-            compliance,
-            traction,
-            shear,
-            traction_error=traction_error,
-            shear_error=shear_error,
-            **ratios,
-        )
+            if normal.panels is not None and normal.change is not None:
+                lost, pressure = normal.change.coefficients, self.drive.pressure
+                share = share_of_change(normal.panels, lost, pressure.at_ends())
+                changed.append((normal.panels, propagated * share))
+                at_edge += abs(series_of(normal.panels, lost).limit / pressure.value(0.0))
+            stick = stick.with_ratios(panels.panels * panels.width, changed, at_edge)
         return Attempt(stick, error, indicators, rates, space.unknowns)
-
-    def _ratios(
-        self,
-        panels: LogPanels,
-        traction: DiskSeries,
-        at_edge: float,
-        parts: list[tuple[LogPanels, Array]],
-    ) -> dict[str, float]:
-        """Return q/p at the edge, its largest modulus, and their errors.
-
-        `at_edge` is the share of the traction's change there, `parts` are those on the panels.
-        """
-        pressure, normal = self.drive.pressure, self.drive.contact
-        edge, critical, where = largest_ratio(pressure, traction, panels.panels * panels.width)
-        if normal.panels is not None and normal.change is not None:
-            lost = normal.change.coefficients
-            share = share_of_change(normal.panels, lost, pressure.at_ends())
-            parts = [*parts, (normal.panels, SAFETY * normal.rate**2 * share)]
-            at_edge += abs(series_of(normal.panels, lost).limit / pressure.value(0.0))
-
-        def error(y: float) -> float:
-            """Estimate the error of q/p at one place: what its panels contribute."""
-            places = AT_ONE_PLACE * sum(float(s[panel_of(p, y)]) for p, s in parts)
-            # the tail sheds one function of few: at the edge the change is as large as the error
-            return _ROUNDING + places + (at_edge if y == 0.0 else 0.0)
-
-        edge_error = error(0.0) if 0.0 < edge < inf else _ROUNDING
-        critical_error = error(where) if critical < inf else _ROUNDING
-        return dict(zip(_RATIOS, (edge, critical, where, edge_error, critical_error), strict=True))
 
 
 def solve_full_stick(
@@ -210,7 +141,7 @@ def solve_full_stick(
     goal : {"traction", "shear"}
         The pointwise traction, or the total shear alone.
     ratios : bool
-        Whether the ratios of traction to pressure are wanted; else they and their errors are nan.
+        Whether the ratios of traction to pressure are wanted.
 
     Returns
     -------
@@ -221,8 +152,18 @@ def solve_full_stick(
     if compliance == 0.0 and drive.contact.compliance == 0.0:
         traction = DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True))
         shear = _smooth_shear(drive)
-        error = 4.0 * ROUNDING
-        return FullStick(0.0, traction, shear, inf, inf, 0.0, error, error, error, error)
+        contact = drive.contact
+        return FullStick(
+            approach=contact.approach,
+            total_shear=shear,
+            approach_error=contact.approach_error,
+            shear_error=CLOSED_FORM_ROUNDING,
+            pressure=drive.pressure,
+            traction=traction,
+            edge_ratio=inf,
+            pressure_error=contact.pressure_error,
+            traction_error=CLOSED_FORM_ROUNDING,
+        )
     return refine(
         _StickProblem(drive, compliance, tolerance, goal, ratios), tolerance, max_unknowns
     )

@@ -20,6 +20,7 @@ from spectral_contact.contact.coupled_parts import joined
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
+    FIELD_ROUNDING,
     PANEL_WIDTH,
     ROUNDING,
     expected_error,
@@ -252,11 +253,11 @@ class _IndentationProblem(PartedProblem):
         whole_height = float(self.profile._transform(np.asarray(a))) / (2.0 * a)
         approach = whole_height + solved.shift
 
-        change, mean = solved.factored.change(solved.whole), 4.0 / pi * moment
+        change, mean = solved.factored.change(solved.whole), 4 / pi * moment
         indicators, rates = pointwise_errors(self.parts, used, solved.whole, change, mean)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
         shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
-        pressure_error = float(indicators.max()) + 20.0 * _ROUNDINGS * ROUNDING
+        pressure_error = float(indicators.max()) + _ROUNDINGS * FIELD_ROUNDING
         place = ROUNDING * max((a / (a - b) for b in self.profile.breaks if b < a), default=0.0)
         shifted += _PLACE * place * approach
         pressure_error += _PLACE_POINTWISE * place
@@ -265,15 +266,15 @@ class _IndentationProblem(PartedProblem):
         indentation = Indentation(
             a,
             a * approach,
-            4.0 * a**2 * moment,
+            4 * a**2 * moment,
             a**3 * energy,
-            4.0 * a * flat_moment,
+            4 * a * flat_moment,
             self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
             self.parts.field(series),
             self.parts.field(series_on_parts(used, solved.flat)) if self.pointwise else None,
             shifted / approach + ROUNDING,
             (shifted * flat_moment + errors.load) / moment + ROUNDING,
-            (4.0 * shifted * moment + errors.work) / energy + ROUNDING,
+            (4 * shifted * moment + errors.work) / energy + ROUNDING,
             errors.flat / flat_moment + 2.0 * ROUNDING,
             pressure_error,
         )
@@ -389,9 +390,9 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
     return Indentation(
         a,
         float(profile._transform(np.asarray(a))) / 2.0,
-        4.0 * a**2 * moment,
+        4 * a**2 * moment,
         a**3 * energy,
-        8.0 * a,
+        8 * a,
         float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
         None if pressure is None else parts.field(pressure.series),
         None,
@@ -399,7 +400,7 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
         2.0 * ROUNDING,
         2.0 * ROUNDING,
         ROUNDING,
-        inf if pressure is None else pressure.error + 20.0 * ROUNDING,
+        inf if pressure is None else pressure.error + FIELD_ROUNDING,
     )
 
 

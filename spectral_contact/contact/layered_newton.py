@@ -160,7 +160,7 @@ class LayeredNewton:
         self._rows[:, self.functions.index] = self.functions.gram
         self._scale = 1.0 / np.sqrt(self.functions.mass.diagonal())
         #: of a pressure's load, in units of the radius
-        self._load = 4.0 * pi * setting.radius**2 * self.functions.constant_moments
+        self._load = 4 * pi * setting.radius**2 * self.functions.constant_moments
         self._bracket = bracket_of(setting.profile, setting.radius, space)
         a = setting.radius
         half = float(setting.profile._transform(np.asarray(a))) / 2.0
@@ -333,10 +333,10 @@ class LayeredNewton:
         energy = self.sampling.coefficients(
             self.setting.energy(self.sampling.values(fields.overclosure))
         )
-        stored = 4.0 * a**2 * float(weights @ own.half_integral(energy))
+        stored = 4 * a**2 * float(weights @ own.half_integral(energy))
         return Totals(
-            4.0 * a**2 * float(weights @ half),
-            4.0 * a * float(weights @ own.half_integral(fields.flat)),
+            4 * a**2 * float(weights @ half),
+            4 * a * float(weights @ own.half_integral(fields.flat)),
             stored + a**3 * float(weights @ half**2),
             fields.shift,
         )

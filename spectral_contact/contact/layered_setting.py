@@ -171,7 +171,7 @@ def _turn(profile: Profile, layer: Layer, approach: float) -> float:
 
     def beyond(radius: float) -> bool:
         half = float(profile._transform(np.array(radius))) / 2.0
-        pressure = 4.0 * _SHARE * half / (pi * radius)
+        pressure = 4 * _SHARE * half / (pi * radius)
         return pressure > float(layer._pressure(np.array(approach - half)))
 
     with np.errstate(over="ignore"):

@@ -5,11 +5,17 @@ from __future__ import annotations
 from bisect import bisect
 from dataclasses import dataclass
 from math import log
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Layout", "logit_at"]
+from spectral_contact.fields.series import CENTRE, EDGE, Radius
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.slip_displacement import Stuck
+
+__all__ = ["Layout", "SolvedZones", "logit_at"]
 
 
 def logit_at(x: float) -> float:
@@ -35,11 +41,6 @@ class Layout:
     states: tuple[int, ...]
     slopes: NDArray[np.float64] | None = None
 
-    def mended(self, missing: tuple[tuple[float, float], ...]) -> Layout | None:
-        """Return the layout with stick where it is missing, or None if that makes no zone."""
-        layout = self.with_stick(missing)
-        return layout if len(layout.states) > len(self.states) else None
-
     def with_stick(self, intervals: tuple[tuple[float, float], ...]) -> Layout:
         """Return the layout with further stick in intervals of slip.
 
@@ -64,3 +65,58 @@ class Layout:
         further = [0, self.states[zone]][: len(ends)]
         states = [*self.states[: zone + 1], *further, *self.states[zone + 1 :]]
         return Layout(tuple(logits), tuple(states))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolvedZones:
+    """The solution on given zones for unit load, before it is held against the friction law.
+
+    Without elastic coupling everything tangential is for kappa = 1.
+
+    Attributes
+    ----------
+    radii : tuple of Radius
+        Boundaries between zones, outward.
+    states : tuple of int
+        0 for stick, +1 or -1 for slip with this sign of the traction.
+    approach, total_shear : float
+        ``delta*`` and ``Q*``.
+    stuck : list of Stuck
+        Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
+    approach_error, shear_error, pressure_error, traction_error : float
+        Estimates of relative errors; those of the fields, p and q/s, are pointwise.
+    radius_error, zones_error : float
+        Of ``c``, and the largest one of all boundaries, from the centre and from the edge;
+        infinite if a zone may not be there.
+    loose : float
+        By what share of a slip zone its ends may be off, at the most.
+    stray : float
+        Estimate of the largest error of E.
+    slopes : ndarray
+        By how much the conditions of the boundaries rise with their logits.
+    """
+
+    radii: tuple[Radius, ...]
+    states: tuple[int, ...]
+    approach: float
+    total_shear: float
+    stuck: list[Stuck]
+    approach_error: float
+    shear_error: float
+    pressure_error: float
+    traction_error: float
+    radius_error: float
+    zones_error: float
+    loose: float
+    stray: float
+    slopes: NDArray[np.float64]
+
+    @property
+    def bounds(self) -> tuple[Radius, ...]:
+        """Ends of the zones, from the centre to the edge."""
+        return CENTRE, *self.radii, EDGE
+
+    @property
+    def layout(self) -> Layout:
+        """The zones, as a like scene may begin with them."""
+        return Layout(tuple(one.logit for one in self.radii), self.states, self.slopes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
+    CLOSED_FORM_ROUNDING,
+    FIELD_ROUNDING,
     ROUNDING,
     decay_rates,
     expected_error,
@@ -29,7 +31,7 @@ Array = NDArray[np.float64]
 #: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
 SMALL_COMPLIANCE = 1e-2
 #: With ``1/sqrt(y + WEIGHT_SHIFT * c)`` the weight alone has the right edge value as c -> 0.
-WEIGHT_SHIFT = 4.0 / pi
+WEIGHT_SHIFT = 4 / pi
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,21 +73,6 @@ class NormalContact:
     lesser: NormalContact | None = None
     rate: float = 0.0
 
-    @property
-    def coarser(self) -> NormalContact:
-        """The contact without its last change."""
-        change = self.change
-        if change is None or self.pressure.series is None or change.pressure.series is None:
-            return self
-        series = self.pressure.series.minus(change.pressure.series)
-        return replace(
-            self,
-            pressure=PressureField(self.pressure.weight, series),
-            coefficients=self.coefficients - change.coefficients,
-            change=None,
-            lesser=None,
-        )
-
 
 class _NormalProblem:
     """Spaces for the normal problem; see `solve_normal` for the goals."""
@@ -95,7 +82,7 @@ class _NormalProblem:
         self.tolerance = tolerance
         self.pointwise, self.drives = goal != "approach", goal == "drive"
         small = compliance < SMALL_COMPLIANCE and self.pointwise
-        self.weight = EdgeWeight(4.0 / pi, WEIGHT_SHIFT * compliance) if small else None
+        self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if small else None
 
     def start(self) -> Resolution:
         layer = max(-log(self.compliance), 0.0)
@@ -132,7 +119,7 @@ class _NormalProblem:
         if self.pointwise:
             shares = share_of_change(panels, change.coefficients * approach, pressure.at_ends())
             indicators = expected_error(shares, rates)
-            pressure_error = float(indicators.max()) + 20.0 * ROUNDING
+            pressure_error = float(indicators.max()) + FIELD_ROUNDING
             error = pressure_error
             worst = float(rates[np.argmax(indicators)])
             if self.drives:
@@ -187,7 +174,9 @@ def solve_normal(
     """
     if compliance == 0.0:
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
-        return NormalContact(0.0, 0.125, pressure, None, np.zeros(0), ROUNDING, 4.0 * ROUNDING)
+        return NormalContact(
+            0.0, 1 / 8, pressure, None, np.zeros(0), ROUNDING, CLOSED_FORM_ROUNDING
+        )
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)
 
 

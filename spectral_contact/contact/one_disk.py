@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.layout import SolvedZones
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
     LEAST_RATE,
@@ -50,6 +50,7 @@ from spectral_contact.contact.stick_radius import (
     bracketed_root,
     polished_root,
     root_near,
+    slope_at,
 )
 from spectral_contact.fields.series import EDGE, DiskSeries, Radius
 from spectral_contact.spectral.galerkin import Factored, disk_operators
@@ -62,51 +63,29 @@ Array = NDArray[np.float64]
 _NEAR = 1e-5
 #: That from which the small spaces start.
 _ROUGH = 0.03
+#: Share of the tolerance to which the slope at a guess is found.
+_GUESSED = 0.01
 #: Compliance of the disk above which rounding of q/s at the centre is that of any place.
 _SOFT = 0.1
+#: Tolerance of trials that only look for the radius, or carry a change.
+_ROUGHLY = 1e-3
 
 
-@dataclass(frozen=True, slots=True)
-class OneDisk:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OneDisk(SolvedZones):
     """Partial slip with one stick disk, for kappa = 1.
 
     Attributes
     ----------
-    radius : Radius
-        ``c*``.
     traction : DiskSeries
         ``q*/kappa`` on the stick disk.
-    total_shear : float
-        ``Q*/kappa`` of the whole contact.
-    traction_error, shear_error : float
-        Estimates of relative errors.
-    radius_error, edge_error : float
-        Estimates of the relative errors of ``c`` and of ``1 - c``.
-    stuck : Stuck
-        Quadrature of ``t^2 E dt`` over the disk, for the displacement outside it.
-    depth : float
-        ``-ln`` of the smallest scaled distance from the rim that was resolved.
-    stray : float
-        Estimate of the largest error of E.
-    slope : float
-        By what the condition of continuity rises with ``ln(c**2/(1 - c**2))``.
     friction : float
         ``f / kappa``.
     shift : float
         Estimate of the error of ``ln(c**2/(1 - c**2))``.
     """
 
-    radius: Radius
     traction: DiskSeries
-    total_shear: float
-    traction_error: float
-    shear_error: float
-    radius_error: float
-    edge_error: float
-    stuck: Stuck
-    depth: float
-    stray: float
-    slope: float
     friction: float
     shift: float
 
@@ -141,8 +120,11 @@ class OneDiskProblem:
         self.begin(drive, beta, friction, tolerance)
         if guess is not None:  # in a space that sees a narrow annulus
             space = self._resolution(guess, tolerance)
-            ends = [self._trial(space, guess + h, 0.01 * tolerance).mismatch for h in (-0.05, 0.05)]
-            self.logit, self.slope = guess, (ends[1] - ends[0]) / 0.1
+
+            def mismatch(logit: float) -> float:
+                return self._trial(space, logit, _GUESSED * tolerance).mismatch
+
+            self.logit, self.slope = guess, slope_at(mismatch, guess)
             return
         if near is not None and beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
             self.logit, self.slope = root_near(self._rough_mismatch, *near, _NEAR)
@@ -209,7 +191,7 @@ class OneDiskProblem:
         of its displacement; what is added for less is fitted.
         """
         radius = Radius.from_logit(logit)
-        source = SlipSource([self.drive.pressure], radius, EDGE, self.alpha, 1e-3, radius.rest)
+        source = SlipSource([self.drive.pressure], radius, self.alpha, _ROUGHLY, radius.rest)
         mismatch = self.drive.value(radius.rest)
         mismatch -= self.friction * float(source.at_rim[0])
         if self.beta > 0.0:
@@ -221,7 +203,7 @@ class OneDiskProblem:
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
-        return self._trial(self._resolution(logit, 1e-3), logit, 1e-3).mismatch
+        return self._trial(self._resolution(logit, _ROUGHLY), logit, _ROUGHLY).mismatch
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
         """Return the first space for a disk of this radius."""
@@ -256,15 +238,13 @@ class OneDiskProblem:
 
         Each may have a friction of its own.
         """
-        panels, correct = resolution.panels, tolerance < 1e-3
+        panels, correct = resolution.panels, tolerance < _ROUGHLY
         pressures = [drive.pressure for drive in drives]
         samples = factored.space.operator.disk.samples
         nearest = radius.square * float(samples.distances[-1])
-        source = SlipSource(
-            pressures, radius, EDGE, self.alpha, tolerance, nearest, samples=samples
-        )
-        sources = [(friction, source)]
-        balance, sampled = rim_target(drives, radius, sources, samples, keep=self.beta > 0.0)
+        source = SlipSource(pressures, radius, self.alpha, tolerance, nearest, samples=samples)
+        keep = self.beta > 0.0
+        balance, sampled = rim_target(drives, radius, friction, source, samples, keep=keep)
         values, unresolved = samples.interpolate(sampled), samples.unresolved(sampled)
         rim, unit, slipping, response = -balance, 0.0, friction * source.at_rim, None
         solved = factored.solve(values, correct=correct)
@@ -344,7 +324,7 @@ class OneDiskProblem:
             shift = kept * max(limits) / abs(trial.unit)
         changes = self.drive.changes
         if changes:
-            trials = self.at(changes, resolution, radius, trial.factored, 1e-3, self.friction)
+            trials = self.at(changes, resolution, radius, trial.factored, _ROUGHLY, self.friction)
             moved = trials[0]
             share = float(share_of_change(panels, moved.coefficients, series.at_ends()).max())
             error += propagated * share
@@ -363,7 +343,9 @@ class OneDiskProblem:
             shift += max(6.0 * settling, 3.0 if deep else 0.0) * max(swayed)
             if deep and trial.unit > 0.0 and normal.change is not None:
                 # the change may vanish at the rim itself, what the tail lacks does not
-                shift += 3.0 * self.friction * _largest_in_tail(normal.change) / trial.unit
+                assert normal.change.pressure.series is not None
+                largest = float(np.abs(normal.change.pressure.series.tail).sum())
+                shift += 3.0 * self.friction * largest / trial.unit
             lost += settling * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
@@ -375,27 +357,27 @@ class OneDiskProblem:
         disk = space.operator.disk
         lost_misfit = Stuck.disk(radius, disk, space.half_integral(change))
         stray += SAFETY * own * largest_displacement([lost_misfit], radius, EDGE)
+        radius_error, edge_error = boundary_error(shift, radius)
         value = OneDisk(
-            radius,
-            DiskSeries(radius, series),
-            shear,
-            error,
-            lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
-            *boundary_error(shift, radius),
-            Stuck.disk(radius, disk, misfit),
-            panels.panels * panels.width,
-            stray,
-            self.slope,
-            self.friction,
-            shift,
+            radii=(radius,),
+            states=(0, 1),
+            approach=normal.approach,
+            total_shear=shear,
+            stuck=[Stuck.disk(radius, disk, misfit)],
+            approach_error=normal.approach_error,
+            shear_error=lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
+            pressure_error=normal.pressure_error,
+            traction_error=error,
+            radius_error=radius_error,
+            zones_error=max(radius_error, edge_error),
+            loose=edge_error,
+            stray=stray,
+            slopes=np.array([[self.slope]]),
+            traction=DiskSeries(radius, series),
+            friction=self.friction,
+            shift=shift,
         )
         return Attempt(value, error, indicators, rates, space.unknowns)
-
-
-def _largest_in_tail(change: NormalContact) -> float:
-    """Return the largest modulus of a change of the pressure beyond the last panel."""
-    assert change.pressure.series is not None
-    return float(np.abs(change.pressure.series.tail).sum())
 
 
 def solve_one_disk(

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp, inf, log, sqrt
-from typing import TYPE_CHECKING
+from math import inf, log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.full_stick import FullStick
-from spectral_contact.fields.series import PressureField
+from spectral_contact.contact.layout import Layout, logit_at
+from spectral_contact.contact.ratio import FullStick
+from spectral_contact.contact.resolution import places
+from spectral_contact.fields.series import PressureField, Radius
+from spectral_contact.spectral.parameters import Parameters
 
-if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_stick import CoupledStick
-
-__all__ = ["UNRESOLVED_SLIP", "depth_of", "full_stick_violations", "unresolved_slip"]
+__all__ = ["UNRESOLVED_SLIP", "exceeded", "full_stick_violations", "is_narrow", "unresolved_slip"]
 
 Array = NDArray[np.float64]
 
@@ -26,9 +24,13 @@ UNRESOLVED_SLIP = 1e-6
 #: Slip is wider than the place where full stick breaks the law: less than twice where that widens
 #: like a square root of what the friction lacks, and less than four times where like that itself.
 _WIDENED = 4.0
+#: Slip narrower than this, as a logit, may fall between rings; full stick has its place then.
+_NARROW = 0.25
+#: The places next to the largest ratio that are looked at.
+_CLOSEST = 1e-10
 
 
-def unresolved_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> float:
+def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
     """Return the relative error of a stick radius of 1 where slip is about to start.
 
     The friction is so close to critical that the errors decide: there may be slip wherever full
@@ -36,27 +38,45 @@ def unresolved_slip(drive: Drive, stick: FullStick, beta: float, friction: float
     """
     if stick.critical == inf:
         return UNRESOLVED_SLIP
-    lack = max(1.0 - friction / stick.critical, 0.0) + 2.0 * stick.critical_error
-    depth = depth_of(drive.contact.compliance, beta, friction)
-    least = stick.critical * (1.0 - min(_WIDENED * lack, 1.0))
-    intervals = full_stick_violations(drive.pressure, stick, least, depth)
-    if not intervals:
+    lack = max(1.0 - parameters.friction / stick.critical, 0.0) + 2.0 * stick.critical_error
+    first = exceeded(stick, parameters, stick.critical * (1.0 - min(_WIDENED * lack, 1.0))).logits
+    if not first:
         return UNRESOLVED_SLIP
-    y = exp(-intervals[0][0])
-    radius = sqrt(1.0 - y)
-    return max(UNRESOLVED_SLIP, y / (1.0 + radius) / radius)
+    radius = Radius.from_logit(first[0])
+    return max(UNRESOLVED_SLIP, radius.from_edge / radius.value)
 
 
-def depth_of(alpha: float, beta: float, friction: float) -> float:
+def exceeded(stick: FullStick, parameters: Parameters, friction: float | None = None) -> Layout:
+    """Return slip where full stick exceeds friction, or another one, and stick elsewhere."""
+    if stick.pressure is None or stick.traction is None:
+        return Layout((), (0,))
+    depth, friction = _depth(parameters), parameters.friction if friction is None else friction
+    found = full_stick_violations(stick.pressure, stick, friction, depth)
+    ends = [x for interval in found for x in interval if x < inf]
+    middles = np.array([(low + min(high, depth)) / 2.0 for low, high in found])
+    s = np.sqrt(-np.expm1(-middles))
+    signs = np.sign(stick.traction(s, np.exp(-middles) / (1.0 + s))).astype(int).tolist()
+    states = [one for sign in signs for one in (0, sign)] + [0] * (len(ends) == 2 * len(found))
+    return Layout(tuple(logit_at(one) for one in ends), tuple(states))
+
+
+def is_narrow(layout: Layout) -> bool:
+    """Return whether all slip is inside, and so narrow that it may fall between rings."""
+    widths = np.diff(layout.logits)[::2]
+    return len(layout.logits) == 2 * len(widths) and max(widths, default=inf) < _NARROW
+
+
+def _depth(parameters: Parameters) -> float:
     """Return the ``x`` below which nothing changes any more."""
-    if alpha == 0.0:
+    alpha, beta, kappa, friction = parameters
+    if alpha == 0.0 < beta:
         # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
-        return 2.0 * max(-log(min(friction, 1.0) * min(beta, 1.0)), 0.0) + 12.0
-    return max(-log(min(alpha, beta, 1.0)), 0.0) + 30.0
+        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + 12.0
+    return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + 30.0
 
 
 def full_stick_violations(
-    pressure: PressureField, stick: FullStick | CoupledStick, friction: float, depth: float
+    pressure: PressureField, stick: FullStick, friction: float, depth: float
 ) -> list[tuple[float, float]]:
     """Return the intervals of ``x = -ln y`` where full stick breaks |q| <= f p, as (low, high)."""
     traction = stick.traction
@@ -70,11 +90,10 @@ def full_stick_violations(
             ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
         return np.asarray(np.minimum(ratio, 2.0 * friction) - friction)
 
-    x = np.linspace(1e-3, depth, 4001)
+    x = places(depth, 4001)
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
-    near = peak + np.concatenate(
-        [-np.geomspace(1e-10, 1.0, 200), [0.0], np.geomspace(1e-10, 1.0, 200)]
-    )
+    aside = np.geomspace(_CLOSEST, 1.0, 200)
+    near = peak + np.concatenate([-aside, [0.0], aside])
     x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))
     above = excess(x) > 0.0
     intervals: list[tuple[float, float]] = []

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.full_stick import FullStick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
+from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
@@ -30,7 +30,8 @@ from spectral_contact.contact.slip_outcome import (
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
-from spectral_contact.solution import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
+from spectral_contact.fields.series import Radius
+from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
@@ -50,6 +51,8 @@ _NARROWEST = 1e-3
 _NO_EDGE = 1e-80
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
+#: How often rings at boundaries are split into four.
+_SPLITS = 3
 
 
 def solve_partial_slip(
@@ -117,7 +120,7 @@ class _Search:
         failed = not best.consistent or error > self.tolerance
         critical = self.stick.critical * (1.0 - self.stick.critical_error)
         if failed and self.friction > critical:
-            return no_slip(self.drive, self.stick, self.beta, self.friction)
+            return no_slip(self.stick, self._parameters)
         return best
 
     def _best(self) -> PartialSlip:
@@ -143,6 +146,10 @@ class _Search:
         """
         return self.drive.contact.compliance == 0.0 and self.beta > 0.0
 
+    @property
+    def _parameters(self) -> Parameters:
+        return Parameters(self.drive.contact.compliance, self.beta, 1.0, self.friction)
+
     def _first(self) -> PartialSlip | None:
         """Return one stick disk, or what is known to be there instead."""
         if self._smooth and (self.friction * self.beta) ** 2 >= _NO_EDGE:
@@ -156,7 +163,7 @@ class _Search:
             if missing.at_centre:
                 return all_slip(self.drive, self.beta, self.friction, self.tolerance)
             if self.beta == 0.0:
-                return no_slip(self.drive, self.stick, self.beta, self.friction)
+                return no_slip(self.stick, self._parameters)
             return None
 
     def _least_wrong(self, first: PartialSlip | None, searched: list[PartialSlip]) -> PartialSlip:
@@ -167,7 +174,7 @@ class _Search:
             searched = [one for one in searched if one.consistent and one.slip_error < inf]
         found += searched
         if not found:  # slip about to start, thinner than its own conditioning
-            return no_slip(self.drive, self.stick, self.beta, self.friction)
+            return no_slip(self.stick, self._parameters)
         best = min(found, key=lambda outcome: outcome.violation)
         if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
             best = replace(best, zones_error=max(best.zones_error, 1.0))
@@ -207,18 +214,36 @@ class _Search:
         return outcomes
 
     def _layouts(self, first: PartialSlip | None) -> Iterator[Layout | None]:
-        """Guess zones: where one disk lacks stick, then those of a search."""
-        from spectral_contact.contact.zone_search import search_zones
-
+        """Guess zones: where one disk lacks stick, then others, of every kind once."""
         seen: set[tuple[int, ...]] = set()
         if first is not None:
             seen.add((0, 1))
             yield first.mended
-        radius = None if first is None else first.zones[0].outer
-        for layout in search_zones(self.drive, self.stick, self.beta, self.friction, radius):
+        for layout in self._guesses(None if first is None else first.zones[0].outer):
             if layout.states not in seen:
                 seen.add(layout.states)
                 yield layout
+
+    def _guesses(self, radius: float | None) -> Iterator[Layout]:
+        """Yield zones on rings, and those where full stick breaks the law, which rings may miss.
+
+        The radius of one disk is for disks smaller than a ring.
+        """
+        from spectral_contact.contact.active_set import ring_layout
+        from spectral_contact.contact.onset import exceeded, is_narrow
+
+        alpha, beta, _, friction = self._parameters
+        slips = exceeded(self.stick, self._parameters)
+        if is_narrow(slips):
+            yield slips
+        found = ring_layout(alpha, beta, friction, 1.0, False, splits=_SPLITS)
+        logits = tuple(one.logit for one in found.boundaries)
+        if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
+            centre = 2.0 * beta * friction if radius is None else radius
+            yield Layout((Radius(centre, 1.0 - centre).logit, *logits), (0, *found.states))
+        elif found.states[-1] == 0 or not self._smooth:  # a smooth edge sticks, if below rings
+            yield Layout(logits, found.states)
+        yield slips
 
     def _on(self, layout: Layout) -> PartialSlip | None:
         """Return the solution on zones like these, if there is one."""
@@ -238,7 +263,7 @@ class _Search:
         ):  # a zone about to vanish: its ends coincide
             return None
         zones: CoupledZones = self.record(ZONE_SEARCH, refinement, begin)
-        return zones_outcome(self.drive, zones, self.beta, self.friction)
+        return zones_outcome(zones, self._parameters, self.drive)
 
     def _zones(self, layout: Layout) -> Refinement[CoupledZones]:
         """Solve on zones like these."""
@@ -251,7 +276,7 @@ class _Search:
         if max(solved.shear_error, solved.radius_error) <= self.tolerance:
             return loose
         try:
-            return self._solved(replace(solved.layout, slopes=solved.slopes), self.tolerance)
+            return self._solved(solved.layout, self.tolerance)
         except NoBoundariesError:  # nothing better is found near by
             return loose
 
@@ -259,11 +284,10 @@ class _Search:
         """Solve on zones like these, with fields to a tolerance."""
         from spectral_contact.contact.coupled_problem import CoupledProblem
 
-        parameters = Parameters(self.drive.contact.compliance, self.beta, 1.0, self.friction)
         # the search for boundaries that are not there ends at the edge, past rounding
         with np.errstate(all="ignore"):
             problem = CoupledProblem(
-                parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
+                self._parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
             )
             return refine(problem, tolerance, self.max_unknowns)
 
@@ -281,7 +305,7 @@ class _Search:
         except (np.linalg.LinAlgError, ArithmeticError):  # they have other zones
             return None
         zones = refinement.best.value
-        outcome = zones_outcome(self.drive, zones, self.beta, self.friction)
+        outcome = zones_outcome(zones, self._parameters, self.drive)
         error = max(zones.traction_error if self.pointwise else 0.0, zones.shear_error)
         if not outcome.settled or outcome.slip_error == inf or error > self.tolerance:
             return None

@@ -1,7 +1,9 @@
-"""The ratio of traction to pressure in full stick: at the edge, and at its largest."""
+"""Full stick, with elastic coupling or without, and its ratio of traction to pressure."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from math import inf
 from typing import NamedTuple
 
@@ -9,24 +11,108 @@ import numpy as np
 from numpy.polynomial.legendre import legder
 from numpy.typing import NDArray
 
+from spectral_contact.contact.resolution import (
+    CLOSED_FORM_ROUNDING,
+    FIELD_ROUNDING,
+    panel_of,
+    places,
+)
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
+from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["AT_ONE_PLACE", "LargestRatio", "largest_ratio"]
+__all__ = ["FullStick", "LargestRatio", "largest_ratio"]
 
 Array = NDArray[np.float64]
 
 #: A share bounds the change on its whole panel by moduli of coefficients. At the place of the
 #: largest q/p that is too much by far: without this factor the estimate was 34 times the error at
 #: the least, over 45 random scenes whose error exceeds rounding.
-AT_ONE_PLACE = 1.0 / 6.0
+_AT_ONE_PLACE = 1.0 / 6.0
 #: Places of the first look, and the nodes of a polynomial between two of these: as q/p is analytic
 #: in ``x`` up to an imaginary part of pi or so, that is right to rounding.
 _GRID, _POINTS = 129, 16
 _NODES, _ = gauss_rule(_POINTS)
 #: From values at the nodes to the Legendre coefficients of the slope.
 _SLOPE = legder(legendre_expansion_matrix(_POINTS, _POINTS - 1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FullStick:
+    """Full stick for unit load; without elastic coupling everything tangential is for kappa = 1.
+
+    Attributes
+    ----------
+    approach, total_shear : float
+        ``delta*`` and ``Q*``.
+    pressure : PressureField or None
+        ``p*``; None if only the two above were wanted, as with what follows.
+    traction : DiskSeries or None
+        ``q*``.
+    opening : float or None
+        Distance from the edge within which the pressure changes sign; None if it is positive.
+    edge_ratio : float or None
+        ``q/p`` at the edge; None where it has no limit or no meaning, or is not wanted.
+    critical : float
+        The largest ``|q|/p``; infinite where the pressure changes sign.
+    critical_at : float
+        ``y = 1 - s**2`` where that is.
+    approach_error, shear_error, pressure_error, traction_error : float
+        Estimates of relative errors. Those of the fields are pointwise, of p and of q/s; where
+        one of the two changes sign they are relative to the root of the sum of both squares, in
+        which the traction's has the pressure times kappa.
+    edge_error, critical_error : float
+        Estimates of the relative errors of the two ratios.
+    """
+
+    approach: float
+    total_shear: float
+    approach_error: float
+    shear_error: float
+    pressure: PressureField | None = None
+    traction: DiskSeries | None = None
+    opening: float | None = None
+    edge_ratio: float | None = None
+    critical: float = inf
+    critical_at: float = 0.0
+    pressure_error: float = inf
+    traction_error: float = inf
+    edge_error: float = CLOSED_FORM_ROUNDING
+    critical_error: float = CLOSED_FORM_ROUNDING
+
+    def with_ratios(
+        self, depth: float, shares: Iterable[tuple[LogPanels, Array]], at_edge: float
+    ) -> FullStick:
+        """Return full stick with q/p at the edge and at its largest.
+
+        Parameters
+        ----------
+        depth : float
+            ``-ln y`` down to which the maximum is looked for.
+        shares : iterable of (LogPanels, ndarray)
+            Changes of the fields on their panels, relative to them.
+        at_edge : float
+            The same at the edge: the tail sheds one function of few, so that the change is as
+            large as the error there.
+        """
+        assert self.pressure is not None
+        assert self.traction is not None
+        edge, critical, where = largest_ratio(self.pressure, self.traction, depth)
+
+        def error(y: float) -> float:
+            """Estimate the error of q/p at one place: what its panels contribute."""
+            places = sum(float(share[panel_of(panels, y)]) for panels, share in shares)
+            return FIELD_ROUNDING + _AT_ONE_PLACE * places + (at_edge if y == 0.0 else 0.0)
+
+        return replace(
+            self,
+            edge_ratio=edge,
+            critical=critical,
+            critical_at=where,
+            edge_error=error(0.0) if 0.0 < edge < inf else FIELD_ROUNDING,
+            critical_error=error(where) if critical < inf else FIELD_ROUNDING,
+        )
 
 
 class LargestRatio(NamedTuple):
@@ -68,10 +154,10 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
         edge = traction.series.limit / at_edge
         if edge == inf:
             return LargestRatio(inf, inf, 0.0)
-    x = np.linspace(1e-3, depth, _GRID)
+    x = places(depth, _GRID)
     values = ratio(x)
     i = int(np.argmax(values))
-    if values[i] <= abs(edge) * (1.0 + 4e-16):
+    if values[i] <= abs(edge) * (1.0 + 2.0 * np.finfo(float).eps):
         return LargestRatio(edge, abs(edge), 0.0)
     low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, _GRID - 1)])
     middle, half = (low + high) / 2.0, (high - low) / 2.0

@@ -10,7 +10,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.solution import Ending, RefinementStep
+from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["Attempt", "Problem", "Refinement", "Resolution", "refine"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, log
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,27 +14,35 @@ from spectral_contact.contact.refine import Resolution
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.galerkin import Change, Factored, disk_operators
 from spectral_contact.spectral.jacobi import (
     legendre_projection_matrix,
 )
 from spectral_contact.spectral.panels import LogPanels
 
+if TYPE_CHECKING:
+    from spectral_contact.spectral.galerkin import Change, Factored
+
 __all__ = [
+    "CENTRE_ROUNDS",
+    "CLOSED_FORM_ROUNDING",
+    "DEEPEST",
+    "FIELD_ROUNDING",
     "LEAST_RATE",
     "PANEL_WIDTH",
     "ROUNDING",
     "SAFETY",
+    "TINY",
     "TRACTION_ROUNDING",
     "boundary_error",
     "decay_rates",
     "expected_error",
     "functional_error",
-    "interpolate",
     "load_vector",
+    "nearness",
     "on_mesh",
     "panel_of",
     "panel_table",
+    "places",
     "series_of",
     "share_of_change",
     "starting_resolution",
@@ -45,8 +53,15 @@ Array = NDArray[np.float64]
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
-#: That of a traction, pointwise: q/s at the centre is the least accurate.
-TRACTION_ROUNDING = 30.0 * ROUNDING
+#: That of what a closed form gives, of a pressure or a ratio at one place, and of a traction,
+#: pointwise: q/s at the centre is the least accurate; and by how much more it rounds where all
+#: sticks under a pressure that is infinite at the edge, or unknown: 2.5e-13, measured.
+CLOSED_FORM_ROUNDING, FIELD_ROUNDING = 4.0 * ROUNDING, 20.0 * ROUNDING
+TRACTION_ROUNDING, CENTRE_ROUNDS = 30.0 * ROUNDING, 5.0
+#: Next to no divisor.
+TINY = float(np.finfo(float).tiny)
+#: ``-ln`` of the rounding of doubles: a boundary is not known more closely.
+DEEPEST = -log(np.finfo(float).eps)
 #: The error of a space is estimated as 1.6 * change * rate: dropping two degrees makes a change of
 #: about rate**-2 times the error. Over 4400 random scenes this is 1.1 times the true error or more.
 _POINTWISE = 1.6
@@ -64,12 +79,13 @@ LEAST_RATE = 0.25
 PANEL_WIDTH = 2.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
 _ROOT_DEPTH = 7.0
+#: The first place at which a field is looked at.
+_FIRST = 1e-3
 #: Least degree on a panel: the estimate sheds two degrees and must keep one.
 _LEAST = 2
 _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
     BoundedCache("last coefficients", 128)
 )
-_TINY = float(np.finfo(float).tiny)
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
 
@@ -122,17 +138,21 @@ def _first_space(
     # half-integer powers fall too slowly to taper the few panels above a root tail
     taper = 0.0 if root_tail else rate
     missing = np.clip(1.0 - taper * (x - layer - 2.0) / digits, 0.0, 1.0)
-    nearness = np.zeros(panels)
-    for bend in (layer, *bends):  # a bend takes more, measured 5 degrees at 1e-12
-        if bend > 1.0:
-            distance = np.abs(x + PANEL_WIDTH / 2.0 - bend) / (1.2 * PANEL_WIDTH)
-            nearness = np.maximum(nearness, np.clip(2.6 - distance, 0.0, 1.0))
-    top = top + 0.2 * digits * nearness
+    # a bend takes more, measured 5 degrees at 1e-12
+    near = [nearness(panels, bend) for bend in (layer, *bends) if bend > 1.0]
+    top = top + 0.2 * digits * np.max([np.zeros(panels), *near], axis=0)
     # what falls like exp(-x) still bends on its panel: two degrees more than its share
     degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), _LEAST)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
     mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail)
     return Resolution(mesh, tuple(degrees.tolist()))
+
+
+def nearness(panels: int, bend: float) -> Array:
+    """Return how near panels are to a bend: 1 around it, 0 from some three of them on."""
+    middles = PANEL_WIDTH * (np.arange(panels) + 0.5)
+    distance = np.abs(middles - bend) / (1.2 * PANEL_WIDTH)
+    return np.asarray(np.clip(2.6 - distance, 0.0, 1.0))
 
 
 def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
@@ -145,22 +165,6 @@ def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
     if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
         return resolution
     return Resolution(mesh, resolution.degrees + (_LEAST,) * more)
-
-
-def interpolate(panels: LogPanels, function: Callable[[Array], Array]) -> tuple[Array, float]:
-    """Return a function of ``d`` at the Galerkin nodes, sampled where it is cheap.
-
-    On every panel it is analytic in ``x``: few samples serve the many nodes.
-
-    Returns
-    -------
-    values : ndarray, shape (nodes, ...)
-    unresolved : float
-        The last two coefficients, at their largest: what the expansion leaves out is less.
-    """
-    samples = disk_operators(panels).samples
-    values = function(samples.distances)
-    return samples.interpolate(values), samples.unresolved(values)
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:
@@ -251,6 +255,11 @@ def functional_error(
     return float(parts[:-1] @ (rates * decay_rates(resolution, dual)) + parts[-1])
 
 
+def places(depth: float, count: int) -> Array:
+    """Return depths ``x = -ln d`` to look at: from next to the far end, where q/s is 0/0, on."""
+    return np.linspace(_FIRST, depth, count)
+
+
 def panel_of(panels: LogPanels, y: float) -> int:
     """Return the panel that holds the distance `y`; the last one holds the tail."""
     return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
@@ -280,7 +289,7 @@ def share_of_change(
     if panels.power != 0.0:
         d = np.exp(-panels.width * np.arange(1, panels.panels + 1))
         total, tail = total * d**panels.power, tail * panels.end**panels.power
-    size = np.maximum(np.abs(size), _TINY)
+    size = np.maximum(np.abs(size), TINY)
     share = total / np.minimum(size[1:], size[:-1])
     share[-1] = max(share[-1], tail / size[-1])
     if min(leading, known) < inf:

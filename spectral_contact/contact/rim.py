@@ -18,7 +18,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields.series import PressureField, Radius
-from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES, gap
+from spectral_contact.spectral.annulus import FAR_FIT, FAR_NODES
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
@@ -41,8 +41,8 @@ class SlipSource:
     ----------
     pressures : sequence of PressureField
         ``p*``, or changes of it: k functions, which are the columns of all results.
-    inner, outer : Radius
-        Ends of the annulus.
+    inner : Radius
+        Where the annulus begins; it ends at the edge.
     alpha : float
         ``alpha*``, the width of the layer at the edge.
     tolerance : float
@@ -58,13 +58,12 @@ class SlipSource:
         self,
         pressures: Sequence[PressureField],
         inner: Radius,
-        outer: Radius,
         alpha: float,
         tolerance: float,
         nearest: float,
         samples: Samples | None = None,
     ) -> None:
-        width = gap(inner, outer)
+        width = inner.rest
         half = width / 2.0
         points = 3 + ceil(-0.3 * log(tolerance))  # each of them wins a digit
         least = max(1e-3 * tolerance, 1e-17)
@@ -83,8 +82,8 @@ class SlipSource:
         finest = min(1.0, alpha / half) * least if alpha else least**2
         far, far_weights, gather = _graded(finest, points)
         depth = half * far
-        y = np.concatenate([inner.rest - offset, outer.rest + depth])
-        z = np.concatenate([inner.square + offset, outer.square - depth])
+        y = np.concatenate([inner.rest - offset, depth])
+        z = np.concatenate([inner.square + offset, 1.0 - depth])
         densities = PressureField.several(pressures, y)
         # with s ds = dz/2
         densities *= np.concatenate([near_weights, half * far_weights]) / (2.0 * np.sqrt(z))
@@ -207,27 +206,21 @@ def _on_panels(starts: Array, widths: Array, points: int) -> tuple[Array, Array]
     return nodes.ravel(), (nodes * (w * widths[:, None] / 2.0)).ravel()
 
 
-def disk_resolution(
-    radius: Radius, alpha: float, beta: float, tolerance: float, *, slipping: float = 1.0
-) -> Resolution:
-    """Return the first space for a stick disk: its layers are those of alpha, beta and the rim.
-
-    `slipping` is the width in ``s**2`` of a slip annulus that ends in stick: what E does next to a
-    narrow one is as large as its displacement.
-    """
+def disk_resolution(radius: Radius, alpha: float, beta: float, tolerance: float) -> Resolution:
+    """Return the first space for a stick disk: its layers are those of alpha, beta and the rim."""
     rim = max(alpha, radius.rest) / radius.square
     # without compliance the traction beyond the slip annulus is singular down to its width
     layer = (beta / radius.value) or radius.rest / radius.square
-    scales = [1.0, rim, layer, slipping / radius.square]
-    return starting_resolution(
-        -log(min(scales)), tolerance, root_tail=beta == 0.0, bends=(1.0 - log(min(rim, 1.0)),)
-    )
+    bends = (1.0 - log(min(rim, 1.0)),)
+    depth = -log(min(1.0, rim, layer))
+    return starting_resolution(depth, tolerance, root_tail=beta == 0.0, bends=bends)
 
 
 def rim_target(
     drives: Sequence[Drive],
     radius: Radius,
-    sources: list[tuple[float | Array, SlipSource]],
+    friction: float | Array,
+    source: SlipSource,
     samples: Samples,
     *,
     keep: bool,
@@ -240,9 +233,10 @@ def rim_target(
         One, or several that are solved for together: k columns.
     radius : Radius
         The rim.
-    sources : list of (float or ndarray, SlipSource)
-        Slip zones outside under the pressures of the drives, each with its sign times
+    friction : float or ndarray
         ``f / kappa``, one for all columns or one for each.
+    source : SlipSource
+        The slip zone outside, under the pressures of the drives.
     samples : Samples
         Of the disk.
     keep : bool
@@ -259,13 +253,12 @@ def rim_target(
     """
     demanded = Drive.targets_from(drives, radius, -radius.square, samples.distances)
     at_rim, far, near = (one.T for one in demanded)
-    balance = at_rim - sum(factor * source.at_rim for factor, source in sources)
+    balance = at_rim - friction * source.at_rim
     at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
     values, below = np.vstack([far - at_end, near + at_start]), radius.square * samples.distances
     split = len(far)
-    for factor, source in sources:
-        values[:split] -= factor * source.half_integral(below[:split])
-        values[split:] += factor * source.fall(below[split:])
+    values[:split] -= friction * source.half_integral(below[:split])
+    values[split:] += friction * source.fall(below[split:])
     return balance, values
 
 

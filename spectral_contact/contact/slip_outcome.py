@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -11,18 +12,17 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
+    DISTANCES,
     Interval,
-    displacement_error,
     known_share,
     loose_slip,
     missing_stick,
     obeys,
     stick_excess,
 )
-from spectral_contact.contact.full_stick import FullStick
-from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.one_disk import OneDisk
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.layout import Layout, SolvedZones
+from spectral_contact.contact.ratio import FullStick
+from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     annulus_between,
@@ -32,17 +32,21 @@ from spectral_contact.contact.slip_displacement import (
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    PressureField,
     Radius,
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.solution import Zone
-from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.records import Zone
+from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.coupled_assessment import CoupledZones
+    from spectral_contact.contact.one_disk import OneDisk
 
-__all__ = ["PartialSlip", "all_slip", "no_slip", "one_disk_outcome", "zones_outcome"]
+__all__ = ["PartialSlip", "all_slip", "everywhere", "no_slip", "one_disk_outcome", "zones_outcome"]
 
 Array = NDArray[np.float64]
 
@@ -52,24 +56,32 @@ _DOUBTFUL = 0.5
 #: A relative error of slip from which on it may be as wrong as its zone is wide: at the onset of
 #: slip inside, where an ulp of friction moves the ends by 1e-4 of the width, both fail together.
 _HARDLY_KNOWN = 0.1
+#: A violation of the friction law that other zones are to blame for, not rounding.
+_BROKEN = 1e-6
+#: The logit of a stick disk that is smaller than any that is looked for: it has all its slip.
+_POINT = -74.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PartialSlip:
-    """Traction, zones and displacement for kappa = 1, with estimates of relative errors.
+    """Fields, zones and displacement for unit load, with estimates of relative errors.
+
+    Without elastic coupling everything tangential is for kappa = 1.
 
     Attributes
     ----------
     zones : tuple of Zone
+    pressure : PressureField or ZonalField
     traction, slip : ZonalField
-    total_shear : float
-    traction_error, shear_error, radius_error, zones_error, slip_error : float
+    approach, total_shear : float
+    approach_error, pressure_error, traction_error, shear_error : float
+    radius_error, zones_error, slip_error : float
     violation : float
         By how much the friction law is broken, see `ErrorEstimates`.
     consistent : bool
         Whether the violation is within the errors.
-    searched : bool
-        Whether one stick disk was not enough.
+    amiss : str
+        What is, so much that other zones are to blame; else nothing.
     missing : tuple of (float, float)
         Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense: stick is missing.
     layout : Layout or None
@@ -77,19 +89,28 @@ class PartialSlip:
     """
 
     zones: tuple[Zone, ...]
+    pressure: PressureField | ZonalField
     traction: ZonalField
     slip: ZonalField
+    approach: float
     total_shear: float
+    approach_error: float
+    pressure_error: float
     traction_error: float
     shear_error: float
     radius_error: float
     zones_error: float
     slip_error: float
-    violation: float
-    consistent: bool
-    searched: bool
+    violation: float = 0.0
+    consistent: bool = True
+    amiss: str = ""
     missing: tuple[Interval, ...] = ()
     layout: Layout | None = None
+
+    @property
+    def searched(self) -> bool:
+        """Whether one stick disk was not enough."""
+        return len(self.zones) > 2
 
     @property
     def settled(self) -> bool:
@@ -99,101 +120,212 @@ class PartialSlip:
 
     @property
     def mended(self) -> Layout | None:
-        """The zones with the stick that is missing, if any is."""
-        return None if self.layout is None else self.layout.mended(self.missing)
+        """The zones with the stick that is missing, if that makes any."""
+        if self.layout is None:
+            return None
+        found = self.layout.with_stick(self.missing)
+        return found if len(found.states) > len(self.layout.states) else None
 
 
-def no_slip(drive: Drive, stick: FullStick, beta: float, friction: float) -> PartialSlip:
+def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     """Return full stick: the slip there is is narrower than what can be resolved."""
     from spectral_contact.contact.onset import unresolved_slip
 
-    radius_error = unresolved_slip(drive, stick, beta, friction)
-    error = max(stick.traction_error, drive.contact.pressure_error)
+    assert stick.pressure is not None
+    radius_error = unresolved_slip(stick, parameters)
     return PartialSlip(
-        (Zone.between("stick", CENTRE, EDGE),),
-        ZonalField((ZonePiece(EDGE, stick.traction),)),
-        ZonalField((ZonePiece(EDGE, None),)),
-        stick.total_shear,
-        error,
-        stick.shear_error,
-        radius_error,
-        max(radius_error, 1.0),
-        1.0,
-        0.0,
-        True,
-        False,
+        zones=(Zone.between("stick", CENTRE, EDGE),),
+        pressure=stick.pressure,
+        traction=ZonalField((ZonePiece(EDGE, stick.traction),)),
+        slip=ZonalField((ZonePiece(EDGE, None),)),
+        approach=stick.approach,
+        total_shear=stick.total_shear,
+        approach_error=stick.approach_error,
+        pressure_error=stick.pressure_error,
+        traction_error=max(stick.traction_error, stick.pressure_error),
+        shear_error=stick.shear_error,
+        radius_error=radius_error,
+        zones_error=max(radius_error, 1.0),
+        slip_error=1.0,
     )
 
 
 def all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> PartialSlip:
     """Return slip everywhere: the stick disk is smaller than 1e-65."""
-    centre = Radius.from_logit(-74.0)
-    annulus = _edge_annulus(drive, centre, beta, tolerance)
-    slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
-    fields, samples, largest, unresolved = slip_displacement(
-        [], [slipping], drive.pressure, beta, friction
+    contact = drive.contact
+    solved = SolvedZones(
+        radii=(Radius.from_logit(_POINT),),
+        states=(0, 1),
+        approach=contact.approach,
+        total_shear=friction,
+        stuck=[],
+        approach_error=contact.approach_error,
+        shear_error=0.0,
+        pressure_error=contact.pressure_error,
+        traction_error=0.0,
+        radius_error=1.0,
+        zones_error=1.0,
+        loose=0.0,
+        stray=4.0 * contact.pressure_error + tolerance * 1e-3,
+        slopes=np.zeros((1, 1)),
     )
-    error = drive.contact.pressure_error
-    stray = unresolved + 4.0 * error + tolerance * 1e-3
-    slip_error = displacement_error(drive, EDGE, stray, beta, friction, largest)
-    wrong = float(samples[0].max()) / largest
-    return PartialSlip(
-        (Zone.between("slip", CENTRE, EDGE),),
-        ZonalField((ZonePiece(EDGE, drive.pressure, friction),)),
-        ZonalField((ZonePiece(centre, None), ZonePiece(EDGE, fields[0]))),
-        friction,
-        error,
-        2.0 * ROUNDING,
-        1.0,
-        1.0,
-        slip_error,
-        max(wrong, 0.0),
-        obeys(0.0, error, wrong, slip_error),
-        False,
-    )
+    found = _to_the_edge(drive, solved, {}, 0.0, beta, friction, tolerance)
+    return replace(everywhere(found, friction), layout=None)
 
 
-def _edge_annulus(drive: Drive, inner: Radius, beta: float, tolerance: float) -> Annulus:
-    """Return the panels of a slip zone that reaches the edge."""
-    alpha = drive.contact.compliance
-    layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
-    return annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
+def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
+    """Return slip around a stick disk that is too small to be felt as slip everywhere."""
+    pressure = outcome.pressure
+    pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
+    return replace(
+        outcome,
+        zones=(Zone.between("slip", CENTRE, EDGE),),
+        traction=ZonalField(tuple(replace(one, factor=friction) for one in pieces)),
+        total_shear=friction,
+        shear_error=2.0 * ROUNDING,
+        traction_error=outcome.pressure_error,
+        radius_error=1.0,
+        zones_error=1.0,
+        missing=(),
+    )
 
 
 def one_disk_outcome(
     drive: Drive, disk: OneDisk, beta: float, friction: float, tolerance: float
 ) -> PartialSlip:
-    """Add zones, displacement and checks to the one-disk solution."""
-    radius = disk.radius
-    annulus = _edge_annulus(drive, radius, beta, tolerance)
-    pressure = drive.pressure
+    """Return the one-disk solution with its displacement, held against the friction law."""
+    assert disk.traction.series is not None
+    q = np.sqrt(1.0 - DISTANCES) * disk.traction.series(DISTANCES)
+    p = drive.pressure.at(disk.radii[0].rest + disk.radii[0].square * DISTANCES)
+    excess = stick_excess(friction, [(q, p)])
+    return _to_the_edge(drive, disk, {0: disk.traction}, excess, beta, friction, tolerance)
+
+
+def zones_outcome(
+    solved: CoupledZones,
+    parameters: Parameters,
+    drive: Drive | None = None,
+    *,
+    felt: bool = True,
+) -> PartialSlip:
+    """Return the solution on any zones with its displacement, held against the friction law.
+
+    Parameters
+    ----------
+    solved : CoupledZones
+    parameters : Parameters
+    drive : Drive, optional
+        Of the pressure, if it was given.
+    felt : bool
+        Whether what sticks is; if not, it is a point, and not looked at.
+    """
+    from spectral_contact.contact import zone_fields as fields
+
+    slipping, lost = solved.slipping
+    solved, given = replace(solved, stray=solved.stray + lost), None
+    if drive is not None:
+        given, own = drive.pressure, drive.contact
+        solved = replace(solved, approach=own.approach, approach_error=own.approach_error)
+        solved = replace(solved, pressure_error=own.pressure_error)
+    sticks = dict(fields.stick_series(solved.states, solved.bounds, solved.shears)) if felt else {}
+    excess = stick_excess(parameters.friction, fields.in_stick(solved, given) if felt else ())
+    pressure = given or fields.pressure_field(solved, parameters)
+    found = _held(solved, pressure, sticks, excess, slipping, parameters)
+    opens = given is None and not fields.positive(solved)
+    return replace(found, amiss="the pressure is not positive") if opens else found
+
+
+def _to_the_edge(
+    drive: Drive,
+    solved: SolvedZones,
+    sticks: dict[int, DiskSeries | AnnulusSeries],
+    excess: float,
+    beta: float,
+    friction: float,
+    tolerance: float,
+) -> PartialSlip:
+    """Return a stick disk with slip between it and the edge, held against the friction law."""
+    alpha, inner = drive.contact.compliance, solved.radii[0]
+    layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
+    annulus = annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
     slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
+    parameters = Parameters(alpha, beta, 1.0, friction)
+    return _held(solved, drive.pressure, sticks, excess, [slipping], parameters)
+
+
+def _held(
+    solved: SolvedZones,
+    pressure: PressureField | ZonalField,
+    sticks: dict[int, DiskSeries | AnnulusSeries],
+    excess: float,
+    slipping: list[Slipping],
+    parameters: Parameters,
+) -> PartialSlip:
+    """Return zones with displacement and checks; `excess` is that of the traction in stick.
+
+    An error e of E moves the displacement by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) =
+    e s/4``, taken four times because E is seen at its nodes only; one of the pressure by beta f p
+    times its own; 1/(2 pi) bounds every term for the rounding.
+    """
+    _, beta, _, friction = parameters
     fields, samples, largest, unresolved = slip_displacement(
-        [disk.stuck], [slipping], pressure, beta, friction
+        solved.stuck, slipping, pressure, beta, friction
     )
-    traction = ZonalField((ZonePiece(radius, disk.traction), ZonePiece(EDGE, pressure, friction)))
-    slip = ZonalField((ZonePiece(radius, None), ZonePiece(EDGE, fields[0])))
-    excess = stick_excess(disk.traction, pressure, friction, CENTRE, radius, disk.depth)
-    error = max(disk.traction_error, drive.contact.pressure_error)
-    slip_error = displacement_error(drive, EDGE, disk.stray + unresolved, beta, friction, largest)
-    wrong, loose = float(samples[0].max()) / largest, loose_slip(disk.edge_error)
-    allowed = slip_error + min(loose, 0.5)
+    slips, bounds = iter(fields), list(pairwise(solved.bounds))
+    zones, traction, displacement = [], [], []
+    for k, (state, (inner, outer)) in enumerate(zip(solved.states, bounds, strict=True)):
+        zones.append(Zone.between("slip" if state else "stick", inner, outer))
+        if state:
+            own = pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
+            traction.append(ZonePiece(outer, own, state * friction))
+        else:
+            traction.append(ZonePiece(outer, sticks.get(k)))
+        displacement.append(ZonePiece(outer, next(slips) if state else None))
+    stray = solved.stray + unresolved + FIELD_ROUNDING / (2.0 * np.pi)
+    if beta > 0.0:  # p is largest at the outermost slip end
+        last = max(k for k, state in enumerate(solved.states) if state)
+        highest = float(pressure.at(np.array(bounds[last][1].rest)))
+        stray += beta * friction * highest * solved.pressure_error
+    largest = max(largest, TINY)
+    known, loose = known_share(stray / largest), loose_slip(solved.loose)
+    wrong, allowed = max(float(one.max()) for one in samples) / largest, known + min(loose, 0.5)
+    error = max(solved.traction_error, solved.pressure_error)
+    slip_error = known_share(known + loose)
+    missing = tuple(
+        interval
+        for zone, field, sample in zip(slipping, fields, samples, strict=True)
+        for interval in missing_stick(
+            zone.annulus, sample, largest, zone.sign * field.toward_outer.limit, allowed
+        )
+    )
     return PartialSlip(
-        (Zone.between("stick", CENTRE, radius), Zone.between("slip", radius, EDGE)),
-        traction,
-        slip,
-        disk.total_shear,
-        error,
-        disk.shear_error,
-        disk.radius_error,
-        max(disk.radius_error, disk.edge_error),
-        known_share(slip_error + loose),
-        max(excess, wrong, 0.0),
-        obeys(excess, error, wrong, allowed),
-        False,
-        missing_stick(annulus, samples[0], largest, fields[0].toward_outer.limit, allowed),
-        Layout((radius.logit,), (0, 1), np.array([[disk.slope]])),
+        zones=tuple(zones),
+        pressure=pressure,
+        traction=ZonalField(tuple(traction)),
+        slip=ZonalField(tuple(displacement)),
+        approach=solved.approach,
+        total_shear=solved.total_shear,
+        approach_error=solved.approach_error,
+        pressure_error=solved.pressure_error,
+        traction_error=error,
+        shear_error=solved.shear_error,
+        radius_error=solved.radius_error,
+        zones_error=max(solved.zones_error, _unknown_width(slip_error, zones)),
+        slip_error=slip_error,
+        violation=max(excess, wrong, 0.0),
+        consistent=obeys(excess, error, wrong, allowed),
+        amiss=_amiss(excess, wrong, allowed),
+        missing=missing,
+        layout=solved.layout,
     )
+
+
+def _amiss(excess: float, wrong: float, allowed: float) -> str:
+    """Return what other zones are to blame for."""
+    if not excess <= _BROKEN:
+        return "the traction in stick exceeds friction"
+    # where no digit of the slip is known its sense is not
+    return "" if wrong <= max(_BROKEN, allowed) else "the surface slips with the traction"
 
 
 def _unknown_width(slip_error: float, zones: list[Zone]) -> float:
@@ -203,60 +335,3 @@ def _unknown_width(slip_error: float, zones: list[Zone]) -> float:
     inside = (z for z in zones if z.kind == "slip" and z.outer_from_edge > 0.0)
     widths = ((z.inner_from_edge - z.outer_from_edge) / z.outer_from_edge for z in inside)
     return min(slip_error, 1.0) * max(widths, default=0.0)
-
-
-def zones_outcome(drive: Drive, solved: CoupledZones, beta: float, friction: float) -> PartialSlip:
-    """Add displacement and checks to the solution on any zones."""
-    from spectral_contact.contact.coupled_outcome import stick_series, with_misfits
-
-    pressure = drive.pressure
-    slipping, lost = with_misfits(solved, solved.slipping)
-    fields, samples, largest, unresolved = slip_displacement(
-        solved.stuck, slipping, pressure, beta, friction
-    )
-    slips, bounds = iter(fields), solved.bounds
-    sticks = dict(stick_series(solved.states, bounds, solved.shear))
-    traction, displacement, zones, excess = [], [], [], 0.0
-    for k, (state, inner, outer) in enumerate(zip(solved.states, bounds, bounds[1:], strict=False)):
-        zones.append(Zone.between("stick" if state == 0 else "slip", inner, outer))
-        if state == 0:
-            traction.append(ZonePiece(outer, sticks[k]))
-            displacement.append(ZonePiece(outer, None))
-            beyond = stick_excess(sticks[k], pressure, friction, inner, outer, solved.depth)
-            excess = max(excess, beyond)
-        else:
-            traction.append(ZonePiece(outer, pressure, state * friction))
-            displacement.append(ZonePiece(outer, next(slips)))
-    error = max(solved.traction_error, drive.contact.pressure_error)
-    outermost = [o for s, o in zip(solved.states, bounds[1:], strict=True) if s != 0][-1]
-    stray, loose = solved.stray + lost + unresolved, solved.loose_ends
-    slip_error = displacement_error(drive, outermost, stray, beta, friction, largest)
-    wrong, allowed = max(float(v.max()) for v in samples) / largest, slip_error + min(loose, 0.5)
-    slip_share = known_share(slip_error + loose)
-    return PartialSlip(
-        tuple(zones),
-        ZonalField(tuple(traction)),
-        ZonalField(tuple(displacement)),
-        solved.total_shear,
-        error,
-        solved.shear_error,
-        solved.radius_error,
-        max(solved.zones_error, _unknown_width(slip_share, zones)),
-        slip_share,
-        max(excess, wrong, 0.0),
-        # zones whose ends say nothing of the sense are not taken for granted
-        obeys(excess, error, wrong, allowed),
-        True,
-        tuple(
-            interval
-            for zone, field, sample in zip(slipping, fields, samples, strict=True)
-            for interval in missing_stick(
-                zone.annulus,
-                sample,
-                largest,
-                zone.sign * field.toward_outer.limit,
-                allowed,
-            )
-        ),
-        replace(solved.layout, slopes=solved.slopes),
-    )

@@ -13,6 +13,7 @@ __all__ = [
     "bracketed_root",
     "polished_root",
     "root_near",
+    "slope_at",
 ]
 
 #: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
@@ -22,6 +23,8 @@ SETTLED = 1e-15
 #: A change of the condition as small as this after a step as short as this is rounding by one
 #: per cent, and no slope follows.
 _NOISE, _SHORT = 1e-13, 1e-3
+#: Half the step of a difference that is a slope to two digits.
+_BESIDE = 0.05
 #: Steps of the secant, of which 4 are enough but next to onsets.
 _SECANTS = 10
 
@@ -51,13 +54,9 @@ def root_near(
 ) -> tuple[float, float]:
     """Return a rough root in logit(c**2), and the slope there; else that of a bracket.
 
-    Below the least logit none is looked for.
-
-    The slope is a guess at first, and steps are no longer than a longest one.
-
-    The root of the parabola of x over the last three values, whose error is estimated by the
-    product of their distances from it. The slope is a guess at first: no step is longer than
-    `longest` then.
+    Below the least logit none is looked for. The root is that of the parabola of x over the last
+    three values; its error is estimated by the product of their distances from it. The slope is a
+    guess at first: no step is longer than `longest` then.
     """
     if slope == 0.0:
         return bracketed_root(function, least)
@@ -109,7 +108,7 @@ def bracketed_root(
     if at_low == at_high:  # so flat that nothing is known of a root
         raise NoStickDiskError(at_centre=False)
     middle = 0.5 * (low + high)
-    while high - low > 1e-3 * max(1.0, abs(low)):
+    while high - low > _SHORT * max(1.0, abs(low)):
         # Illinois: false position that halves the value of an end it keeps
         middle = high - at_high * (high - low) / (at_high - at_low)
         value = function(middle)
@@ -119,7 +118,12 @@ def bracketed_root(
             low, at_low, at_high = middle, value, 0.5 * at_high
         else:
             break
-    return middle, (function(middle + 0.05) - function(middle - 0.05)) / 0.1
+    return middle, slope_at(function, middle)
+
+
+def slope_at(function: Callable[[float], float], x: float, beside: float = _BESIDE) -> float:
+    """Return the slope by a central difference."""
+    return (function(x + beside) - function(x - beside)) / (2.0 * beside)
 
 
 def polished_root(
@@ -129,7 +133,7 @@ def polished_root(
     x, value = guess, function(guess)
     if slope == 0.0:  # the annulus is so narrow that its width makes no difference any more
         raise NoStickDiskError(at_centre=x < 0.0)
-    lag = 1e-3  # what is given of the slope is good to three digits
+    lag = _SHORT  # what is given of the slope is good to three digits
     for _ in range(_SECANTS):
         step = max(min(-value / slope, 2.0), -2.0)
         # a secant step errs by the product of itself and the one before
@@ -163,7 +167,7 @@ def _enclosed_root(
             raise NoStickDiskError(at_centre=value > 0.0)
         fresh = function(other)
     root = toms748(function, min(x, other), max(x, other), xtol=SETTLED) if x != other else x
-    slope = (function(root + _SHORT) - function(root - _SHORT)) / (2.0 * _SHORT)
+    slope = slope_at(function, root, _SHORT)
     if slope <= 0.0:
         raise NoStickDiskError(at_centre=root < 0.0)
     return root, slope

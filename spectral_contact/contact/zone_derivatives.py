@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.boundaries import ROUNDED
 from spectral_contact.contact.coupled_assessment import BENT
-from spectral_contact.contact.coupled_outcome import stick_series
 from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.zone_fields import stick_series
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,

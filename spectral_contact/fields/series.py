@@ -221,12 +221,6 @@ class LogSeries:
         """Where the panels end: ``d = exp(-j width)``, (panels + 1,)."""
         return np.asarray(np.exp(-self.width * np.arange(len(self.coefficients) + 1)))
 
-    def minus(self, other: LogSeries) -> LogSeries:
-        """Return the difference of two series on the same panels."""
-        return replace(
-            self, coefficients=self.coefficients - other.coefficients, tail=self.tail - other.tail
-        )
-
     def times(self, factor: float) -> LogSeries:
         """Return the series multiplied by a number."""
         return replace(self, coefficients=self.coefficients * factor, tail=self.tail * factor)

@@ -13,7 +13,7 @@ from spectral_contact.layers.asperities import GreenwoodWilliamson
 from spectral_contact.layers.base import Layer
 from spectral_contact.layers.laws import CalculixExponential, Exponential, Linear, PowerLaw
 from spectral_contact.layers.sampled import Sampled, Table
-from spectral_contact.profiles import Flat
+from spectral_contact.profiles.shapes import Flat
 
 __all__ = ["KINDS", "check_layer", "endless", "in_own_units", "layer_from", "refuse_layer"]
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-import spectral_contact
 from spectral_contact.inputs import checks
 from spectral_contact.io.documents import Refused, append_file, read_file, reported
 from spectral_contact.paper.figures import FigureData, PaperFigure, paper_figure
+from spectral_contact.processes import VERSION
 
 __all__ = ["complete_csv", "read_csv"]
 
@@ -110,7 +110,7 @@ def _append(path: Path, size: int | None, content: bytes) -> None:
 def _head(figure: PaperFigure, rtol: float) -> bytes:
     """Return the lines above the rows; a table with another head is another table."""
     lines = [
-        f"# spectral_contact {spectral_contact.__version__}, paper, {figure.stem}: {figure.title}",
+        f"# spectral_contact {VERSION}, paper, {figure.stem}: {figure.title}",
         f"# rtol = {rtol!r}",
         f"# parameters that the paper's text prints: {figure.given}",
         f"# parameters that it does not print, and that are our choice: {figure.chosen}",

@@ -7,7 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.coupled_stick import CoupledStick, solve_coupled_stick
+from spectral_contact.contact.coupled_stick import solve_coupled_stick
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import Radius
@@ -17,20 +17,21 @@ from spectral_contact.solution import (
     PARTIAL_SLIP,
     SLIP_FIELD,
     ZONE_SEARCH,
-    Ending,
     PlannedStep,
     StepState,
     Zone,
 )
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_outcome import CoupledSlip
     from spectral_contact.contact.coupled_search import CoupledSearch
     from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.layout import Layout
+    from spectral_contact.contact.ratio import FullStick
+    from spectral_contact.contact.slip_outcome import PartialSlip
 
 __all__ = ["CoupledRun"]
 
@@ -58,27 +59,23 @@ class CoupledRun(Run):
 
     def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
         """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
-        self._take_ratios(self._coupled_stick())
+        self._take(self._coupled_stick())
+
+    @property
+    def parameters(self) -> Parameters:
+        """What pressure, traction and zones depend on."""
+        assert self.scene.friction is not None
+        return super().parameters._replace(kappa=self.scene.kappa, friction=self.scene.friction)
 
     def _together(self, states: dict[str, StepState]) -> None:
         """Solve full stick, and what it decides."""
-        friction = self.scene.friction
-        assert friction is not None
-        if friction == math.inf:
+        if self.scene.friction == math.inf:
             self.all_stick()
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if states[COUPLING] is not StepState.RUN:
             return
         stick = self._coupled_stick()
-        self._take_ratios(stick)
-        self.pressure, self.traction = stick.pressure, stick.traction
-        self.values.update(approach=stick.approach, total_shear=stick.total_shear)
-        self.errors.update(
-            approach=stick.approach_error,
-            pressure=stick.pressure_error,
-            traction=stick.traction_error,
-            total_shear=stick.shear_error,
-        )
+        self._take(stick)
         if "pressure" in self.plan.quantities:
             self.values["opening"] = stick.opening
         if stick.opening is not None:
@@ -87,14 +84,14 @@ class CoupledRun(Run):
                 StepState.RUN,
                 f"one system; the contact would open within {stick.opening:.3g} of the edge",
             )
-        if states[PARTIAL_SLIP] is not StepState.SKIPPED:
-            self._coupled_slip(stick)
+        if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
+            self._slipping(stick)
 
-    def _coupled_stick(self) -> CoupledStick:
+    def _coupled_stick(self) -> FullStick:
         scene, begin = self.scene, perf_counter()
         asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
         integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
-        stick: CoupledStick = self.record(
+        stick: FullStick = self.record(
             FULL_STICK,
             solve_coupled_stick(
                 scene.normal_compliance,
@@ -108,10 +105,9 @@ class CoupledRun(Run):
         )
         return stick
 
-    def _take_ratios(self, stick: CoupledStick) -> None:
-        """Copy q/p of full stick, which has no meaning where the pressure is not positive."""
-        self.values.update(edge_ratio=stick.edge_ratio, critical_friction=stick.critical)
-        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+    def _take(self, stick: FullStick) -> None:
+        """Copy full stick, whose q/p has no meaning where the pressure is not positive."""
+        self.take_stick(stick, 1.0)
         if stick.edge_ratio is None and "edge_ratio" in self.plan.quantities:
             self.lacking["edge_ratio"] = (
                 "the traction and the pressure oscillate at the edge of a smooth surface"
@@ -119,89 +115,40 @@ class CoupledRun(Run):
                 else f"the contact would open within {stick.opening:.3g} of the edge"
             )
 
-    def _coupled_slip(self, stick: CoupledStick) -> None:
-        """Stop at full stick above the critical friction; else find the stick disk."""
-        friction = self.scene.friction
-        assert friction is not None
-        if friction < stick.critical:
-            self._slipping(friction, stick)
-            return
-        self.all_stick()
-        # only the errors may say that there is slip
-        safe = friction * (1.0 - stick.critical_error) >= stick.critical
-        error = 0.0 if safe else 1.0
-        self.errors.update(stick_radius=error, zones=error, slip=error, violation=0.0)
-        reason = f"friction is not below the critical {stick.critical:.6g}"
-        self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
-
-    def _slipping(self, friction: float, stick: CoupledStick) -> None:
+    def _slipping(self, stick: FullStick) -> None:
         """Take over partial slip."""
         from spectral_contact.contact.coupled_search import CoupledSearch
-        from spectral_contact.spectral.parameters import Parameters
+        from spectral_contact.contact.onset import unresolved_slip
 
-        scene = self.scene
-        parameters = Parameters(
-            scene.normal_compliance, scene.tangential_compliance, scene.kappa, friction
-        )
+        parameters = self.parameters
         search = CoupledSearch(
-            parameters,
-            stick,
-            self._plain_zones,
-            self.rtol,
-            self.max_unknowns,
-            self.record,
+            parameters, stick, self._plain_zones, self.rtol, self.max_unknowns, self.record
         )
-        lack = 1.0 - friction / stick.critical
+        lack = 1.0 - parameters.friction / stick.critical
         unsure = lack + stick.critical_error
         hidden = lack <= _ROUNDED or (lack <= _HIDDEN and _ROOM * unsure < 0.5 * self.rtol)
         with ProgressLine(self.shared.progress) as tell:
-            if not (scene.normal_compliance and scene.tangential_compliance):
+            if not (parameters.alpha and parameters.beta):
                 tell("zones of stick and slip")  # without a compliance it takes seconds
             found = None if hidden else self._found(search, unsure)
         if found is None:
-            self._about_to_slip(stick, unsure, search.about_to_slip(unsure))
+            self._about_to_slip(stick, unsure, unresolved_slip(stick, parameters))
             return
-        solved = found.solved
-        self.pressure, self.traction, self.slip = found.pressure, found.traction, found.slip
         if "opening" in self.values:
             self.values["opening"] = None
-        self.values.update(
-            approach=solved.approach,
-            total_shear=solved.total_shear,
-            stick_radius=found.zones[0].outer if found.zones[0].kind == "stick" else 0.0,
-            zones=found.zones,
-        )
-        self.errors.update(
-            approach=solved.approach_error,
-            pressure=solved.pressure_error,
-            traction=max(solved.traction_error, solved.pressure_error),
-            total_shear=solved.shear_error,
-            stick_radius=solved.radius_error,
-            zones=solved.zones_error,
-            slip=found.slip_error,
-            violation=found.violation,
-        )
-        below = f"friction is below the critical {stick.critical:.6g}"
-        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, below)
+        self.take(found, 1.0)
         one = "pressure and traction are one system"
-        others = search.others(solved.radii[0]) if found.zones[0].kind == "stick" else []
+        others = []
+        if found.layout is not None and found.zones[0].kind == "stick":
+            others = search.others(found.layout.logits[0])
         if others:
             radii = ", ".join(f"{radius:.3g}" for radius in others)
             one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
         self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
-        if len(found.zones) > 2:
-            several = f"one stick disk breaks the friction law; {len(found.zones)} zones found"
-            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, several)
-        else:
-            self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
-        checked = PlannedStep(SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked")
-        self.outcome[SLIP_FIELD] = checked
-        if not found.consistent:
-            self.endings.append(Ending.ZONES)
 
-    def _found(self, search: CoupledSearch, unsure: float) -> CoupledSlip | None:
+    def _found(self, search: CoupledSearch, unsure: float) -> PartialSlip | None:
         """Return the zones, or None next to the onset where full stick is as good."""
-        from spectral_contact.contact.coupled_outcome import NoCoupledSlipError
+        from spectral_contact.contact.coupled_search import NoCoupledSlipError
 
         try:
             found = search.outcome()
@@ -213,12 +160,13 @@ class CoupledRun(Run):
                 f"no zones were found that obey the friction law ({missing}); "
                 "pass friction=math.inf, or coupling=False",
             ) from missing
-        own = found.solved
-        worst = max(own.pressure_error, own.traction_error, own.shear_error, own.approach_error)
+        worst = max(
+            found.pressure_error, found.traction_error, found.shear_error, found.approach_error
+        )
         good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
         return found if good or unsure > _ONSET else None
 
-    def _about_to_slip(self, stick: CoupledStick, lack: float, radius_error: float) -> None:
+    def _about_to_slip(self, stick: FullStick, lack: float, radius_error: float) -> None:
         """Take full stick, with room for the slip that was not found.
 
         It exceeds friction by no more than friction lacks, and what that changes is of its size.

@@ -28,8 +28,8 @@ from spectral_contact.solving.run import Run
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.full_stick import FullStick
     from spectral_contact.contact.normal import NormalContact
+    from spectral_contact.contact.ratio import FullStick
     from spectral_contact.layers import Layer
     from spectral_contact.solving.grown_fields import GrownFields
     from spectral_contact.solving.growth import Growth
@@ -138,6 +138,7 @@ class ProfileRun(Run):
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         self.bounded = (*self.bounded, "traction")
+        assert stick.traction is not None
         self.traction = stick.traction.times(kappa)
         self.values["total_shear"] = kappa * radius**2 * stick.total_shear
         # linear in the pressure, which approach or load have moved a little

@@ -31,10 +31,11 @@ from spectral_contact.solution import (
     Zone,
 )
 from spectral_contact.solving.sharing import Shared, ZonePath
+from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive
-    from spectral_contact.contact.full_stick import FullStick
+    from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
 
 __all__ = ["FrictionOf", "Run"]
@@ -294,7 +295,8 @@ class Run:
     def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
         """Solve full stick, and what it decides."""
         stick = self._full_stick(drive)
-        if states[PARTIAL_SLIP] is not StepState.SKIPPED:
+        self.take_stick(stick, self.scene.kappa)
+        if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
             self._partial_slip(drive, stick)
 
     def _full_stick(self, drive: Drive) -> FullStick:
@@ -323,40 +325,57 @@ class Run:
             ),
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)
-        kappa = self.scene.kappa
-        if ratios:
-            self.values.update(
-                edge_ratio=kappa * stick.edge_ratio, critical_friction=kappa * stick.critical
-            )
-            self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
-        if self.scene.friction != 0.0:
-            self.values["total_shear"] = kappa * stick.total_shear
-            self.errors["total_shear"] = stick.shear_error
-            self.errors["traction"] = stick.traction_error
-            self.traction = stick.traction.times(kappa)
         return stick
 
-    def _partial_slip(self, drive: Drive, stick: FullStick) -> None:
-        """Stop at full stick above the critical friction; else find the zones."""
+    def take_stick(self, stick: FullStick, scale: float) -> None:
+        """Copy full stick, with everything tangential scaled: at friction 0 its ratios alone."""
+        edge = stick.edge_ratio
+        self.values.update(
+            edge_ratio=None if edge is None else scale * edge,
+            critical_friction=scale * stick.critical,
+        )
+        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
+        if self.scene.friction != 0.0:
+            self.values.update(approach=stick.approach, total_shear=scale * stick.total_shear)
+            self.errors.update(
+                approach=stick.approach_error,
+                pressure=stick.pressure_error,
+                traction=stick.traction_error,
+                total_shear=stick.shear_error,
+            )
+            self.pressure = stick.pressure
+            self.traction = None if stick.traction is None else stick.traction.times(scale)
+
+    def holds(self, stick: FullStick) -> bool:
+        """Return whether friction holds all, and note it if so."""
+        friction, critical = self.scene.friction, self.values["critical_friction"]
+        assert friction is not None
+        if friction < critical:
+            return False
+        self.all_stick()
+        self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
+        if critical > friction * (1.0 - stick.critical_error):  # the errors decide
+            from spectral_contact.contact.onset import unresolved_slip
+
+            missed = unresolved_slip(stick, self.parameters)
+            self.errors.update(stick_radius=missed, zones=max(missed, 1.0), slip=1.0)
+        reason = f"friction is not below the critical {critical:.6g}"
+        self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+        return True
+
+    @property
+    def parameters(self) -> Parameters:
+        """What the zones depend on: without elastic coupling those for kappa = 1."""
         scene = self.scene
         assert scene.friction is not None
-        critical = self.values["critical_friction"]
-        if scene.friction >= critical:
-            self.all_stick()
-            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
-            if critical > scene.friction * (1.0 - stick.critical_error):  # the errors decide
-                from spectral_contact.contact.onset import unresolved_slip
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        return Parameters(*compliances, 1.0, scene.friction / scene.kappa)
 
-                missed = unresolved_slip(
-                    drive, stick, scene.tangential_compliance, scene.friction / scene.kappa
-                )
-                self.errors.update(stick_radius=missed, zones=max(missed, 1.0), slip=1.0)
-            reason = f"friction is not below the critical {critical:.6g}"
-            self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
-            return
+    def _partial_slip(self, drive: Drive, stick: FullStick) -> None:
+        """Find the zones."""
         from spectral_contact.contact.partial_slip import solve_partial_slip
 
-        ratio = scene.friction / scene.kappa
+        scene, ratio = self.scene, self.parameters.friction
         path = self.shared.get(PARTIAL_SLIP, (), ZonePath)
         compliances = scene.normal_compliance, scene.tangential_compliance
         alpha, beta, along = (math.log(x) if x > 0.0 else -math.inf for x in (*compliances, ratio))
@@ -372,13 +391,11 @@ class Run:
             pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
         )
         path.add((alpha, beta, along), solved.layout)
-        self._take(solved)
+        self.take(solved, scene.kappa)
 
-    def _take(self, solved: PartialSlip) -> None:
-        """Copy the outcome of partial slip, scaled by kappa."""
-        kappa = self.scene.kappa
-        critical = self.values["critical_friction"]
-        reason = f"friction is below the critical {critical:.6g}"
+    def take(self, solved: PartialSlip, scale: float) -> None:
+        """Copy the outcome of partial slip, with everything tangential scaled."""
+        reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
         if solved.searched:
             found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
@@ -389,11 +406,14 @@ class Run:
             SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked"
         )
         self.values.update(
+            approach=solved.approach,
             zones=solved.zones,
             stick_radius=solved.zones[0].outer if solved.zones[0].kind == "stick" else 0.0,
-            total_shear=kappa * solved.total_shear,
+            total_shear=scale * solved.total_shear,
         )
         self.errors.update(
+            approach=solved.approach_error,
+            pressure=solved.pressure_error,
             traction=solved.traction_error,
             total_shear=solved.shear_error,
             zones=solved.zones_error,
@@ -401,8 +421,8 @@ class Run:
             slip=solved.slip_error,
             violation=solved.violation,
         )
-        self.traction = solved.traction.times(kappa)
-        self.slip = solved.slip.times(kappa)
+        self.pressure = solved.pressure
+        self.traction, self.slip = solved.traction.times(scale), solved.slip.times(scale)
         if not solved.consistent:
             self.endings.append(Ending.ZONES)
 

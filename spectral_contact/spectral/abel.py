@@ -56,6 +56,7 @@ ROOT_TERMS = 9
 TAIL_EXTRA = 9
 #: Places in ``x`` that are the same to rounding.
 _SAME = 2e-14
+_TINY = float(np.finfo(float).tiny)
 
 
 def _smooth(u: Array) -> Array:
@@ -135,7 +136,7 @@ def deeper_blocks(
         values = np.exp(-start)[:, :, None] * np.exp(-step)
         np.subtract(1.0, values, out=values)
         np.sqrt(values, out=values)
-        np.divide((0.25 * width) * np.exp(-(1.0 + power) * step), values, out=values)
+        np.divide((width / 4) * np.exp(-(1.0 + power) * step), values, out=values)
         values *= np.exp(-(1.0 + power) * start)[:, :, None]
         blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
@@ -181,7 +182,7 @@ def outer_blocks(
         offset = width * (1.0 + g) / 2.0
         start = from_start[:, None] + width * np.arange(2, panels)
         u = start[:, :, None] - offset
-        values = (0.25 * width) * np.exp(-(0.5 + power) * offset) / np.sqrt(-np.expm1(-u))
+        values = (width / 4) * np.exp(-(0.5 + power) * offset) / np.sqrt(-np.expm1(-u))
         blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
 
@@ -272,7 +273,7 @@ def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) 
     Shapes are those of `deeper`; `power` is the endpoint weight, with which d must be positive.
     """
     end = np.exp(-panels * width)
-    x = -np.log(np.maximum(d, 1e-300))
+    x = -np.log(np.maximum(d, _TINY))
     own = np.clip(np.floor(x / width).astype(int), 0, panels - 1)
     matrix = np.zeros((len(d), panels, degree + 1))
     scale = np.exp(-(0.5 + power) * width * np.arange(panels))
@@ -303,7 +304,7 @@ def _sources(panels: int, width: float, degree: int) -> Array:
 def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` on the panels, e clear of ``-d'``."""
     source = _sources(panels, width, degree)
-    values = (0.25 * width) * source / np.sqrt(np.abs(source + e[:, None, None]))
+    values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))
     if power != 0.0:
         values *= source**power
     return np.asarray(values @ legendre_projection_matrix(degree + EXTRA, degree))
@@ -361,10 +362,10 @@ def _far_below(e: Array, end: float) -> Array:
     # of the powers of d'/end
     ratio = e / end
     zeroth = -two
-    first = ratio * (one / 4.0 + two / 2.0 - three / 12.0)
-    highest = (grown**3 - 1.0) / 48.0 - one / 4.0
-    second = ratio**2 * (highest - 0.375 * two + three / 12.0 - five / 80.0)
-    legendre = [zeroth, 2.0 * first - zeroth, 6.0 * (second - first) + zeroth]
+    first = ratio * (one / 4 + two / 2 - three / 12)
+    highest = (grown**3 - 1.0) / 48 - one / 4
+    second = ratio**2 * (highest - 3 * two / 8 + three / 12 - five / 80)
+    legendre = [zeroth, 2 * first - zeroth, 6 * (second - first) + zeroth]
     return np.asarray(np.sqrt(e)[:, None] * np.column_stack(legendre))
 
 
@@ -399,14 +400,14 @@ def rise(d: Array, panels: int, width: float, degree: int) -> Array:
     whole = beyond(np.zeros(1), panels, width, degree)[0]
     matrix = outer(d, panels, width, degree) - whole
     source = _sources(panels, width, degree)
-    x = np.maximum(-np.log(np.maximum(d, 1e-300)), 0.0)
+    x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     own = np.minimum(np.floor(x / width).astype(int), panels + 1)
     for i in np.unique(own[own >= 2]):
         rows, far = np.flatnonzero(own == i), slice(0, min(i - 1, panels))
         near = source[far]
         e = d[rows, None, None]
         roots = np.sqrt(near - e), np.sqrt(near)
-        values = (0.25 * width) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
+        values = (width / 4) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
         blocks = values @ legendre_projection_matrix(degree + EXTRA, degree)
         matrix[rows, : blocks.shape[1] * (degree + 1)] = blocks.reshape(len(rows), -1)
     return np.asarray(matrix)

@@ -118,7 +118,7 @@ class CellSpace(NodalSpace):
         self.kept = int((left > 1).sum())
         self.kept_but_one = self.kept + len(terms)
         self.panel = cell[self.index]
-        self._mass: Array = (np.repeat(cells.lengths, terms) / (4.0 * degree + 2.0))[self.index]
+        self._mass: Array = (np.repeat(cells.lengths, terms) / (4 * degree + 2))[self.index]
         self._place()
 
     def _place(self) -> None:

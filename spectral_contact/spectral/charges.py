@@ -24,7 +24,7 @@ class Charges:
         parts = [np.exp(-width * (j + (1.0 + g) / 2.0)) for j, g in enumerate(rules)]
         #: distances of the points
         self.d: Array = np.concatenate(parts)
-        self._blocks = [(0.25 * width) * legendre_projection_matrix(n + EXTRA, n) for n in degrees]
+        self._blocks = [(width / 4) * legendre_projection_matrix(n + EXTRA, n) for n in degrees]
 
     def back(self, coefficients: Array) -> Array:
         """Return what functions have at the points, (points, k): the transpose of `onto`."""

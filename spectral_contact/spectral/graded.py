@@ -89,7 +89,7 @@ class GradedNodes:
             # next to the centre rounding is felt most, and more nodes average it
             more = _CENTRAL if centred and j == 0 else 0
             g, w = gauss_rule(_node_count(max(around[j : j + 3])) + more)
-            phi = np.pi / 4.0 * (1.0 + g)
+            phi = np.pi / 4 * (1.0 + g)
             self.start.append(h * np.sin(phi) ** 2)
             self.end.append(h * np.cos(phi) ** 2)
             weights.append(w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi))
@@ -178,7 +178,7 @@ class SmoothNodes(PlainNodes):
 def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
     """Return nodes on the tail, clustered at both ends, and weights of ``dd``."""
     g, w = gauss_rule(_TAIL_POINTS)
-    phi = np.pi / 4.0 * (1.0 + g)
+    phi = np.pi / 4 * (1.0 + g)
     weights = w * np.pi / 2.0 * panels.end * np.sin(phi) * np.cos(phi)
     return panels.end * np.sin(phi) ** 2, weights
 

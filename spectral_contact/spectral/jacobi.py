@@ -161,7 +161,7 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
     if points == 1:  # LAPACK takes no empty array
         return np.zeros(1), np.full(1, 2.0)
     order = np.arange(1.0, points)
-    eigenvalues, _ = lapack.dsterf(np.zeros(points), order / np.sqrt(4.0 * order * order - 1.0))
+    eigenvalues, _ = lapack.dsterf(np.zeros(points), order / np.sqrt(4 * order * order - 1.0))
     # the upper half, of which the lower one is the mirror image
     start = eigenvalues[points // 2 :].astype(np.longdouble)
     if points % 2:

@@ -169,7 +169,7 @@ class LogPanels:
         """
         h = self.width
         g, w = gauss_rule(self.node_counts[0])
-        phi = np.pi / 4.0 * (1.0 + g)
+        phi = np.pi / 4 * (1.0 + g)
         first = h * np.cos(phi) ** 2
         first_x = h * np.sin(phi) ** 2
         first_dx = w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi)

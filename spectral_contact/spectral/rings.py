@@ -111,10 +111,10 @@ def _assembled(logits: Array) -> RingOperators:
     radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)
     thick = width / (radius[1:] + radius[:-1])
     x, weight = gauss_rule(_POINTS)
-    phi = pi / 4.0 * (1.0 + x)
+    phi = pi / 4 * (1.0 + x)
     past, ahead = width[:, None] * np.sin(phi) ** 2, width[:, None] * np.cos(phi) ** 2
     t = np.sqrt(radius[:-1, None] ** 2 + past)
-    dt = weight * pi / 4.0 * width[:, None] * np.sin(phi) * np.cos(phi) / t
+    dt = weight * pi / 4 * width[:, None] * np.sin(phi) * np.cos(phi) / t
 
     n = len(width)
     places = np.arange(n)

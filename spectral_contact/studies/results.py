@@ -15,9 +15,18 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.timing import Stopwatch, Times
-from spectral_contact.studies.truth import QUANTITIES
 
-__all__ = ["Convergence", "Point", "Study", "WorkPrecision"]
+__all__ = ["QUANTITIES", "Convergence", "Point", "Study", "WorkPrecision"]
+
+#: What a study can look at.
+QUANTITIES = (
+    "approach",
+    "edge_pressure",
+    "pressure",
+    "traction",
+    "total_shear",
+    "stick_radius",
+)
 
 #: Errors less than this many times that of the truth say nothing.
 _ABOVE_TRUTH = 10.0

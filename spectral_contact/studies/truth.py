@@ -14,22 +14,14 @@ from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.inputs.checks import scalar
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene, same_problem
+from spectral_contact.studies.results import QUANTITIES
 from spectral_contact.testing.checks import field_of
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["PLACES", "QUANTITIES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
+__all__ = ["PLACES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
 
 Array = NDArray[np.float64]
 
-#: What a study can look at.
-QUANTITIES = (
-    "approach",
-    "edge_pressure",
-    "pressure",
-    "traction",
-    "total_shear",
-    "stick_radius",
-)
 _SCALARS = ("approach", "total_shear", "stick_radius")
 _FIELDS = ("pressure", "traction")
 #: Distances from the edge at which fields are compared: those of the gold tables.

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import spectral_contact
 from spectral_contact.errors import optional
+from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.chunk import Outcome, outcome_of
@@ -133,7 +133,7 @@ def assembled(parameters: SweepParameters, request: Request, table: Collected) -
     punch, units = ("a flat punch", "docs/theory") if not shaped else ("a punch", "docs/profiles")
     attributes = {
         "title": f"scenes of {punch} on a rough elastic half-space",
-        "source": f"spectral_contact {spectral_contact.__version__}",
+        "source": f"spectral_contact {VERSION}",
         "rtol": request.rtol,
         "convention": f"dimensionless as in {units}; friction NaN: no friction at all",
     }

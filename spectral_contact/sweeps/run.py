@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-import spectral_contact
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
+from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
 from spectral_contact.sweeps.execution import outcomes
@@ -225,7 +225,7 @@ class _SweepRun:
             self.store = Store(
                 store,
                 {
-                    "library": spectral_contact.__version__,
+                    "library": VERSION,
                     "scenes": parameters.fingerprint(),
                     **request.describe(),
                     "chunk": size,

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-import spectral_contact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.io.documents import path_text, replace_file, reported
+from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -330,7 +330,7 @@ def _estimate(error: float | None) -> str:
 
 def _csv_comments(solution: Solution) -> list[str]:
     lines = [
-        f"spectral_contact {spectral_contact.__version__}",
+        f"spectral_contact {VERSION}",
         *_scene_text(solution).splitlines(),
         f"converged: {'yes' if solution.converged else 'no'}",
         _UNITS if solution.scene.profile is None else _PROFILE_UNITS,

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from spectral_contact.contact.rim import SlipSource
-from spectral_contact.fields.series import EDGE, EdgeWeight, PressureField, Radius
+from spectral_contact.fields.series import EdgeWeight, PressureField, Radius
 
 
 def integral(radius, alpha, kernel):
@@ -29,7 +29,7 @@ def integral(radius, alpha, kernel):
 def test_half_integrals_of_the_endpoint_weight(logit, alpha):
     radius = Radius.from_logit(logit)
     weight = PressureField(EdgeWeight(1.0, alpha), None)
-    source = SlipSource([weight], radius, EDGE, alpha, 1e-14, 1e-16 * radius.square)
+    source = SlipSource([weight], radius, alpha, 1e-14, 1e-16 * radius.square)
     with mp.workdps(25):
         wanted = integral(radius, alpha, lambda above: 1 / mp.sqrt(above))
         assert source.at_rim[0] == pytest.approx(float(wanted), rel=1e-14)

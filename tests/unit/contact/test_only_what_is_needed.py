@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, cache_sizes, clear_caches, contact, solve
-from spectral_contact.contact import full_stick
+from spectral_contact.contact import ratio
 from spectral_contact.spectral import galerkin
 
 #: Every module of the contact, and those that each kind of scene may load: a module that is new
@@ -30,7 +30,7 @@ ONE_DISK = FULL_STICK | {
     "stick_radius",
 }
 PROFILE = NORMAL | {"contact_radius", "coupled_parts", "indented", "smooth_indented"}
-ONSET = FULL_STICK | {"onset"}
+ONSET = FULL_STICK | {"layout", "onset"}
 LAYERED = PROFILE | {
     "layered",
     "layered_contact",
@@ -38,12 +38,11 @@ LAYERED = PROFILE | {
     "layered_setting",
     "layered_spaces",
 }
-RINGS = {"active_set", "ring_law", "zone_search"}
+RINGS = {"active_set", "ring_law"}
 ZONES = {
     "boundaries",
     "coupled_assessment",
     "coupled_errors",
-    "coupled_outcome",
     "coupled_parts",
     "coupled_problem",
     "coupled_spaces",
@@ -51,14 +50,13 @@ ZONES = {
     "driven",
     "newton",
 }
-ANY_ZONES = ONE_DISK | ONSET | RINGS | ZONES
+ANY_ZONES = ONE_DISK | ZONES | {"zone_fields"}
 COUPLED_STICK = (
     NORMAL
     | ZONES
     | {
         "coupled_stick",
         "drive",
-        "friction_law",
         "layout",
         "ratio",
         "slip_displacement",
@@ -147,10 +145,8 @@ def test_the_largest_ratio_is_looked_for_where_it_is_asked_or_decides(
     monkeypatch, friction, quantities, looked_for
 ):
     calls = []
-    original = full_stick.largest_ratio
-    monkeypatch.setattr(
-        full_stick, "largest_ratio", lambda *args: calls.append(1) or original(*args)
-    )
+    original = ratio.largest_ratio
+    monkeypatch.setattr(ratio, "largest_ratio", lambda *args: calls.append(1) or original(*args))
     solution = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6, quantities)
     assert bool(calls) == looked_for
     whole = solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
@@ -168,7 +164,7 @@ def test_one_stick_disk_imports_no_general_zones():
     assert imported_by("Scene(0.1, 0.5, 0.2, 0.1)") == ONE_DISK
 
 
-def test_slip_inside_imports_nothing_coupled():
+def test_slip_inside_imports_nothing_coupled_and_no_rings_where_one_disk_tells_its_zones():
     assert imported_by("Scene(0.3, 0.05, 1.0, 0.0328)", 1e-2) == ANY_ZONES
 
 
@@ -192,6 +188,7 @@ def test_every_module_is_loaded_by_something():
     """Else what is not loaded proves nothing."""
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
     # the friction that a radius has is for lines of sweeps
+    assert coupled > RINGS
     assert coupled | ANY_ZONES | LAYERED | {"given_radius"} == CONTACT
 
 

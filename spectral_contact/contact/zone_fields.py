@@ -1,0 +1,102 @@
+"""Pressure and traction on any zones, from the series of their parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from math import atan, ceil, pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.coupled_parts import LEADING, ended
+from spectral_contact.contact.friction_law import DISTANCES
+from spectral_contact.fields.series import (
+    AnnulusSeries,
+    DiskSeries,
+    LogSeries,
+    PressureField,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
+from spectral_contact.spectral.annulus import gap
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.parameters import Parameters
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_assessment import CoupledZones
+
+__all__ = ["in_stick", "positive", "pressure_field", "stick_series"]
+
+Array = NDArray[np.float64]
+
+
+def positive(solved: CoupledZones) -> bool:
+    """Return whether the pressure is: else the contact would open."""
+    return bool(np.min([one(DISTANCES) for one in solved.pressures]) > 0.0)
+
+
+def in_stick(solved: CoupledZones, given: PressureField | None) -> Iterator[tuple[Array, Array]]:
+    """Yield q and p at `DISTANCES` from every end of a stick zone; p may be given."""
+    for k, (part, shear) in enumerate(zip(solved.system.parts, solved.shears, strict=True)):
+        if shear is not None:
+            at = part.family.points(DISTANCES)
+            p = solved.pressures[k](DISTANCES) if given is None else given.at(at.y)
+            yield np.sqrt(np.maximum(at.z, 0.0)) * shear(DISTANCES), p
+
+
+def stick_series(
+    states: tuple[int, ...], bounds: Sequence[Radius], shear: Sequence[LogSeries | None]
+) -> Iterator[tuple[int, DiskSeries | AnnulusSeries]]:
+    """Yield the stick zones with their tractions, of q/s on the parts."""
+    for zone, state in enumerate(states):
+        first, last = shear[max(2 * zone - 1, 0)], shear[2 * zone]
+        if state == 0 and first is not None and last is not None:
+            if zone:
+                yield zone, AnnulusSeries(bounds[zone], bounds[zone + 1], first, last)
+            else:
+                yield zone, DiskSeries(bounds[1], first.times(bounds[1].value))
+
+
+def pressure_field(solved: CoupledZones, parameters: Parameters) -> ZonalField:
+    """Return the pressure on all zones."""
+    rim = solved.radii[0]
+    series = [*solved.pressures[:-1], _to_the_edge(solved, parameters)]
+    pieces = [ZonePiece(rim, DiskSeries(rim, series[0], power=0))]
+    for zone, (inner, outer) in enumerate(pairwise(solved.bounds[1:]), start=1):
+        own = AnnulusSeries(inner, outer, series[2 * zone - 1], series[2 * zone], power=0)
+        pieces.append(ZonePiece(outer, own))
+    return ZonalField(tuple(pieces))
+
+
+def _to_the_edge(solved: CoupledZones, parameters: Parameters) -> LogSeries:
+    """Return the pressure next to the edge; where it is singular it ends in its leading term."""
+    series, state = solved.pressures[-1], solved.states[-1]
+    if series.power == 0.0:
+        return series
+    if state:
+        return _as_power(series, state * parameters.kappa * parameters.friction)
+    shear = solved.shears[-1]
+    assert shear is not None
+    return ended(series, shear, parameters, gap(*solved.bounds[-2:]) / 2.0)[0]
+
+
+def _as_power(series: LogSeries, coupling: float) -> LogSeries:
+    """Return a pressure under a smooth punch as the power of y that it is next to the edge.
+
+    ``p ~ y**(theta - 1/2)`` with ``tan(pi theta) = 2 kappa f``: far below the edge's panels the
+    series ends in this law instead of a polynomial.
+    """
+    theta, width = atan(2.0 * coupling) / pi, series.width
+    count = min(ceil(LEADING / width), len(series.coefficients))
+    terms = series.coefficients.shape[1]
+    g, _ = gauss_rule(terms + 8)
+    x = width * (np.arange(count)[:, None] + (1.0 + g) / 2.0)
+    values = series.coefficients[:count] @ legendre_values(g, terms - 1).T * np.exp(theta * x)
+    table = values @ legendre_expansion_matrix(terms + 8, terms + 7).T
+    return replace(
+        series, coefficients=table, tail=np.array([table[-1].sum()]), power=series.power + theta
+    )
