@@ -21,9 +21,11 @@ __all__ = ["Continuation", "checked_tolerance", "solve"]
 #: Integral quantities, which may be asked for at 1e-13.
 _INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
 
+#: The tightest tolerance of fields.
+_TIGHTEST = 1e-12
 #: A scene whose zones are not known is solved anew at so much of the tolerance, if the fields reach
-#: that.
-_CLOSER, _LOOSE = 1e-3, 1e-8
+#: that; not where there is nothing to gain.
+_CLOSER, _LOOSE = 1e-3, 1e-11
 
 
 def solve(
@@ -83,7 +85,8 @@ def solve(
         solution = run.solution()
         if _unsure(solution):
             again = Shared(progress)
-            closer = _run(scene, todo, _CLOSER * rtol, max_unknowns, again).solution()
+            tighter = max(_CLOSER * rtol, _TIGHTEST)
+            closer = _run(scene, todo, tighter, max_unknowns, again).solution()
             if closer.converged and not _zone_missing(closer):
                 solution = replace(closer, rtol=rtol)
     if strict and not solution.converged:
@@ -115,7 +118,7 @@ def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
         If they cannot.
     """
     value = checks.tolerance(rtol)
-    if value < 1e-12 and not _INTEGRAL.issuperset(quantities):
+    if value < _TIGHTEST and not _INTEGRAL.issuperset(quantities):
         raise SceneError(
             "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
         )
