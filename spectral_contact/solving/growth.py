@@ -34,8 +34,14 @@ Array = NDArray[np.float64]
 #: Of a contact radius: the solution of a flat punch.
 Stage = Callable[[float], Solution]
 
-#: Widths of panels in u; the first beyond the onset of slip, and by how much they grow.
-_WIDTH, _AT_ONSET, _RATIO = 1.3, 3e-4, 3.5
+#: A panel of this width in u leaves out so much at most, as measured under a parabola from 1e-6 to
+#: 5 compliances; the widest. These are first guesses: what leaves out more is halved.
+_WIDTH, _LEAVES, _WIDEST = 1.2, 1e-8, 2.6
+#: The first panel past the onset of slip at the tightest tolerance, and how it grows with it.
+_AT_ONSET, _TIGHTEST, _POWER = 3e-4, 1e-10, 0.25
+#: By how much panels grow away from where something begins: past a break, past the onset at most,
+#: and what is singular there.
+_RATIO, _MOST, _SINGULAR = 3.5, 8.0, 1e-4
 #: By how much a last panel may be longer.
 _REST = 0.3
 #: What panels may leave out, of the tolerance, as there are some tens; they are not halved below.
@@ -347,20 +353,35 @@ class Grower:
         """Return the ends of the first panels, which grow away from where something begins."""
         starts = {math.log(b): self.at_break for b in self.breaks if low < math.log(b) < high}
         if self.onset and low < math.log(self.onset) < high:
-            starts[math.log(self.onset)] = _AT_ONSET
+            wider = max(self.tolerance / _TIGHTEST, 1.0) ** _POWER
+            starts[math.log(self.onset)] = _AT_ONSET * wider
         if self.breaks and abs(low - math.log(self.breaks[0])) < _NEXT:
             starts[low] = low - math.log(self.breaks[0])
         ends: list[tuple[float, float]] = []
         for start, stop in pairwise(sorted({low, high, *starts})):
-            step, cuts = starts.get(start, stop - start), [start]
-            while cuts[-1] + (1.0 + _REST) * step < stop:
-                cuts.append(cuts[-1] + step)
-                step = min(step * _RATIO, _WIDTH)
-            for begin, end in pairwise([*cuts, stop]):
-                count = max(math.ceil((end - begin) / _WIDTH), 1)
-                places = [begin + (end - begin) * k / count for k in range(count)]
-                ends += pairwise([*places, end])
+            at_onset = start == (math.log(self.onset) if self.onset else None)
+            step, cuts = starts.get(start, math.inf), [start]
+            while (room := stop - cuts[-1]) > 0.0:
+                widest = self._widest(cuts[-1] - high)
+                # all the same, where there is room for a few
+                widest = min(step, room / math.ceil(room / widest))
+                cuts.append(stop if room < (1.0 + _REST) * widest else cuts[-1] + widest)
+                step *= self._ratio if at_onset else _RATIO
+            ends += pairwise(cuts)
         return ends
+
+    def _widest(self, below: float) -> float:
+        """Return the width of a panel that may leave out enough, so far below today in ``u``."""
+        # loads grow at least like the third power of the radius, where flat punches differ
+        allowed = _MARGIN * self.tolerance * math.exp(-min(below, 0.0)) / _LEAVES
+        return float(min(_WIDTH * allowed ** (1.0 / COUNT), _WIDEST))
+
+    @property
+    def _ratio(self) -> float:
+        """Return by how much panels may grow away from the onset of slip."""
+        rho: float = max(_SINGULAR / (_MARGIN * self.tolerance), 1.0) ** (1.0 / COUNT)
+        beyond = (rho + 1.0 / rho) / 2.0 - 1.0
+        return min(1.0 + 2.0 / beyond, _MOST) if beyond > 0.0 else _MOST
 
     def _panel(self, low: float, high: float) -> Panel:
         flats: tuple[Solution, ...] = ()
