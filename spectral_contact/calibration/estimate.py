@@ -260,7 +260,7 @@ class _FitProblem:
             still = [name for name, one in zip(self.free, flat, strict=True) if one]
             self._refuse(still, "hardly change with", x)
         _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
-        noise = 2.0 * SLOPE_ERROR
+        noise = 4.0 * SLOPE_ERROR
         root = right.T / singular / lengths[:, None] if singular[-1] > noise else None
         if root is None or (np.linalg.norm(root, axis=1) > _LARGEST_ERROR).any():
             mixed = np.abs(right[-1]) > 0.1

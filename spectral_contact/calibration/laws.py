@@ -12,6 +12,7 @@ from spectral_contact.calibration.indentation import IndentationData, Indentatio
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
+from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["LawComparison", "compare_laws"]
 
@@ -118,6 +119,7 @@ def compare_laws(
     if not isinstance(candidates, Mapping) or len(candidates) < 2:
         raise SceneError("candidates", candidates, told)
     instance("data", data, IndentationData)
+    ProgressLine(progress)  # refuses what it cannot be
     fits = []
     for name, given in candidates.items():
         if not (isinstance(name, str) and isinstance(given, tuple) and len(given) == 2):

@@ -397,7 +397,7 @@ MUTANTS = (
     Mutant(
         "fits believe in the noise of derivatives",
         f"{_PACKAGE}/calibration/estimate.py",
-        "noise = 2.0 *",
+        "noise = 4.0 *",
         "noise = 0.0 *",
         f"{_UNIT}/calibration/test_calibration.py -k noise_of",
     ),

@@ -187,9 +187,10 @@ def test_a_nonlinear_layer_imports_what_solves_it():
 def test_every_module_is_loaded_by_something():
     """Else what is not loaded proves nothing."""
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
-    # the friction that a radius has is for lines of sweeps
+    # the friction that a radius has is for lines of sweeps, slopes are for fits and sensitivities
+    others = {"given_radius", "radius_slopes", "zone_derivatives"}
     assert coupled > RINGS
-    assert coupled | ANY_ZONES | LAYERED | {"given_radius"} == CONTACT
+    assert coupled | ANY_ZONES | LAYERED | others == CONTACT
 
 
 @pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])

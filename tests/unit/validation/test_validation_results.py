@@ -201,15 +201,20 @@ def test_projections_hold_today():
         assert abs(gram[i, j] - float(e["mpmath"])) <= FEW * EPS * scale
 
 
+MISSED = ("slip inside, small steps", "slip inside, large steps", "one slip annulus, α and β")
+
+
 def test_sweeps_are_as_fast_as_they_should_be_and_as_right():
     found = record("bench_sweep")
     assert found["library"] in SAME_NUMBERS
-    assert len(found["rows"]) == 14
+    assert len(found["rows"]) == 20
     for row in found["rows"]:
         assert row["converged"] == row["scenes"]
         assert row["deviation"] <= row["estimate"] + 1e-14 <= row["rtol"] + 1e-14
-        if "slip inside" not in row["case"]:  # a goal that is missed, and said so
-            assert row["again"] >= row["goal"]
+    # goals that are missed, as docs/internals.md says
+    missed = {(row["case"], row["rtol"]) for row in found["rows"] if row["again"] < row["goal"]}
+    both = {(f"c*, Q*, {case}", rtol) for case in MISSED for rtol in (1e-8, 1e-12)}
+    assert missed == both | {("c*, Q*, one slip annulus", 1e-8)}
 
 
 def test_blas_with_one_thread_is_faster_and_costs_little():
