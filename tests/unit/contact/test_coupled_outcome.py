@@ -36,6 +36,12 @@ def test_traction_in_stick_beyond_friction_is_refused():
     assert outcome.amiss == "the traction in stick exceeds friction"
 
 
+def test_rounding_of_radii_next_to_a_boundary_is_no_traction_beyond_friction():
+    """Next to the stick radius q and f p differ by a root of the distance, 1e-8 at 1e-16."""
+    thin = Scene(0.21, 8.1e-5, 5.3e-6, 0.038, coupling=True)
+    assert solve(thin, 1e-12).error.violation <= 1e-12
+
+
 @pytest.mark.parametrize("part", [0, 1, 2])
 def test_pressure_that_pulls_is_refused(part):
     pressures = list(disk().pressures)

@@ -151,7 +151,7 @@ def test_stores_of_another_version_are_refused(tmp_path, monkeypatch):
     version = re.escape(spectral_contact.__version__)
     sweep(BASE, **ASKED, store=tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr(spectral_contact, "__version__", "9.9")
+        patch.setattr("spectral_contact.sweeps.run.VERSION", "9.9")
         with pytest.raises(SolutionFileError, match=rf"library '{version}', not '9\.9'"):
             sweep(BASE, **ASKED, store=tmp_path)
     manifest = tmp_path / "sweep.json"
