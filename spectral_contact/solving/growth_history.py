@@ -64,13 +64,18 @@ def _errors(panels: tuple[Panel, ...], rows: dict[str, list[Array]], known: floa
     """Return estimates of relative errors on the panels, in the order of `ContactHistory`."""
     own = {name: np.array([left_out(values) for values in of]) for name, of in rows.items()}
     own["shears"] /= np.array([max(np.abs(values).min(), _TINY) for values in rows["shears"]])
+    # the last terms of one panel may be small by chance
+    around = {name: np.pad(values, 1, mode="edge") for name, values in own.items()}
+    own = {name: np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in around.items()}
+    if known is not None:
+        known += max(one.weights.at_nodes for one in panels)
     flats = {name: np.array([_worst(one, name) for one in panels]) for name in _OF_FLATS}
     grown = {name: np.maximum.accumulate(values) for name, values in flats.items()}
     # on a smooth surface shear is in proportion to the load from the first touch on
     alike = all(one is panels[0].flats[0] for one in panels[0].flats)
     shear = own["shears"] + _carried(panels, rows["loads"], 0.0 if alike else 1.0)
     shear += _FLATS_COUNT * (grown["total_shear"] + grown["approach"])
-    load, approach = np.array([[one.weights.at_nodes for one in panels]] * 2) + (known or 0.0)
+    load, approach = np.full((2, len(panels)), known or 0.0)
     if known is None:
         history = _carried(panels, rows["approaches"], 1.0)
         history += _FLATS_COUNT * (grown["pressure"] + grown["approach"])

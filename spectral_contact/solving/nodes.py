@@ -22,6 +22,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+#: Of 19 random contacts the loads under spheres were up to 1.5 times farther off than this says.
+_SAFETY = 3.0
 #: Points on a panel.
 COUNT = 10
 NODES: Array = chebyshev_interpolation(COUNT)[0][::-1]
@@ -62,4 +64,4 @@ def left_out(values: Array) -> float:
     terms = np.abs(_FIT @ values)
     last, before = float(terms[-2:].max()), float(terms[-4:-2].max())
     rate = min(last / before, 1.0) if before > 0.0 else 1.0
-    return last * rate * (1.0 + rate * COUNT / 2.0)
+    return _SAFETY * last * rate * (1.0 + rate * COUNT / 2.0)
