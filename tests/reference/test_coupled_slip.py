@@ -167,11 +167,9 @@ def test_slip_begins_at_the_critical_friction():
     ],
 )
 def test_tiny_disks_and_narrow_slip(scene, radius):
-    solution, closer = slipping(scene, 1e-6), slipping(scene, 1e-9)
+    solution = slipping(scene, 1e-6)
     assert solution.stick_radius == pytest.approx(radius, rel=1e-3)
     assert solution.error.zones < 1e-6
-    off = abs(solution.stick_radius / closer.stick_radius - 1.0)
-    assert off <= solution.error.zones + closer.error.zones
     finer = slipping(scene, 1e-9)
     assert solution.stick_radius == pytest.approx(finer.stick_radius, rel=solution.error.zones)
 
