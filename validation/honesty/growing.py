@@ -85,8 +85,9 @@ def history_ratios(found: Solution, truth: Solution) -> dict[str, float]:
                 other, left = getattr(truth.history, name)(b), truth.history.error(name, b)
             else:
                 other, left = getattr(normal, name), 1e-11
-            off = abs(one - other) / max(abs(other), TINY)
-            worst[name] = max(worst[name], float(off / (found.history.error(name, b) + left)))
+            room = (found.history.error(name, b) + left) * abs(other)
+            off = abs(one - other)
+            worst[name] = max(worst[name], float(off / room) if off else 0.0)
     return {f"history, {name.replace('_', ' ')}": value for name, value in worst.items()}
 
 
