@@ -57,8 +57,8 @@ class Radius:
 
     @property
     def square(self) -> float:
-        """Return ``b**2``."""
-        return self.value**2
+        """Return ``b**2``, to the bit what differences of squares from the centre are."""
+        return self.value * self.value  # a power of 2 is one ulp off now and then
 
     @property
     def rest(self) -> float:

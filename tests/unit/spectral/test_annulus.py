@@ -48,6 +48,14 @@ def test_gap_has_no_cancellation():
     assert gap(Radius(0.3, 0.7), Radius(0.3, 0.7)) == 0.0
 
 
+def test_the_gap_from_the_centre_is_the_square_to_the_bit():
+    """Where they are an ulp apart, distances from the centre lose half their digits."""
+    values = np.append(np.random.default_rng(3).random(2000), 0.9978117057773813)
+    for value in values.tolist():
+        b = Radius(value, 1.0 - value)
+        assert gap(Radius(0.0, 1.0), b) == b.square
+
+
 def test_points_keep_the_digits_of_their_offsets():
     anchor, boundary = Radius(0.75, 0.25), Radius(0.75 + 2.0**-40, 0.25 - 2.0**-40)
     offsets = np.array([-1e-3, 0.0, 1e-30, 2.0**-41])
