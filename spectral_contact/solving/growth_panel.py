@@ -33,6 +33,9 @@ _LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
 _SLIPPING_LOOKS: Array = np.array([0.01, 0.2, 0.5, 0.8])
 #: Below the range of doubles.
 _TINY = 1e-300
+#: Fields go with the rate of the load, which an interpolant has less well: 2.4 times so in one of
+#: 50 random scenes, less in all others.
+_OF_RATE = 4.0
 
 
 @dataclass(frozen=True)
@@ -150,7 +153,8 @@ class Panel:
     def error(self) -> float:
         """The same of everything, relative to the largest of what is interpolated."""
         of_stick = left_out(self.stick) if self.slips else 0.0
-        return max(self.shear_error, of_stick, *(self._field_error(one) for one in self.fields))
+        of_rate = _OF_RATE * self.shear_error
+        return max(of_rate, of_stick, *(self._field_error(one) for one in self.fields))
 
     @cached_property
     def slips_by(self) -> Array:

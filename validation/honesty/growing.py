@@ -26,7 +26,7 @@ from spectral_contact import NotComputedError, Scene, Solution, profiles, solve
 RESULTS = Path(__file__).parents[1] / "results"
 #: So many scenes from table to table.
 EVERY = 10
-FRACTIONS = np.array([0.03, 0.2, 0.5, 0.8, 0.97])
+FRACTIONS = np.array([0.07, 0.2, 0.5, 0.8, 0.97])
 SCALARS, FIELDS = ("total_shear", "stick_radius"), ("traction", "slip")
 TINY = float(np.finfo(float).tiny)
 PLACES = np.concatenate([[1e-6, 1e-3], np.linspace(0.02, 0.98, 49), 1.0 - 10.0 ** -np.arange(2, 7)])
