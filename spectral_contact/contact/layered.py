@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.indented import Indentation, PartedProblem, first_space
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
-from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
+from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm, central_value
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["CellProblem", "LayeredProblem"]
+__all__ = ["CellProblem", "LayeredProblem", "at_centre"]
 
 Array = NDArray[np.float64]
 
@@ -157,8 +157,8 @@ class _Layered(ABC):
             indentation = _under(indentation, setting.load)
         if setting.centre is not None:
             lost = float(indicators[: form.central].max()) + fields.left
-            lost *= a * max(form.at_centre(fields.pressure), mean) / form.at_centre(fields.flat)
-            indentation = _moved(indentation, lost)
+            pressure, rate = at_centre(indentation)
+            indentation = _moved(indentation, lost * max(pressure, mean) / rate)
         error = max(
             indentation.approach_error,
             indentation.load_error,
@@ -230,6 +230,13 @@ class CellProblem(_Layered):
     def _form(self, resolution: Resolution) -> Form:
         assert self.setting.cells is not None
         return CellForm(self.setting.cells, resolution.degrees)
+
+
+def at_centre(one: Indentation) -> tuple[float, float]:
+    """Return the pressure at the centre, and its rate over the approach."""
+    assert one.pressure is not None
+    assert one.flat is not None
+    return central_value(one.pressure), central_value(one.flat) / one.radius
 
 
 def _under(one: Indentation, load: float) -> Indentation:

@@ -14,7 +14,7 @@ from math import exp, inf, log, pi, sqrt
 import numpy as np
 
 from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.layered import CellProblem, LayeredProblem
+from spectral_contact.contact.layered import CellProblem, LayeredProblem, at_centre
 from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import setting_at_approach
 from spectral_contact.contact.refine import Refinement, refine
@@ -100,10 +100,12 @@ def layered_contact(
     name, value = ("load", load) if centre is None else ("separation", separation)
     try:
         if load is not None:
-            near = _searched(roughly, _begin(profile, layer, load), load)
+            begin = _begin(profile, layer, load)
+            near = _searched(roughly, begin, load, lambda one: (one.load, one.stiffness))
         else:
-            assert centre is not None
-            near = _searched_centre(roughly, layer, centre)
+            assert centre is not None  # the approach is larger than it, at least
+            known = float(layer._pressure(np.array(centre)))
+            near = _searched(roughly, centre, known, at_centre)
         for _ in range(_STEPS):
             setting = setting_at_approach(profile, layer, near)
             setting = replace(setting, load=load, centre=centre, drives=drives)
@@ -141,33 +143,22 @@ def _begin(profile: Profile, layer: Layer, load: float) -> float:
         return of_radius(exp(0.5 * (low + high)))
 
 
-def _searched(solve: Callable[[float], Contact], approach: float, load: float) -> float:
-    """Step until the load is near to what is asked for, and return the approach."""
-    for _ in range(_STEPS):
-        one = solve(approach).best.value
-        off = log(one.load / load)
-        missing = (load - one.load) if off > 0.0 else -off * one.load
-        approach = one.approach + missing / one.stiffness
-        if abs(off) <= _NEAR:
-            break
-    return approach
+def _searched(
+    solve: Callable[[float], Contact],
+    approach: float,
+    asked: float,
+    measured: Callable[[Indentation], tuple[float, float]],
+) -> float:
+    """Step until a value, load or pressure, is near to what is asked, and return the approach.
 
-
-def _searched_centre(solve: Callable[[float], Contact], layer: Layer, centre: float) -> float:
-    """Step until the overclosure at the centre is near, and return the approach.
-
-    The logarithm of the pressure there bends down over the approach, which is larger at least.
+    Its logarithm bends down over the approach. It is measured with its rate.
     """
-    known = float(layer._pressure(np.array(centre)))
-    approach = centre
     for _ in range(_STEPS):
         one = solve(approach).best.value
-        assert one.pressure is not None
-        assert one.flat is not None
-        at = np.zeros(1), np.ones(1)
-        pressure, rate = float(one.pressure(*at)[0]), float(one.flat(*at)[0]) / one.radius
-        off = log(pressure / known)
-        approach += ((known - pressure) if off > 0.0 else -off * pressure) / rate
+        value, rate = measured(one)
+        off = log(value / asked)
+        missing = (asked - value) if off > 0.0 else -off * value
+        approach = one.approach + missing / rate
         if abs(off) <= _NEAR:
             break
     return approach

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.contact.indented import bracket_of
-from spectral_contact.contact.layered_spaces import Form
+from spectral_contact.contact.layered_spaces import Form, central_value
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.cells import DiskCells
@@ -263,8 +263,8 @@ class LayeredNewton:
             moved = missing / self._carried(slope, step.rate)
         elif self.setting.centre is not None:
             known = (self.setting.centre - self.setting.origin) / self.setting.radius
-            missing = known - self.form.at_centre(w + step.overclosure)
-            moved = missing / self.form.at_centre(step.rate)
+            missing = known - central_value(self.form.field(w + step.overclosure))
+            moved = missing / central_value(self.form.field(step.rate))
         elif self.setting.approach is not None:
             return step
         else:

@@ -24,7 +24,7 @@ from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_spac
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change
 
-__all__ = ["CellForm", "Form", "PanelForm"]
+__all__ = ["CellForm", "Form", "PanelForm", "central_value"]
 
 Array = NDArray[np.float64]
 Indicators = tuple[Array, Array]
@@ -59,9 +59,6 @@ class Form(Protocol):
 
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
-
-    def at_centre(self, coefficients: Array) -> float:
-        """Return the value at the centre."""
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
@@ -151,10 +148,6 @@ class PanelForm:
         )
         return replace(whole, change=moved, lesser=lesser)
 
-    def at_centre(self, coefficients: Array) -> float:
-        """Return the value at the centre."""
-        return _central(self.field(coefficients))
-
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
         return edge_value(self._used[-1][0], coefficients)
@@ -221,10 +214,6 @@ class CellForm:
             rows.append(row)
         return np.concatenate(rows)
 
-    def at_centre(self, coefficients: Array) -> float:
-        """Return the value at the centre."""
-        return _central(self.field(coefficients))
-
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
         return float(self._split(coefficients)[-1].sum())
@@ -243,5 +232,6 @@ class CellForm:
         return float(np.abs(self._split(change)[-1]).sum())
 
 
-def _central(field: PressureField | ZonalField) -> float:
+def central_value(field: PressureField | ZonalField) -> float:
+    """Return the value of a function at the centre."""
     return float(field(np.zeros(1), np.ones(1))[0])

@@ -80,14 +80,13 @@ class ProfileRun(Run):
         profile = scene.profile
         assert profile is not None
         error = 0.0
-        value = next((one for one in self._given if one is not None), math.nan)
         solved: Contact
         if scene.contact_radius is not None:
             solved = self._at(scene.contact_radius, self.rtol, pointwise)
         elif scene.layer is not None:
-            solved, error = self._through_layer(scene.layer, value, pointwise, drives)
+            solved, error = self._through_layer(scene.layer, pointwise, drives)
         else:
-            path = self._path
+            path, along = self._path, self._along
             solved, error = find_radius(
                 profile,
                 self._at,
@@ -95,9 +94,9 @@ class ProfileRun(Run):
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=pointwise,
-                near=path.near(value),
+                near=path.near(along),
             )
-            path.add(value, value_of(solved).radius)
+            path.add(along, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         self._check(found)
         self.pressure, self._driving = found.pressure, found.normal
@@ -148,29 +147,29 @@ class ProfileRun(Run):
         )
 
     @property
-    def _given(self) -> tuple[float | None, ...]:
-        """What may be given of a contact whose radius is not."""
-        return self.scene.load, self.scene.approach, self.scene.separation
-
-    @property
     def _path(self) -> _RadiusPath:
         """Radii of contacts like this one, from scene to scene."""
         scene = self.scene
         key = (scene.profile, scene.normal_compliance, scene.layer, scene.load is None)
         return self.shared.get(NORMAL, key, _RadiusPath)
 
-    def _through_layer(
-        self, layer: Layer, value: float, pointwise: bool, drives: bool
-    ) -> tuple[Contact, float]:
-        """Return the contact of a load or approach, and the relative error of its radius."""
+    @property
+    def _along(self) -> float:
+        """Where on the path it is: its load, or its approach from where the contact begins."""
+        scene = self.scene
+        if scene.load is not None:
+            return scene.load
+        assert scene.approach is not None
+        return scene.approach - (0.0 if scene.layer is None else scene.layer.start)
+
+    def _through_layer(self, layer: Layer, pointwise: bool, drives: bool) -> tuple[Contact, float]:
+        """Return the contact of what is given, and the relative error of its radius."""
         from spectral_contact.contact.layered_setting import has_edge
         from spectral_contact.solving.layered import through_layer
 
         scene = self.scene
         assert scene.profile is not None
         edged = has_edge(scene.profile, layer)
-        # an approach counts from where the contact begins
-        at = value - layer.start if edged and scene.load is None else value
         solved, error = through_layer(
             scene.profile,
             layer,
@@ -181,10 +180,10 @@ class ProfileRun(Run):
             separation=scene.separation,
             pointwise=pointwise,
             drives=drives,
-            near=self._path.near(at) if edged else None,
+            near=self._path.near(self._along) if edged else None,
         )
         if edged:
-            self._path.add(at, value_of(solved).radius)
+            self._path.add(self._along, value_of(solved).radius)
         return solved, error
 
     def _at(self, radius: float, tolerance: float, pointwise: bool) -> Contact:
