@@ -20,6 +20,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from honesty_table import decade, table
 
 from spectral_contact import NotComputedError, Scene, Solution, profiles, solve
 
@@ -34,10 +35,6 @@ PLACES = np.concatenate([[1e-6, 1e-3], np.linspace(0.02, 0.98, 49), 1.0 - 10.0 *
 
 def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
     """Return a scene and a tolerance."""
-
-    def decade(low: float, high: float) -> float:
-        return float(10.0 ** rng.uniform(low, high))
-
     profile = [
         profiles.Parabola(1.0),
         profiles.Sphere(2.0),
@@ -45,14 +42,14 @@ def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
         profiles.PowerLaw(1.0, float(rng.choice([1.5, 3.0, 4.0]))),
         profiles.RoundedFlat(0.3, 1.0),
     ][rng.integers(5)]
-    alpha = 0.0 if rng.random() < 0.2 else decade(-2.0, 0.5)
+    alpha = 0.0 if rng.random() < 0.2 else decade(rng, -2.0, 0.5)
     beta = alpha * float(rng.uniform(0.0, 1.0))
-    friction = math.inf if rng.random() < 0.25 else decade(-2.0, 0.0)
-    radius = 0.35 + decade(-1.5, 0.0)
+    friction = math.inf if rng.random() < 0.25 else decade(rng, -2.0, 0.0)
+    radius = 0.35 + decade(rng, -1.5, 0.0)
     scene = Scene(
         float(rng.uniform(0.0, 0.45)), alpha, beta, friction, profile=profile, contact_radius=radius
     )
-    return scene, decade(-7.0, -3.0)
+    return scene, decade(rng, -7.0, -3.0)
 
 
 def ratios(scene: Scene, rtol: float) -> dict[str, float]:
@@ -120,22 +117,12 @@ def written(
     scenes: int, seed: int, refused: int, found: list[dict[str, float]], violations: list[str]
 ) -> str:
     """Write the table, and return it."""
-    lines = [
-        "# Honesty of friction under growing contacts",
-        "",
+    about = (
         f"{scenes} random scenes, seed {seed}, by validation/honesty/growing.py: true error over "
-        f"its estimate; {refused} were refused, as slip does not simply reach the edge.",
-        "",
-        "| quantity | largest | median | violations |",
-        "|---|---|---|---|",
-    ]
-    for name in dict.fromkeys(name for one in found for name in one):
-        values = np.array([one[name] for one in found if name in one])
-        lines.append(
-            f"| {name.replace('_', ' ')} | {values.max():.2g} | {np.median(values):.2g} | "
-            f"{(values > 1.0).sum()} |"
-        )
-    text = "\n".join([*lines, "", *(f"- {one}" for one in violations)]).rstrip()
+        f"its estimate; {refused} were refused, as slip does not simply reach the edge."
+    )
+    names = dict.fromkeys(name for one in found for name in one)
+    text = table("Honesty of friction under growing contacts", about, found, names, violations)
     (RESULTS / "honesty_growing.md").write_text(f"{text}\n", encoding="utf-8")
     return text
 

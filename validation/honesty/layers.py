@@ -19,6 +19,7 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
+from honesty_table import decade, table
 
 from spectral_contact import SceneError, layers, profiles
 from spectral_contact.contact.indented import Indentation
@@ -68,10 +69,6 @@ class BetterCells(CellProblem):
 
 def drawn(rng: np.random.Generator) -> LayeredSetting:
     """Return what is to be solved, in units of some radius of curvature."""
-
-    def decade(low: float, high: float) -> float:
-        return float(10.0 ** rng.uniform(low, high))
-
     profile = [
         profiles.Parabola(1.0),
         profiles.Parabola(1.0),
@@ -80,7 +77,7 @@ def drawn(rng: np.random.Generator) -> LayeredSetting:
         profiles.RoundedFlat(0.5, 1.0),
         profiles.Flat(1.0),
     ][rng.integers(6)]
-    size, strength = decade(-2.0, 0.5), decade(-2.0, 3.0)
+    size, strength = decade(rng, -2.0, 0.5), decade(rng, -2.0, 3.0)
     law = [
         layers.PowerLaw(strength / size ** (m := float(rng.uniform(1.0, 5.0))), m),
         layers.Exponential(strength, size),
@@ -89,8 +86,8 @@ def drawn(rng: np.random.Generator) -> LayeredSetting:
         layers.Linear(size / strength),
     ][rng.integers(5)]
     if has_edge(profile, law):
-        return setting_at_radius(profile, law, 0.5 + decade(-2.0, 0.5))
-    return setting_at_approach(profile, law, max(law.start, -size) + decade(-1.5, 0.3))
+        return setting_at_radius(profile, law, 0.5 + decade(rng, -2.0, 0.5))
+    return setting_at_approach(profile, law, max(law.start, -size) + decade(rng, -1.5, 0.3))
 
 
 def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
@@ -160,23 +157,13 @@ def written(
     unmet: list[str],
 ) -> str:
     """Write the table, and return it."""
-    lines = [
-        "# Honesty of contacts through nonlinear layers",
-        "",
+    about = (
         f"{scenes} random scenes, seed {seed}, by validation/honesty/layers.py: true error over "
         f"its estimate; {len(unmet)} scenes did not meet their tolerance and said so, {refused} "
-        "were refused.",
-        "",
-        "| quantity | largest | median | violations |",
-        "|---|---|---|---|",
-    ]
-    for name in NAMES:
-        values = np.array([one[name] for one in found])
-        lines.append(
-            f"| {name} | {values.max():.2g} | {np.median(values):.2g} | {(values > 1.0).sum()} |"
-        )
-    lines += ["", *(f"- {one}" for one in violations), *(f"- not met: {one}" for one in unmet)]
-    text = "\n".join(lines).rstrip()
+        "were refused."
+    )
+    notes = [*violations, *(f"not met: {one}" for one in unmet)]
+    text = table("Honesty of contacts through nonlinear layers", about, found, NAMES, notes)
     (RESULTS / "honesty_layers.md").write_text(f"{text}\n", encoding="utf-8")
     return text
 

@@ -20,6 +20,7 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
+from honesty_table import decade, table
 
 from spectral_contact import profiles
 from spectral_contact.contact import indented
@@ -52,30 +53,26 @@ class Better(indented._IndentationProblem):  # the problem itself, in a larger s
 
 def drawn(rng: np.random.Generator) -> tuple[profiles.Profile, float]:
     """Return a profile and a contact radius."""
-
-    def decade(low: float, high: float) -> float:
-        return float(10.0 ** rng.uniform(low, high))
-
     kind, angle = rng.integers(7), float(rng.uniform(0.1, 1.5))
-    size, other = decade(-1.0, 1.0), decade(-1.0, 1.0)
+    size, other = decade(rng, -1.0, 1.0), decade(rng, -1.0, 1.0)
     if kind == 0:
-        return profiles.Parabola(size), decade(-2.0, 2.0)
+        return profiles.Parabola(size), decade(rng, -2.0, 2.0)
     if kind == 1:
-        return profiles.Sphere(size), size * (1.0 - decade(-3.0, -0.02))
+        return profiles.Sphere(size), size * (1.0 - decade(rng, -3.0, -0.02))
     if kind == 2:
-        return profiles.Cone(angle), decade(-2.0, 2.0)
+        return profiles.Cone(angle), decade(rng, -2.0, 2.0)
     if kind == 3:
         power = float(rng.choice([1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0]))
-        return profiles.PowerLaw(size, power), decade(-1.0, 1.0)
+        return profiles.PowerLaw(size, power), decade(rng, -1.0, 1.0)
     if kind == 4:
-        return profiles.RoundedFlat(size, other), size * (1.0 + decade(-4.0, 1.5))
+        return profiles.RoundedFlat(size, other), size * (1.0 + decade(rng, -4.0, 1.5))
     if kind == 5:
-        return profiles.TruncatedCone(size, angle), size * (1.0 + decade(-4.0, 1.5))
+        return profiles.TruncatedCone(size, angle), size * (1.0 + decade(rng, -4.0, 1.5))
     c, d = rng.uniform(0.2, 2.0, 2)
     bowl = profiles.Sampled.from_functions(
         lambda r: c * (np.cosh(d * r) - 1.0), lambda r: c * d * np.sinh(d * r), reach=3.0
     )
-    return replace(bowl, rounded=True), decade(-1.0, 0.47)
+    return replace(bowl, rounded=True), decade(rng, -1.0, 0.47)
 
 
 def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
@@ -130,21 +127,11 @@ def main() -> int:
         found.append(one)
         missed += not converged
         violations += [f"{name} {ratio:.2f}: {label}" for name, ratio in one.items() if ratio > 1.0]
-    lines = [
-        "# Honesty of contacts under profiles",
-        "",
+    about = (
         f"{scenes} random scenes, seed {seed}, by validation/honesty/profiles.py: true error over "
-        f"its estimate; {missed} scenes did not meet their tolerance and said so.",
-        "",
-        "| quantity | largest | median | violations |",
-        "|---|---|---|---|",
-    ]
-    for name in NAMES:
-        values = np.array([one[name] for one in found])
-        lines.append(
-            f"| {name} | {values.max():.2g} | {np.median(values):.2g} | {(values > 1.0).sum()} |"
-        )
-    text = "\n".join([*lines, "", *(f"- {one}" for one in violations)]).rstrip()
+        f"its estimate; {missed} scenes did not meet their tolerance and said so."
+    )
+    text = table("Honesty of contacts under profiles", about, found, NAMES, violations)
     (RESULTS / "honesty_profiles.md").write_text(f"{text}\n", encoding="utf-8")
     print(text)
     return 1 if violations else 0
