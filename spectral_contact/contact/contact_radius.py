@@ -20,7 +20,7 @@ from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.errors import SceneError
 from spectral_contact.profiles import Profile
 
-__all__ = ["Contact", "Solver", "find_radius", "indenter", "value_of"]
+__all__ = ["Contact", "RadiusScale", "Solver", "find_radius", "indenter", "value_of"]
 
 Contact = Indentation | Refinement[Indentation]
 #: The contact of a radius, to a tolerance, and whether the pressure is wanted.
@@ -30,6 +30,8 @@ Solver = Callable[[float, float, bool], Contact]
 _STEPS, _LONGEST = 60, 3.0
 #: Steps from which on a secant is taken for the slope.
 _CLOSE = 0.5
+#: The misfit of a secant over the product of the last two, measured 0.001 ... 0.06.
+_SECANT = 0.1
 #: Share of the tolerance that what was asked for, and what follows from the radius, may be off.
 _SHARE = 0.02
 #: Distances from edge and breaks between which the slope of the pressure is taken.
@@ -37,7 +39,7 @@ _PLACES = np.geomspace(ROUNDING, 1.0, 61)
 
 
 @dataclass(frozen=True, slots=True)
-class _RadiusScale:
+class RadiusScale:
     """The unknown and the radius that it stands for."""
 
     profile: Profile
@@ -86,6 +88,7 @@ def find_radius(
     pointwise: bool,
     near: float | None = None,
     origin: float = 0.0,
+    first: Callable[[float], Contact] | None = None,
 ) -> tuple[Contact, float]:
     """Return the contact under a load or approach, and the relative error of its radius.
 
@@ -103,6 +106,8 @@ def find_radius(
         Where the radius may be.
     origin : float
         Approach at which the contact begins.
+    first : callable, optional
+        Solves at a radius for the first steps, without estimates.
 
     Raises
     ------
@@ -116,7 +121,8 @@ def find_radius(
 
     off = max(_SHARE * tolerance, ROUNDING)
     # a poor space knows what is integrated as well as a rich one knows the pressure
-    search.run(solved(tolerance, False), off, rough=True)
+    if pointwise or first is not None:
+        search.run(first or solved(tolerance, False), off, rough=True)
     search.run(solved(tolerance, pointwise), off)
     found, error = search.found()
     if search.rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
@@ -137,7 +143,7 @@ class _RadiusSearch:
         origin: float,
     ) -> None:
         self.profile, self.load, self.approach, self.origin = profile, load, approach, origin
-        self.at = _RadiusScale(profile)
+        self.at = RadiusScale(profile)
         size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
         if near is None or not profile.flat_part < near < profile.reach:
             near = profile.flat_part + 0.5 * size
@@ -154,18 +160,21 @@ class _RadiusSearch:
     def run(self, solve: Callable[[float], Contact], near: float, *, rough: bool = False) -> None:
         """Step until the logarithm of the value is as near to that of what is asked for.
 
-        Or, if rough, as near as the value is known.
+        Or, if rough, as near as the value is known, or as the next secant leads.
         """
         # those of a poorer space may be wrong
         self.low, self.high, self.before = -inf, inf, None
         least = inf
         for _ in range(_STEPS):
             self._look(solve)
-            enough = max(near, self.known) if rough else near
-            if abs(self.misfit) <= enough or (abs(self.misfit) >= least and least < 1e3 * near):
+            off = abs(self.misfit)
+            enough = max(near, self.known if rough else self.least)
+            if off <= enough or (off >= least and least < 1e3 * near):
                 return
-            least = min(least, abs(self.misfit))
             self._step()
+            if rough and _SECANT * off * least <= near:
+                return
+            least = min(least, off)
         self._refuse()
 
     def _look(self, solve: Callable[[float], Contact]) -> None:
@@ -188,6 +197,12 @@ class _RadiusSearch:
             secant = (misfit - self.misfit) / (self.v - self.before)
             self.slope = secant if secant > 0.0 else self.slope
         self.misfit, self.before = misfit, self.v
+
+    @property
+    def least(self) -> float:
+        """The misfit that a rounding of the radius makes: next to a corner much more than that."""
+        radius = self.at.radius(self.v)
+        return float(np.finfo(float).eps) * radius * self.slope / self.at.slope(radius)
 
     def _known(self, one: Indentation) -> float:
         """Return the relative error of what is asked for."""

@@ -8,64 +8,50 @@ pressure vanish at the edge (docs/theory, profiles).
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from math import ceil, inf, log, pi, sqrt
-from typing import Any, TypeAlias
+from math import inf, log, pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_parts import joined
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.on_parts import (
+    PartedProblem,
+    Used,
+    edge_value,
+    first_space,
+    pointwise_errors,
+    series_on_parts,
+)
+from spectral_contact.contact.refine import Attempt, Refinement, Resolution, fitted, refine
 from spectral_contact.contact.resolution import (
     FIELD_ROUNDING,
-    PANEL_WIDTH,
     ROUNDING,
-    expected_error,
-    panel_table,
-    series_of,
-    share_of_change,
-    starting_resolution,
-    table_rates,
 )
-from spectral_contact.contact.smooth_indented import smooth_pressure
-from spectral_contact.fields.series import CENTRE, LogSeries, PressureField, Radius, ZonalField
+from spectral_contact.contact.smooth_indented import smooth_contact
+from spectral_contact.fields.series import LogSeries, PressureField, Radius, ZonalField
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import PartedSpace, Parts, PressureSpace, pressure_space
+from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
 from spectral_contact.spectral.regularised import Change, Regularised
 
 __all__ = [
     "Indentation",
-    "PartedProblem",
-    "Used",
     "bracket_of",
-    "edge_value",
-    "first_space",
-    "pointwise_errors",
+    "glance",
     "profile_parts",
-    "series_on_parts",
     "solve_indentation",
-    "split_parts",
 ]
 
 Array = NDArray[np.float64]
-Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]
 
-#: A part that ends at a break is seen from beyond it: its first two panels take so many degrees
-#: for a digit (base e) more than others.
-_FIRST, _SECOND = 0.95, 0.55
 #: Places next to the edge, in units of the layer, where the pressure's slope is taken.
 _SLOPE = 1e-4
 #: Error of ``eps`` over what the tail at the edge changes.
 _EDGE = 1.0
-#: Panels and degree whose nodes integrate a known half-integral.
-_NODES = 20, 20
-#: What breaks add to the expected error of the pressure, and what integrals of a smooth space lack,
-#: as the worst of three times 300 random profiles need them.
-_BROKEN, _INTEGRATED = 8.0, 2.0
+#: What integrals of a smooth space lack, as the worst of three times 300 random profiles need it.
+_INTEGRATED = 2.0
 #: Roundings of the shift, and of what follows from it, measured over random profiles and against
 #: the gold tables: the work under a rounded flat takes 3.05.
 _ROUNDINGS = 3.5
@@ -163,44 +149,6 @@ class _IntegralErrors:
     work: float
 
 
-class PartedProblem(ABC):
-    """First spaces for a pressure on a disk in parts, and how a vector is cut.
-
-    Parameters
-    ----------
-    parts : Parts
-    tolerance : float
-        Bound on the relative error.
-    pointwise : bool
-        Whether it is that of the pressure, too.
-    """
-
-    def __init__(self, parts: Parts, tolerance: float, *, pointwise: bool) -> None:
-        # integrals superconverge: their errors are the squares of the pressure's
-        self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
-        self.parts = parts
-        self.spaces = [self._first(*end) for end in self.parts.ends]
-        self.counts = [len(one.degrees) for one in self.spaces]
-
-    @abstractmethod
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
-        """Return the first space of a part."""
-
-    def start(self) -> Resolution:
-        """Return the first space to try."""
-        space = joined(self.spaces)
-        capacity = 4 * ceil((max(space.degrees) + 1) / 4)
-        return Resolution(replace(space.panels, degree=capacity), space.degrees)
-
-    def used(self, resolution: Resolution) -> tuple[Used, ...]:
-        """Return the panels of every part, and the degrees on them."""
-        degrees, used = resolution.degrees, []
-        for count in self.counts:
-            used.append((replace(resolution.panels, panels=count), degrees[:count]))
-            degrees = degrees[count:]
-        return tuple(used)
-
-
 class _IndentationProblem(PartedProblem):
     """Spaces for a contact under a profile."""
 
@@ -242,17 +190,46 @@ class _IndentationProblem(PartedProblem):
         target = bracket + 2.0 * shift
         return _TwoPressures(factored, flat, whole, half(flat), half(whole), target, shift, at_edge)
 
+    def glance(self, max_unknowns: int) -> Indentation:
+        """Return the contact in the first space, whatever its errors are: they are 0."""
+        used = self.used(fitted(self.start(), max_unknowns))
+        space = pressure_space(self.parts, used)
+        return self._contact(space, used, self._solve(space, used[-1][0]))
+
+    def _contact(
+        self, space: PressureSpace, used: tuple[Used, ...], solved: _TwoPressures
+    ) -> Indentation:
+        """Return the contact without its errors."""
+        a, weights = self.radius, space.weights
+        series = series_on_parts(used, solved.whole)
+        return Indentation(
+            a,
+            a * (self._whole_height + solved.shift),
+            4 * a**2 * float(weights @ solved.whole_half),
+            a**3 * float(weights @ (solved.whole_half * solved.target)),
+            4 * a * float(weights @ solved.flat_half),
+            self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
+            self.parts.field(series) if self.pointwise else None,
+            self.parts.field(series_on_parts(used, solved.flat)) if self.pointwise else None,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        )
+
+    @property
+    def _whole_height(self) -> float:
+        """The approach on a smooth surface, in units of the radius."""
+        return float(self.profile._transform(np.asarray(self.radius))) / (2.0 * self.radius)
+
     def _judged(
         self, space: PressureSpace, used: tuple[Used, ...], solved: _TwoPressures
     ) -> Attempt[Indentation]:
         """Return the contact with its errors."""
-        a, weights = self.radius, space.weights
-        series = series_on_parts(used, solved.whole)
-        moment, flat_moment = float(weights @ solved.whole_half), float(weights @ solved.flat_half)
-        energy = float(weights @ (solved.whole_half * solved.target))
-        whole_height = float(self.profile._transform(np.asarray(a))) / (2.0 * a)
-        approach = whole_height + solved.shift
-
+        a, found = self.radius, self._contact(space, used, solved)
+        moment, flat_moment = found.load / (4 * a**2), found.stiffness / (4 * a)
+        energy, approach, whole_height = found.work / a**3, found.approach / a, self._whole_height
         change, mean = solved.factored.change(solved.whole), 4 / pi * moment
         indicators, rates = pointwise_errors(self.parts, used, solved.whole, change, mean)
         errors = self._integral_errors(solved, change, used[-1][0], rates)
@@ -263,20 +240,13 @@ class _IndentationProblem(PartedProblem):
         pressure_error += _PLACE_POINTWISE * place
         if len(used) > 1:
             pressure_error += _LAYER_ROUNDING * whole_height / (self.compliance * mean)
-        indentation = Indentation(
-            a,
-            a * approach,
-            4 * a**2 * moment,
-            a**3 * energy,
-            4 * a * flat_moment,
-            self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
-            self.parts.field(series),
-            self.parts.field(series_on_parts(used, solved.flat)) if self.pointwise else None,
-            shifted / approach + ROUNDING,
-            (shifted * flat_moment + errors.load) / moment + ROUNDING,
-            (4 * shifted * moment + errors.work) / energy + ROUNDING,
-            errors.flat / flat_moment + 2.0 * ROUNDING,
-            pressure_error,
+        indentation = replace(
+            found,
+            approach_error=shifted / approach + ROUNDING,
+            load_error=(shifted * flat_moment + errors.load) / moment + ROUNDING,
+            work_error=(4 * shifted * moment + errors.work) / energy + ROUNDING,
+            stiffness_error=errors.flat / flat_moment + 2.0 * ROUNDING,
+            pressure_error=pressure_error,
         )
         error = max(indentation.approach_error, indentation.load_error)
         if self.pointwise:
@@ -306,64 +276,6 @@ class _IndentationProblem(PartedProblem):
         return 2.0 * edge.value(y / reach) / y / flat_edge
 
 
-def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resolution:
-    """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
-    # square roots of the distance in s**2 at a tip
-    rate = 0.5 if boundary is CENTRE else 1.0
-    space = starting_resolution(depth, problem.tolerance, rate=rate)
-    if len(problem.parts.ends) == 1:
-        return space
-    digits, degrees = -log(problem.tolerance), list(space.degrees)
-    for j, share in enumerate((_FIRST, _SECOND)):
-        degrees[j] = max(degrees[j], ceil(share * digits))
-    return Resolution(space.panels, tuple(degrees))
-
-
-def pointwise_errors(
-    parts: Parts, used: tuple[Used, ...], whole: Array, change: Change, mean: float
-) -> tuple[Array, Array]:
-    """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
-
-    They are relative to the pressure, or to its mean if that is larger.
-    """
-    rates: list[Array] = []
-    errors: list[Array] = []
-    series = series_on_parts(used, whole)
-    each = zip(
-        used, series, split_parts(used, whole), split_parts(used, change.coefficients), strict=True
-    )
-    # a change next to a break says less about the one after it
-    factor = _BROKEN if len(used) > 1 else 1.0
-    for (panels, degrees), one, own, changed in each:
-        rates.append(table_rates(degrees, panel_table(panels, own)))
-        size = np.maximum(np.abs(one.at_ends()), mean)
-        expected = factor * expected_error(share_of_change(panels, changed, size), rates[-1])
-        if parts.pointed and not errors:
-            # no degree lowers what the tail at a tip lacks, a root: 1.8 times what it sheds
-            tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])
-            expected[-1] = max(float(expected[-1]), 2.0 * tail)
-        errors.append(expected)
-    return np.concatenate(errors), np.concatenate(rates)
-
-
-def series_on_parts(used: tuple[Used, ...], coefficients: Array) -> list[LogSeries]:
-    """Return the function on every part."""
-    return [
-        series_of(p, c) for (p, _), c in zip(used, split_parts(used, coefficients), strict=True)
-    ]
-
-
-def split_parts(used: tuple[Used, ...], coefficients: Array) -> list[Array]:
-    """Return the coefficients of every part."""
-    return np.split(coefficients, np.cumsum([panels.size for panels, _ in used])[:-1])
-
-
-def edge_value(panels: LogPanels, coefficients: Array) -> float:
-    """Return the value at the edge, which the last part's tail has."""
-    tail = coefficients[-panels.tail_terms :]
-    return float(tail[::2].sum() - tail[1::2].sum())
-
-
 def bracket_of(profile: Profile, radius: float, space: PressureSpace) -> Array:
     """Return ``H(1) - H(t)`` at the nodes, in units of the radius."""
     past = radius**2 * space.past
@@ -380,18 +292,15 @@ def profile_parts(profile: Profile, radius: float) -> Parts:
 def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
     """Return the contact on a smooth surface, where the half-integral is known."""
     parts, a = profile_parts(profile, radius), radius
-    panels = LogPanels(_NODES[0], PANEL_WIDTH, _NODES[1])
-    space = PartedSpace(parts, ((panels, (panels.degree,) * panels.panels),) * len(parts.ends))
-    bracket = bracket_of(profile, a, space)
-    moment, energy = float(space.weights @ bracket), float(space.weights @ bracket**2)
-    pressure = smooth_pressure(profile, a, parts) if pointwise else None
+    found = smooth_contact(profile, a, parts, pointwise=pointwise)
+    pressure = found.pressure
     last = max((b for b in profile.breaks if b < a), default=0.0)
     past = (a - last) * (a + last) if last else 0.0
     return Indentation(
         a,
         float(profile._transform(np.asarray(a))) / 2.0,
-        4 * a**2 * moment,
-        a**3 * energy,
+        4 * a**2 * found.moment,
+        a**3 * found.energy,
         8 * a,
         float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
         None if pressure is None else parts.field(pressure.series),
@@ -438,3 +347,13 @@ def solve_indentation(
         return _smooth(profile, radius, pointwise=pointwise)
     problem = _IndentationProblem(profile, radius, compliance, tolerance, pointwise=pointwise)
     return refine(problem, tolerance, max_unknowns)
+
+
+def glance(
+    profile: Profile, radius: float, compliance: float, tolerance: float, max_unknowns: int
+) -> Indentation:
+    """Return the integrals of such a contact in the first space, without estimates."""
+    if compliance == 0.0:
+        return _smooth(profile, radius, pointwise=False)
+    problem = _IndentationProblem(profile, radius, compliance, tolerance, pointwise=False)
+    return problem.glance(max_unknowns)

@@ -16,9 +16,10 @@ from math import ceil, inf, log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.indented import Indentation, PartedProblem, first_space
+from spectral_contact.contact.indented import Indentation
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
 from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm, central_value
+from spectral_contact.contact.on_parts import PartedProblem, first_space
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import EDGE, Radius

@@ -8,13 +8,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.indented import (
+from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.on_parts import (
     Used,
     edge_value,
     pointwise_errors,
     series_on_parts,
 )
-from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.resolution import expected_error, series_of, table_rates
 from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.annulus import Family

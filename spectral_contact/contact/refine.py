@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Attempt", "Problem", "Refinement", "Resolution", "refine"]
+__all__ = ["Attempt", "Problem", "Refinement", "Resolution", "fitted", "refine"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -101,7 +101,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     -------
     Refinement
     """
-    resolution = _fitted(problem.start(), max_unknowns)
+    resolution = fitted(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
     best: Refinement[T] | None = None
     stalled = 0
@@ -139,7 +139,7 @@ def _size(resolution: Resolution) -> int:
     return sum(resolution.degrees) + len(resolution.degrees)
 
 
-def _fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
+def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     """Lower the highest degrees until the space fits."""
     if _size(resolution) <= max_unknowns:
         return resolution

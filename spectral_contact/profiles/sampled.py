@@ -208,12 +208,13 @@ class Sampled(Profile):
         # next to the edge it is the integral of the derivative
         near = inward < 0.25 * (radius - last)
         g, w = _gauss(24)
-        points = radius - np.where(near, inward, 0.0)[..., None] * (1.0 + g) / 2.0
+        points = radius - inward[near][:, None] * (1.0 + g) / 2.0
         past = (points - last) * (points + last) * (last > 0.0)
-        along = inward * (self._rate(points, past) @ (w / 2.0))
-        return np.where(
-            near, along, self._transform(np.asarray(radius)) - self._transform(radius * t)
-        )
+        fallen = np.empty(np.shape(t))
+        fallen[near] = inward[near] * (self._rate(points, past) @ (w / 2.0))
+        whole = self._transform(np.asarray(radius))
+        fallen[~near] = whole - self._transform(radius * t[~near])
+        return fallen
 
     def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""

@@ -6,10 +6,10 @@ import math
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from scipy.interpolate import barycentric_interpolate
+import numpy as np
 
 from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
-from spectral_contact.contact.indented import Indentation
+from spectral_contact.contact.indented import Indentation, glance
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import endless
@@ -25,6 +25,7 @@ from spectral_contact.solution import (
     StepState,
 )
 from spectral_contact.solving.run import Run
+from spectral_contact.solving.sharing import extrapolated
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ class ProfileRun(Run):
         elif scene.layer is not None:
             solved, error = self._through_layer(scene.layer, pointwise, drives)
         else:
-            path, along = self._path, self._along
+            path, along, alpha = self._path, self._along, scene.normal_compliance
             solved, error = find_radius(
                 profile,
                 self._at,
@@ -95,6 +96,7 @@ class ProfileRun(Run):
                 approach=scene.approach,
                 pointwise=pointwise,
                 near=path.near(along),
+                first=lambda a: glance(profile, a, alpha, self.rtol, self.max_unknowns),
             )
             path.add(along, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
@@ -388,7 +390,7 @@ class _RadiusPath:
         """Return where the radius may be: a polynomial in logarithms through the last scenes."""
         at = math.log(value)
         known = [one for one in self._known if 0.0 < abs(one[0] - at) < _FARTHEST]
-        places = {place: log_radius for place, log_radius in known}
-        if len(places) < 2:
+        times = {1.0 + place - at: np.array(log_radius) for place, log_radius in known}
+        if len(times) < 2:
             return None
-        return math.exp(float(barycentric_interpolate(list(places), list(places.values()), at)))
+        return math.exp(float(extrapolated(list(times), list(times.values()))))

@@ -310,13 +310,15 @@ def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0)
     return np.asarray(values @ legendre_projection_matrix(degree + EXTRA, degree))
 
 
-def beyond(e: Array, panels: int, width: float, degree: int) -> Array:
+def beyond(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
     """Return the matrix of the `beyond` integral at distances `e` >= 0 past the boundary.
 
-    Shapes are those of `deeper`.
+    Shapes are those of `fall`.
     """
-    blocks = _plain(e, panels, width, degree).reshape(len(e), panels * (degree + 1))
-    return np.hstack([blocks, beyond_tail(e, np.exp(-panels * width))])
+    charges = charges_on(width, degree, panels)
+    kernels = charges.d + e[:, None]
+    np.divide(charges.d, np.sqrt(kernels, out=kernels), out=kernels)
+    return np.hstack([charges.onto(kernels), beyond_tail(e, np.exp(-panels * width))])
 
 
 def beyond_tail(e: Array, end: float) -> Array:

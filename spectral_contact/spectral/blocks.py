@@ -10,7 +10,6 @@ places.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -42,18 +41,16 @@ from spectral_contact.spectral.graded import (
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.products import OwnColumns, PartProduct, SideBySide
 from spectral_contact.spectral.samples import root_sums
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
-__all__ = ["Block", "Fields", "Seen", "across", "block", "disk_gram", "points_of"]
+__all__ = ["Block", "across", "block", "disk_gram", "points_of"]
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
 Used: TypeAlias = tuple[int, ...] | LogPanels
 Nodes: TypeAlias = GradedNodes | SmoothNodes | PlainNodes
-Fields: TypeAlias = Sequence[Array] | Mapping[int, Array]
 
 #: Distances, in units of a part's extent, up to which a difference is taken as such.
 _NEAR = 0.5
@@ -117,100 +114,6 @@ class Block:
         return sums if self.gathered is None else self.gathered.T @ sums
 
 
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """Integrals of several parts at the nodes of one.
-
-    Attributes
-    ----------
-    nodes : GradedNodes
-    blocks : dict of int to Block
-        By the part that is integrated.
-    """
-
-    nodes: GradedNodes | SmoothNodes
-    blocks: dict[int, Block]
-
-    def at(self, values: Fields) -> Array:
-        """Return integrals at the boundary, of coefficients part by part, as columns."""
-        return np.asarray(sum(one.scale * (one.at @ values[k]) for k, one in self.blocks.items()))
-
-    def more(self, values: Fields) -> Array:
-        """Return by how much they are more at the nodes."""
-        direct: Array | float = 0.0
-        sampled: Array | float = 0.0
-        for k, one in self.blocks.items():
-            part = one.more @ one.onto(values[k])
-            if one.sampled:
-                sampled = sampled + part
-            else:
-                direct = direct + part
-        if isinstance(sampled, float):
-            return np.asarray(direct)
-        return np.asarray(direct + self.nodes.spread(sampled))
-
-    def tested(self, weighted: Array) -> Iterable[tuple[int, Array]]:
-        """Yield, part by part, the sums of weighted values at the nodes times its integrals."""
-        gathered = self.nodes.gathered(weighted)
-        for k, one in self.blocks.items():
-            yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
-
-    def _columns(self, *, whole: bool) -> SideBySide:
-        """Return the integrals of all parts side by side."""
-        places: list[OwnColumns] = []
-        parts: tuple[list[Array], list[Array]] = [], []
-        ends = [0, 0]
-        for k, one in self.blocks.items():
-            values, kind = one.whole if whole else one.more, int(one.sampled)
-            own = slice(ends[kind], ends[kind] + values.shape[1])
-            places.append(OwnColumns(k, own, one.sampled))
-            parts[kind].append(values)
-            ends[kind] += values.shape[1]
-        shapes = len(self.nodes.d), len(self.nodes.samples)
-        direct, sampled = (
-            np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
-            for each, rows in zip(parts, shapes, strict=True)
-        )
-        return SideBySide(places, direct, sampled)
-
-    def products(
-        self, other: Seen, weights: Array, *, whole: bool = False, own: Array | None = None
-    ) -> Iterable[PartProduct]:
-        """Yield, for pairs of parts, the sums over the nodes of these integrals times others.
-
-        Parameters
-        ----------
-        other : Seen
-            At the same nodes; by how much its integrals are more there, or `whole` ones.
-        weights : ndarray, shape (nodes,)
-        whole : bool
-        own : ndarray, optional
-            The sums of what is given at the nodes themselves, if they are known.
-        """
-        rows, direct, sampled = self._columns(whole=True)
-        columns, direct_other, sampled_other = other._columns(whole=whole)
-        w = weights[:, None]
-        if own is not None:
-            on_nodes = own
-        elif other is self and whole:  # of one and its transpose NumPy computes one triangle
-            root = np.sqrt(w) * direct
-            on_nodes = root.T @ root
-        else:
-            on_nodes = (w * direct).T @ direct_other
-        parts = [[on_nodes]]
-        if sampled.shape[1] + sampled_other.shape[1]:  # what is smooth is summed over the samples
-            spread, gathered = self.nodes.spread, self.nodes.gathered
-            left = np.hstack([gathered(w * direct), gathered(w * spread(sampled))])
-            below, beside = sampled.T @ gathered(w * direct_other), left.T @ sampled_other
-            split = direct.shape[1]
-            parts = [[on_nodes, beside[:split]], [below, beside[split:]]]
-        for k, row, of_samples in rows:
-            for j, column, from_samples in columns:
-                product = parts[of_samples][from_samples][row, column]
-                one, two = self.blocks[k], other.blocks[j]
-                yield PartProduct(k, j, two.back(one.back(product).T).T)
-
-
 class _Own:
     """Integrals of the functions of a part, of unit extent, at its own nodes."""
 
@@ -263,7 +166,15 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, nodes: Nodes) -> _Own:
     return _OWN.get(key, lambda: _Own(panels, degrees, nodes.d))
 
 
-def block(source: Family, degrees: Degrees, target: Family, used: Used, side: int) -> Block | None:
+def block(
+    source: Family,
+    degrees: Degrees,
+    target: Family,
+    used: Used,
+    side: int,
+    *,
+    differences: bool = True,
+) -> Block | None:
     """Return the integrals of a part at points of one, of what lies on one side of these.
 
     They are ``1/2 int psi dz / sqrt(|z - t**2|)`` over ``z > t**2`` (outside, +1) or
@@ -282,6 +193,8 @@ def block(source: Family, degrees: Degrees, target: Family, used: Used, side: in
         (sampling points).
     side : int
         +1 for outside, -1 for inside.
+    differences : bool
+        Whether more is wanted than whole integrals.
 
     Returns
     -------
@@ -300,7 +213,7 @@ def block(source: Family, degrees: Degrees, target: Family, used: Used, side: in
         if apart < 0.0 or (apart == 0.0 and side != source.sign):
             return None
         if apart == 0.0:
-            kept = _facing(source, degrees, target, nodes)
+            kept = _facing(source, degrees, target, nodes, differences)
         elif _same_annulus(source, target, side, apart):
             edge = target.boundary.from_edge == 0.0
             of_halves = source.panels, degrees, target.panels, used, edge
@@ -356,11 +269,16 @@ def _vanishing(matrix: Array) -> Block:
     return Block(np.zeros(matrix.shape[1]), matrix, matrix, False)
 
 
-def _facing(source: Family, degrees: Degrees, target: Family, nodes: Nodes) -> Block:
+def _facing(
+    source: Family, degrees: Degrees, target: Family, nodes: Nodes, differences: bool
+) -> Block:
     """Return what is seen across the boundary that both parts have."""
     panels = source.panels
     form = panels.panels, panels.width
-    whole, falls = fall(target.reach / source.reach * nodes.samples, *form, degrees)
+    e = target.reach / source.reach * nodes.samples
+    if not differences:
+        return replace(_vanishing(beyond(e, *form, degrees)), sampled=True)
+    whole, falls = fall(e, *form, degrees)
     at = beyond(np.zeros(1), *form, panels.degree)[0, panels.functions(degrees)]
     return Block(at, -falls, whole, True)
 

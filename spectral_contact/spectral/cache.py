@@ -21,8 +21,9 @@ V = TypeVar("V")
 
 _ALL: WeakSet[BoundedCache] = WeakSet()  # type: ignore[type-arg]
 _CLOCK = count()
-#: Most bytes that all caches together keep; they are counted when an entry of `_LARGE` is made.
-_MOST, _LARGE = 256 * 2**20, 2**20
+#: Most bytes that all caches together keep; they are counted when entries of `_LARGE` or more were
+#: made that are one part in `_SHARE` of it: counting takes 3 ms.
+_MOST, _LARGE, _SHARE = 256 * 2**20, 2**20, 8
 
 
 @dataclass(slots=True)
@@ -48,6 +49,8 @@ class BoundedCache(Generic[K, V]):
         Whether its values hold arrays, whose bytes count.
     """
 
+    _uncounted = 0
+
     def __init__(self, name: str, capacity: int, *, arrays: bool = True) -> None:
         self.name = name
         self.capacity = capacity
@@ -70,8 +73,11 @@ class BoundedCache(Generic[K, V]):
             self._entries[key] = _Entry(value, next(_CLOCK))
             if len(self._entries) > self.capacity:
                 del self._entries[min(self._entries, key=lambda one: self._entries[one].used)]
-        if self._arrays and _bytes(value, set()) >= _LARGE:
-            _shrink()
+        if self._arrays and (made := _bytes(value, set())) >= _LARGE:
+            BoundedCache._uncounted += made
+            if BoundedCache._uncounted >= _MOST // _SHARE:
+                BoundedCache._uncounted = 0
+                _shrink()
         return value
 
     def entries(self) -> list[tuple[K, _Entry[V]]]:

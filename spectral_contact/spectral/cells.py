@@ -173,9 +173,23 @@ class CellSpace(NodalSpace):
         return np.ascontiguousarray(np.vstack(rows)[:, self.index])
 
     @cached_property
+    def gram(self) -> Array:
+        """Gram matrix of the half-integrals."""
+        weighted = self._matrix * np.sqrt(self.weights / pi)[:, None]
+        return np.asarray(weighted.T @ weighted)
+
+    @cached_property
     def mass(self) -> Array:
         """Mass matrix ``int phi psi s ds``."""
         return np.diag(self._mass)
+
+    def moments(self, density: Array) -> Array:
+        """Return the inner products of the half-integrals with a density, in order of `index`."""
+        return np.asarray((self.weights / pi * density) @ self._matrix)
+
+    def half_integral(self, coefficients: Array) -> Array:
+        """Return the half-integral at the nodes."""
+        return np.asarray(self._matrix @ coefficients[self.index])
 
 
 def cell_space(cells: DiskCells, degrees: tuple[int, ...]) -> CellSpace:

@@ -33,7 +33,9 @@ from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.graded import graded_nodes
+from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.products import Seen
 from spectral_contact.spectral.regularised import Factorable, Regularised
 from spectral_contact.threads import cached_property
 
@@ -45,6 +47,7 @@ Used = tuple[LogPanels, tuple[int, ...]]
 _SPACES: BoundedCache[tuple[Parts, tuple[Used, ...]], PressureSpace] = BoundedCache(
     "spaces in parts", 8
 )
+_ORDERS: BoundedCache[tuple[Used, ...], _Order] = BoundedCache("orders of functions", 16)
 
 
 class Parts:
@@ -169,7 +172,7 @@ class DiskSpace:
 
 
 class NodalSpace(ABC):
-    """Functions by the half-integrals that they have at nodes.
+    """Functions with the half-integrals that they have at nodes.
 
     Attributes are those of `PressureSpace` and `Factorable`.
     """
@@ -197,8 +200,8 @@ class NodalSpace(ABC):
 
     @property
     @abstractmethod
-    def _matrix(self) -> Array:
-        """Half-integrals of the functions at the nodes, in the order of `index`."""
+    def gram(self) -> Array:
+        """Gram matrix of the half-integrals."""
 
     @property
     @abstractmethod
@@ -206,23 +209,17 @@ class NodalSpace(ABC):
         """Mass matrix ``int phi psi s ds``."""
 
     @cached_property
-    def gram(self) -> Array:
-        """Gram matrix of the half-integrals."""
-        weighted = self._matrix * np.sqrt(self.weights / pi)[:, None]
-        return np.asarray(weighted.T @ weighted)
-
-    @cached_property
     def constant_moments(self) -> Array:
         """Moments of the density 1."""
         return self.moments(np.ones(len(self.weights)))
 
+    @abstractmethod
     def moments(self, density: Array) -> Array:
         """Return the inner products of the half-integrals with a density, in order of `index`."""
-        return np.asarray((self.weights / pi * density) @ self._matrix)
 
+    @abstractmethod
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
-        return np.asarray(self._matrix @ coefficients[self.index])
 
     def factor(self, compliance: float) -> Regularised[Any]:
         """Factor the problem with a compliance."""
@@ -240,16 +237,19 @@ class PartedSpace(NodalSpace):
     """
 
     def __init__(self, parts: Parts, used: tuple[Used, ...]) -> None:
-        self._families = _families(parts, used)
-        self._degrees = [degrees for _, degrees in used]
-        self.size = sum(panels.size for panels, _ in used)
-        self.panels = sum(panels.panels for panels, _ in used)
-        nodes = [graded_nodes(*one) for one in used]
-        points = [f.points(n.d) for f, n in zip(self._families, nodes, strict=True)]
+        pairs = zip(parts.ends, used, strict=True)
+        self._families = families = [Family(*end, panels) for end, (panels, _) in pairs]
+        self._used = used
+        self._order = order = _ORDERS.get(used, lambda: _Order(used))
+        self.size, self.panels = order.size, order.panels
+        self.index, self.panel = order.places
+        self.kept, self.kept_but_one = order.kept
+        self._nodes = nodes = [graded_nodes(*one) for one in used]
+        points = [f.points(n.d) for f, n in zip(families, nodes, strict=True)]
         # a disk's own nodes know how far they are from its centre
         squares = [
             f.reach * n.rest if f.sign < 0 and f.reach == f.boundary.square else p.z
-            for f, n, p in zip(self._families, nodes, points, strict=True)
+            for f, n, p in zip(families, nodes, points, strict=True)
         ]
         self.t: Array = np.sqrt(np.concatenate(squares))
         self.y: Array = np.concatenate([p.y for p in points])
@@ -259,76 +259,115 @@ class PartedSpace(NodalSpace):
                 for p, inner in zip(points, parts.inner, strict=True)
             ]
         )
-        extents = [f.reach * n.weights for f, n in zip(self._families, nodes, strict=True)]
+        extents = [f.reach * n.weights for f, n in zip(families, nodes, strict=True)]
         self.weights: Array = np.concatenate(extents) / (2.0 * self.t)
-        self._arrange(used)
-
-    def _arrange(self, used: tuple[Used, ...]) -> None:
-        """Order the functions: those of the coarser spaces first, as `galerkin.Space` does."""
-        keep, shed, top, panel = [], [], [], np.zeros(self.size, dtype=int)
-        start = first = 0
-        for panels, degrees in used:
-            terms, tail = panels.degree + 1, start + panels.panels * (panels.degree + 1)
-            for j, n in enumerate(degrees):
-                own = start + j * terms + np.arange(n + 1)
-                panel[own] = first + j
-                split = max(n - 1, 1)
-                keep.append(own[:split])
-                shed.append(own[split:n])
-                top.append(own[max(n, split) :])
-            panel[tail : start + panels.size] = first + len(degrees) - 1
-            keep.append(np.arange(tail, start + panels.size - 1))
-            top.append(np.array([start + panels.size - 1]))
-            start, first = start + panels.size, first + len(degrees)
-        self.index = np.concatenate([*keep, *shed, *top])
-        self.kept = sum(map(len, keep))
-        self.kept_but_one = self.kept + sum(map(len, shed))
-        self.panel = panel[self.index]
+        self._ends = np.cumsum([len(n.d) for n in nodes])[:-1]
 
     @cached_property
-    def _matrix(self) -> Array:
-        """Half-integrals of the functions at the nodes, in the order of `index`."""
-        rows, starts = [], np.cumsum([0, *(f.panels.size for f in self._families)])
-        columns = np.concatenate(
-            [
-                start + f.panels.functions(n)
-                for start, f, n in zip(starts, self._families, self._degrees, strict=False)
-            ]
-        )
-        each = list(zip(self._families, self._degrees, strict=True))
-        for target, used in each:
-            rows.append(np.hstack([_seen(*source, target, used) for source in each]))
-        place = np.empty(self.size, dtype=int)
-        place[columns] = np.arange(len(columns))
-        return np.ascontiguousarray(np.vstack(rows)[:, place[self.index]])
+    def _seen(self) -> list[Seen]:
+        """Half-integrals of the parts at the nodes of each."""
+        each = list(zip(self._families, self._used, strict=True))
+        found = []
+        for (target, (_, used)), nodes in zip(each, self._nodes, strict=True):
+            blocks = {
+                k: block(source, degrees, target, used, 1, differences=False)
+                for k, (source, (_, degrees)) in enumerate(each)
+            }
+            outside = {k: one for k, one in blocks.items() if one is not None}
+            found.append(Seen(nodes, outside))
+        return found
+
+    @cached_property
+    def gram(self) -> Array:
+        """Gram matrix of the half-integrals."""
+        gram = np.zeros((self.unknowns,) * 2)
+        columns = self._order.columns
+        weights = np.split(self.weights / pi, self._ends)
+        for seen, own in zip(self._seen, weights, strict=True):
+            for k, j, sums in seen.gram(own):
+                gram[columns[k], columns[j]] += sums
+        place = self._order.place
+        return gram.take(place, axis=0).take(place, axis=1)
 
     @cached_property
     def mass(self) -> Array:
         """Mass matrix ``int phi psi s ds``."""
-        blocks = [
-            f.panels.mass(np.arange(f.panels.size), f.reach / 2.0, 0.0) for f in self._families
-        ]
-        return np.asarray(block_diag(*blocks)[np.ix_(self.index, self.index)])
+        halves = np.array([f.reach / 2.0 for f in self._families])
+        return np.asarray(halves[self._order.part][:, None] * self._order.masses)
+
+    def moments(self, density: Array) -> Array:
+        """Return the inner products of the half-integrals with a density, in order of `index`."""
+        sums = np.zeros((self.unknowns, len(np.atleast_2d(density))))
+        weighted = np.atleast_2d(self.weights / pi * density).T
+        for seen, own in zip(self._seen, np.split(weighted, self._ends), strict=True):
+            for k, one in seen.tested(own):
+                sums[self._order.columns[k]] += one
+        return np.asarray(sums[self._order.place].T.reshape(*density.shape[:-1], -1))
+
+    def half_integral(self, coefficients: Array) -> Array:
+        """Return the half-integral at the nodes."""
+        values = np.empty((self.unknowns, 1))
+        values[self._order.place, 0] = coefficients[self.index]
+        each = [values[one] for one in self._order.columns]
+        return np.concatenate([seen.whole(each)[:, 0] for seen in self._seen])
+
+
+class _Order:
+    """The functions on several parts, those of the coarser spaces first, as `galerkin.Space` does.
+
+    Attributes
+    ----------
+    size, panels : int
+        Of all parts.
+    places : tuple of ndarray of int
+        Among the coefficients, and the panels.
+    kept : tuple of int
+        How many there are with two degrees less on every panel, and with one less.
+    columns : list of slice
+        Those of every part, one part after the other.
+    place : ndarray of int
+        Where they are in that order.
+    part : ndarray of int
+        Whose they are.
+    masses : ndarray
+        ``int phi psi dd`` for parts of unit extent.
+    """
+
+    def __init__(self, used: tuple[Used, ...]) -> None:
+        self.size = sum(panels.size for panels, _ in used)
+        self.panels = sum(panels.panels for panels, _ in used)
+        place, left, panel, part, starts = [], [], [], [], [0]
+        start = first = 0
+        for k, (panels, degrees) in enumerate(used):
+            functions, count = panels.functions(degrees), panels.panels
+            own = np.minimum(functions // (panels.degree + 1), count)
+            degree = functions - own * (panels.degree + 1)
+            highest = np.append(np.array(degrees), panels.tail_terms - 1)
+            # of the tail only the last is shed; the constant of a panel is not
+            shed = np.where(own < count, highest[own] - degree, 2 * (degree < highest[-1]))
+            left.append(np.where((own < count) & (degree == 0), 2, np.minimum(shed, 2)))
+            place.append(start + functions)
+            panel.append(first + np.minimum(own, count - 1))
+            part.append(np.full(len(functions), k))
+            starts.append(starts[-1] + len(functions))
+            start, first = start + panels.size, first + count
+        ahead = np.concatenate(left)
+        self.place = np.argsort(-ahead, kind="stable")
+        self.kept = int((ahead > 1).sum()), int((ahead > 0).sum())
+        self.columns = [slice(*ends) for ends in pairwise(starts)]
+        self.places = np.concatenate(place)[self.place], np.concatenate(panel)[self.place]
+        self.part = np.concatenate(part)[self.place]
+        masses = block_diag(*(unit_masses(*one)[0] for one in used))
+        self.masses: Array = masses.take(self.place, axis=0).take(self.place, axis=1)
 
 
 def pressure_space(parts: Parts, used: tuple[Used, ...]) -> PressureSpace:
-    """Return the space on these parts (cached)."""
-    if len(used) == 1:
-        return DiskSpace(*used[0])
-    return _SPACES.get((parts, used), lambda: PartedSpace(parts, used))
+    """Return the space on these parts (cached where there are no breaks).
 
+    Those of breaks are seldom the same, and what is kept of them are their blocks.
+    """
 
-def _families(parts: Parts, used: tuple[Used, ...]) -> list[Family]:
-    pairs = zip(parts.ends, used, strict=True)
-    return [Family(*end, panels) for end, (panels, _) in pairs]
+    def made() -> PressureSpace:
+        return DiskSpace(*used[0]) if len(used) == 1 else PartedSpace(parts, used)
 
-
-def _seen(source: Family, degrees: tuple[int, ...], target: Family, used: tuple[int, ...]) -> Array:
-    """Return the half-integrals of one part's functions at the nodes of another."""
-    nodes = graded_nodes(target.panels, used)
-    found = block(source, degrees, target, used, 1)
-    if found is None:  # it lies inside
-        return np.zeros((len(nodes.d), len(source.panels.functions(degrees))))
-    whole = found.whole if found.gathered is None else found.whole @ found.gathered
-    whole = found.scale * whole
-    return nodes.spread(whole) if found.sampled else whole
+    return made() if parts.breaks else _SPACES.get((parts, used), made)

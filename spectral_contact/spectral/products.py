@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product, starmap
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["OwnColumns", "PartProduct", "SideBySide"]
+if TYPE_CHECKING:
+    from spectral_contact.spectral.blocks import Block
+    from spectral_contact.spectral.graded import GradedNodes, SmoothNodes
+
+__all__ = ["Fields", "OwnColumns", "PartProduct", "Seen", "SideBySide"]
 
 Array = NDArray[np.float64]
+Fields: TypeAlias = Sequence[Array] | Mapping[int, Array]
 
 
 class PartProduct(NamedTuple):
@@ -34,3 +42,121 @@ class SideBySide(NamedTuple):
     places: list[OwnColumns]
     direct: Array
     sampled: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Integrals of several parts at the nodes of one.
+
+    Attributes
+    ----------
+    nodes : GradedNodes
+    blocks : dict of int to Block
+        By the part that is integrated.
+    """
+
+    nodes: GradedNodes | SmoothNodes
+    blocks: dict[int, Block]
+
+    def at(self, values: Fields) -> Array:
+        """Return integrals at the boundary, of coefficients part by part, as columns."""
+        return np.asarray(sum(one.scale * (one.at @ values[k]) for k, one in self.blocks.items()))
+
+    def more(self, values: Fields) -> Array:
+        """Return by how much they are more at the nodes."""
+        return self._sum({k: one.more for k, one in self.blocks.items()}, values)
+
+    def whole(self, values: Fields) -> Array:
+        """Return what they are at the nodes."""
+        return self._sum({k: one.whole for k, one in self.blocks.items()}, values)
+
+    def _sum(self, matrices: Mapping[int, Array], values: Fields) -> Array:
+        """Return the sum of matrices, at nodes or samples, times coefficients of the parts."""
+        direct: Array | float = 0.0
+        sampled: Array | float = 0.0
+        for k, one in self.blocks.items():
+            part = matrices[k] @ one.onto(values[k])
+            if one.sampled:
+                sampled = sampled + part
+            else:
+                direct = direct + part
+        if isinstance(sampled, float):
+            return np.asarray(direct)
+        return np.asarray(direct + self.nodes.spread(sampled))
+
+    def tested(self, weighted: Array) -> Iterable[tuple[int, Array]]:
+        """Yield, part by part, the sums of weighted values at the nodes times its integrals."""
+        gathered = self.nodes.gathered(weighted)
+        for k, one in self.blocks.items():
+            yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
+
+    def gram(self, weights: Array) -> Iterable[PartProduct]:
+        """Yield, for pairs of parts, the sums over the nodes of the products of whole integrals."""
+        ends = np.cumsum([0, *(one.whole.shape[1] for one in self.blocks.values())]).tolist()
+        weighted, root = np.empty((len(weights), ends[-1])), np.sqrt(weights)[:, None]
+        columns = dict(zip(self.blocks, starmap(slice, pairwise(ends)), strict=True))
+        for k, one in self.blocks.items():
+            values = self.nodes.spread(one.whole) if one.sampled else one.whole
+            np.multiply(values, one.scale * root, out=weighted[:, columns[k]])
+        # of a matrix and its own transpose NumPy computes one triangle, in half the time
+        gram = weighted.T @ weighted
+        for k, j in product(self.blocks, repeat=2):
+            left, right = self.blocks[k].gathered, self.blocks[j].gathered
+            values = gram[columns[k], columns[j]]
+            values = values if left is None else left.T @ values
+            yield PartProduct(k, j, values if right is None else values @ right)
+
+    def _columns(self, *, whole: bool) -> SideBySide:
+        """Return the integrals of all parts side by side."""
+        places: list[OwnColumns] = []
+        parts: tuple[list[Array], list[Array]] = [], []
+        ends = [0, 0]
+        for k, one in self.blocks.items():
+            values, kind = one.whole if whole else one.more, int(one.sampled)
+            own = slice(ends[kind], ends[kind] + values.shape[1])
+            places.append(OwnColumns(k, own, one.sampled))
+            parts[kind].append(values)
+            ends[kind] += values.shape[1]
+        shapes = len(self.nodes.d), len(self.nodes.samples)
+        direct, sampled = (
+            np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
+            for each, rows in zip(parts, shapes, strict=True)
+        )
+        return SideBySide(places, direct, sampled)
+
+    def products(
+        self, other: Seen, weights: Array, *, whole: bool = False, own: Array | None = None
+    ) -> Iterable[PartProduct]:
+        """Yield, for pairs of parts, the sums over the nodes of these integrals times others.
+
+        Parameters
+        ----------
+        other : Seen
+            At the same nodes; by how much its integrals are more there, or `whole` ones.
+        weights : ndarray, shape (nodes,)
+        whole : bool
+        own : ndarray, optional
+            The sums of what is given at the nodes themselves, if they are known.
+        """
+        rows, direct, sampled = self._columns(whole=True)
+        columns, direct_other, sampled_other = other._columns(whole=whole)
+        w = weights[:, None]
+        if own is not None:
+            on_nodes = own
+        elif other is self and whole:  # of one and its transpose NumPy computes one triangle
+            root = np.sqrt(w) * direct
+            on_nodes = root.T @ root
+        else:
+            on_nodes = (w * direct).T @ direct_other
+        parts = [[on_nodes]]
+        if sampled.shape[1] + sampled_other.shape[1]:  # what is smooth is summed over the samples
+            spread, gathered = self.nodes.spread, self.nodes.gathered
+            left = np.hstack([gathered(w * direct), gathered(w * spread(sampled))])
+            below, beside = sampled.T @ gathered(w * direct_other), left.T @ sampled_other
+            split = direct.shape[1]
+            parts = [[on_nodes, beside[:split]], [below, beside[split:]]]
+        for k, row, of_samples in rows:
+            for j, column, from_samples in columns:
+                sums = parts[of_samples][from_samples][row, column]
+                one, two = self.blocks[k], other.blocks[j]
+                yield PartProduct(k, j, two.back(one.back(sums).T).T)

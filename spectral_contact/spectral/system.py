@@ -23,11 +23,12 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Family
-from spectral_contact.spectral.blocks import Block, Seen, block, disk_gram
+from spectral_contact.spectral.blocks import Block, block, disk_gram
 from spectral_contact.spectral.moments import moments, outer_moments, unit_masses
 from spectral_contact.spectral.over_radius import OverRadius, finer
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.products import Seen
 from spectral_contact.spectral.tangential import AT_END, Field, Misfit, Tangential
 
 __all__ = ["System"]

@@ -26,11 +26,12 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.annulus import Family
-from spectral_contact.spectral.blocks import Fields, Seen, disk_gram
+from spectral_contact.spectral.blocks import disk_gram
 from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes
 from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels, top_functions
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.products import Fields, Seen
 from spectral_contact.spectral.zone_parts import zone_parts
 from spectral_contact.threads import cached_property
 

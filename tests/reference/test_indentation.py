@@ -7,6 +7,7 @@ import functools
 import math
 from itertools import pairwise
 
+import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -101,6 +102,27 @@ def test_smooth_pressures_are_the_closed_forms():
     truth = exact.cone_pressure(0.9, 0.7, 0.9 * s)
     assert np.abs(cone.pressure(s) / truth - 1.0).max() <= cone.error.pressure
     assert cone.pressure(0.0) == math.inf
+
+
+@pytest.mark.parametrize("room", [1e-2, 1e-6])
+def test_the_smooth_pressure_of_a_sphere_is_right_up_to_its_equator(room):
+    """Where the pressure of the bracket has a pole next to the edge."""
+    whole, a = mp.mpf(3), 3.0 * (1.0 - room)
+    solution = solve(Scene(0.3, profile=profiles.Sphere(3.0), contact_radius=a), strict=False)
+    mean = solution.load / (math.pi * a**2)
+
+    def rate(t):  # H'(t)/t
+        rise = 2 * mp.atanh(t / whole) / t
+        return rise + 2 * whole / ((whole - t) * (whole + t))
+
+    for d in (0.5, 1e-3, room, 1e-3 * room):
+        s, far = 1 - mp.mpf(d), mp.sqrt(d * (2 - mp.mpf(d)))
+        ends = [far * (1 - mp.mpf(10) ** -k) for k in range(10)] + [far]
+        integral = mp.quad(lambda w, s=s: a * rate(a * mp.sqrt(s * s + w * w)), ends)
+        truth = float(2 / mp.pi * integral)
+        found = solution.pressure(from_edge=d)
+        assert abs(found - truth) <= solution.error.pressure * max(truth, mean)
+    assert solution.error.pressure < 1e-8
 
 
 def test_a_thin_layer_tends_to_hertz_as_its_series_says():
@@ -292,3 +314,11 @@ def test_the_pressure_at_the_tip_of_a_power_law_is_finite(exponent):
     truth = 2.0 * exponent**2 * beta / (math.sqrt(math.pi) * (exponent - 1.0))
     assert found.error.pressure <= 1e-10
     assert abs(found.pressure(0.0) / truth - 1.0) <= found.error.pressure
+
+
+def test_a_load_next_to_a_corner_is_found_to_a_rounding_of_the_radius():
+    """Where the load cannot be met more closely than the radius is rounded."""
+    profile = profiles.TruncatedCone(0.7440563722025276, 0.68251499361468)
+    scene = Scene(0.3, 1.911831906041158e-06, profile=profile, load=0.0015082260865139849)
+    found = solve(scene, 1e-12, ["contact_radius", "load"], strict=False)
+    assert found.contact_radius == pytest.approx(0.7440567719769855, rel=1e-15)

@@ -25,7 +25,7 @@ from honesty_table import decade, table
 from spectral_contact import profiles
 from spectral_contact.contact import indented
 from spectral_contact.contact.contact_radius import find_radius
-from spectral_contact.contact.indented import Indentation, solve_indentation
+from spectral_contact.contact.indented import Indentation, glance, solve_indentation
 from spectral_contact.contact.refine import Refinement, Resolution, refine
 from spectral_contact.fields.series import Radius
 
@@ -95,7 +95,13 @@ def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
 
     for load, approach in ((truth.load, None), (None, truth.approach)):
         searched, off = find_radius(
-            profile, at, tolerance, load=load, approach=approach, pointwise=True
+            profile,
+            at,
+            tolerance,
+            load=load,
+            approach=approach,
+            pointwise=True,
+            first=lambda a: glance(profile, a, compliance, tolerance, 20_000),
         )
         value = searched.best.value if isinstance(searched, Refinement) else searched
         compared.append(_compared(value, truth, off))

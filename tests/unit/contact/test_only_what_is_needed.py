@@ -29,7 +29,13 @@ ONE_DISK = FULL_STICK | {
     "slip_outcome",
     "stick_radius",
 }
-PROFILE = NORMAL | {"contact_radius", "coupled_parts", "indented", "smooth_indented"}
+PROFILE = NORMAL | {
+    "contact_radius",
+    "coupled_parts",
+    "indented",
+    "on_parts",
+    "smooth_indented",
+}
 ONSET = FULL_STICK | {"layout", "onset"}
 LAYERED = PROFILE | {
     "layered",

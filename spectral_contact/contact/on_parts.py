@@ -1,0 +1,146 @@
+"""What problems for a pressure on a disk in parts share: first spaces, series and estimates."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from math import ceil, log, sqrt
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.coupled_parts import joined
+from spectral_contact.contact.refine import Resolution
+from spectral_contact.contact.resolution import (
+    expected_error,
+    panel_table,
+    series_of,
+    share_of_change,
+    starting_resolution,
+    table_rates,
+)
+from spectral_contact.fields.series import CENTRE, LogSeries, Radius
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.regularised import Change
+
+__all__ = [
+    "PartedProblem",
+    "Used",
+    "edge_value",
+    "first_space",
+    "pointwise_errors",
+    "series_on_parts",
+    "split_parts",
+]
+
+Array = NDArray[np.float64]
+Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]
+
+#: A part that ends at a break is seen from beyond it: its first two panels take so many degrees
+#: for a digit (base e) more than others.
+_FIRST, _SECOND = 1.0, 0.55
+#: What breaks add to the expected error of the pressure, as the worst of three times 300 random
+#: profiles need it.
+_BROKEN = 8.0
+
+
+class PartedProblem(ABC):
+    """First spaces for a pressure on a disk in parts, and how a vector is cut.
+
+    Parameters
+    ----------
+    parts : Parts
+    tolerance : float
+        Bound on the relative error.
+    pointwise : bool
+        Whether it is that of the pressure, too.
+    """
+
+    def __init__(self, parts: Parts, tolerance: float, *, pointwise: bool) -> None:
+        # integrals superconverge: their errors are the squares of the pressure's
+        self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
+        self.parts = parts
+        self.spaces = [self._first(*end) for end in self.parts.ends]
+        self.counts = [len(one.degrees) for one in self.spaces]
+
+    @abstractmethod
+    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+        """Return the first space of a part."""
+
+    def start(self) -> Resolution:
+        """Return the first space to try."""
+        space = joined(self.spaces)
+        capacity = 4 * ceil((max(space.degrees) + 1) / 4)
+        return Resolution(replace(space.panels, degree=capacity), space.degrees)
+
+    def used(self, resolution: Resolution) -> tuple[Used, ...]:
+        """Return the panels of every part, and the degrees on them."""
+        degrees, used = resolution.degrees, []
+        for count in self.counts:
+            used.append((replace(resolution.panels, panels=count), degrees[:count]))
+            degrees = degrees[count:]
+        return tuple(used)
+
+
+def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resolution:
+    """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
+    # square roots of the distance in s**2 at a tip
+    rate = 0.5 if boundary is CENTRE else 1.0
+    space = starting_resolution(depth, problem.tolerance, rate=rate)
+    if len(problem.parts.ends) == 1:
+        return space
+    digits, degrees = -log(problem.tolerance), list(space.degrees)
+    for j, share in enumerate((_FIRST, _SECOND)):
+        degrees[j] = max(degrees[j], ceil(share * digits))
+    return Resolution(space.panels, tuple(degrees))
+
+
+def pointwise_errors(
+    parts: Parts, used: tuple[Used, ...], whole: Array, change: Change, mean: float
+) -> tuple[Array, Array]:
+    """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
+
+    They are relative to the pressure, or to its mean if that is larger.
+    """
+    rates: list[Array] = []
+    errors: list[Array] = []
+    series = series_on_parts(used, whole)
+    each = zip(
+        used, series, split_parts(used, whole), split_parts(used, change.coefficients), strict=True
+    )
+    # a change next to a break says less about the one after it
+    factor = _BROKEN if len(used) > 1 else 1.0
+    for (panels, degrees), one, own, changed in each:
+        rates.append(table_rates(degrees, panel_table(panels, own)))
+        size = np.maximum(np.abs(one.at_ends()), mean)
+        expected = factor * expected_error(share_of_change(panels, changed, size), rates[-1])
+        if parts.pointed and not errors:
+            # no degree lowers what the tail at a tip lacks, a root: 1.8 times what it sheds
+            tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])
+            expected[-1] = max(float(expected[-1]), 2.0 * tail)
+        errors.append(expected)
+    return np.concatenate(errors), np.concatenate(rates)
+
+
+def series_on_parts(used: tuple[Used, ...], coefficients: Array) -> list[LogSeries]:
+    """Return the function on every part."""
+    return [
+        series_of(p, c) for (p, _), c in zip(used, split_parts(used, coefficients), strict=True)
+    ]
+
+
+def split_parts(used: tuple[Used, ...], coefficients: Array) -> list[Array]:
+    """Return the coefficients of every part."""
+    start, found = 0, []
+    for panels, _ in used:
+        found.append(coefficients[start : start + panels.size])
+        start += panels.size
+    return found
+
+
+def edge_value(panels: LogPanels, coefficients: Array) -> float:
+    """Return the value at the edge, which the last part's tail has."""
+    tail = coefficients[-panels.tail_terms :].tolist()
+    return float(sum(tail[::2]) - sum(tail[1::2]))
