@@ -14,7 +14,8 @@ from spectral_contact.solution import Ending, Solution
 from spectral_contact.solving.run import FrictionOf
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.lines import between, lines
-from spectral_contact.sweeps.parameters import Columns, Indices
+from spectral_contact.sweeps.parameters import Columns, Indices, changed
+from spectral_contact.sweeps.pressed import along, indentation_curves
 from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request
 from spectral_contact.sweeps.shortcuts import Served, served
 from spectral_contact.threads import one_thread
@@ -66,6 +67,8 @@ def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
         todo = np.flatnonzero(~known.mask)
     for line in lines(columns, todo, request):
         work.rows.put(line, between(columns[line], request, _OnLine(work, line)))
+    for curve in indentation_curves(columns, todo, request):
+        work.rows.put(curve, along(columns[curve], request, _OnLine(work, curve)))
     for i in np.setdiff1d(todo, work.rows.done).tolist():
         work.solve(i)
     return work.rows.outcome()
@@ -94,10 +97,10 @@ class _Chunk:
         except Exception as error:  # whatever it is, the other scenes go on
             self.rows.fail(i, error)
 
-    def with_zones(self, i: int) -> Solution | None:
-        """Solve a scene with its zones, and return it if it converged."""
+    def with_more(self, i: int, more: tuple[str, ...]) -> Solution | None:
+        """Solve a scene with more quantities, and return it if it converged."""
         try:
-            solution = self.path.solve(self.columns.scene(i), ("stick_radius", "zones"))
+            solution = self.path.solve(self.columns.scene(i), more)
         except Exception:  # it is left to `solve`
             return None
         if solution.ending is not Ending.CONVERGED:
@@ -107,15 +110,24 @@ class _Chunk:
 
 
 class _OnLine:
-    """Solves what a line asks for."""
+    """Solves what a line or a curve asks for."""
 
     def __init__(self, work: _Chunk, line: Indices) -> None:
         self._work, self._line = work, line.tolist()
         self._first = work.columns.scene(self._line[0])
 
-    def at_scene(self, i: int) -> Solution | None:
+    def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
         """Solve a scene."""
-        return self._work.with_zones(self._line[i])
+        return self._work.with_more(self._line[i], more)
+
+    def of_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
+        """Solve the first scene with another contact radius."""
+        try:
+            scene = changed(self._first, {"contact_radius": radius})
+            solution = self._work.path.solve(scene, more)
+        except Exception:  # the scenes are left to `solve`
+            return None
+        return solution if solution.ending is Ending.CONVERGED else None
 
     def at_radius(self, logit: float) -> FrictionOf | None:
         """Solve for the friction that a radius has."""

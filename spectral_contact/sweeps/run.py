@@ -18,9 +18,9 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
+from spectral_contact.sweeps.curves import LEAST
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
 from spectral_contact.sweeps.execution import outcomes
-from spectral_contact.sweeps.lines import LEAST
 from spectral_contact.sweeps.parameters import (
     PARAMETERS,
     Indices,
@@ -29,6 +29,7 @@ from spectral_contact.sweeps.parameters import (
     grid,
     listed,
 )
+from spectral_contact.sweeps.pressed import pressed_alone
 from spectral_contact.sweeps.request import Request, requested
 from spectral_contact.sweeps.shortcuts import eligible
 from spectral_contact.sweeps.store import Store
@@ -159,12 +160,13 @@ def sweep(
 
 def _chunk(parameters: SweepParameters, request: Request) -> int:
     """Return how many scenes make some tenths of a second of work."""
+    sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
     if parameters.shaped or parameters.coupled:
-        return _SLOW_CHUNK
-    whole = _whole_lines(parameters)
+        pressed = pressed_alone(parameters.columns(sample), request)
+        return _whole_lines(parameters, ("load", "approach")) if pressed.all() else _SLOW_CHUNK
+    whole = _whole_lines(parameters, ("friction", "poisson_ratio"))
     if not request.shared:
         return whole
-    sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
     quick = eligible(parameters.columns(sample), request)
     slow = frozenset(request.quantities) & {"stick_radius", "total_shear"}
     if slow and not (parameters.columns(sample).values[3] == np.inf).all():
@@ -172,12 +174,10 @@ def _chunk(parameters: SweepParameters, request: Request) -> int:
     return _QUICK_CHUNK if quick.mean() > 0.99 else whole
 
 
-def _whole_lines(parameters: SweepParameters) -> int:
+def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
     """Return `_CHUNK`, or somewhat more so that scenes which are solved together stay so."""
-    frictions, ratios = (
-        int(np.size(parameters.axes.get(name, 0.0))) for name in ("friction", "poisson_ratio")
-    )
-    for line in (frictions * ratios, frictions):
+    one, other = (int(np.size(parameters.axes.get(name, 0.0))) for name in names)
+    for line in (one * other, one):
         if LEAST <= line <= _LONGEST:
             return line * -(-_CHUNK // line)
     return _CHUNK

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SceneError, profiles, solve
-from spectral_contact.sweeps import plot_slice, sweep
+from spectral_contact.sweeps import chunk, plot_slice, sweep
 from spectral_contact.sweeps.parameters import grid
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -28,6 +28,79 @@ def test_a_curve_has_the_numbers_of_solve_within_the_estimates():
                 assert 0.0 < error <= 1e-8
                 assert abs(float(here[name]) / true - 1.0) <= error + 1e-12
             assert float(here.stiffness) > 0.0
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Return a list that grows with every scene that is solved."""
+    done, original = [], chunk.Continuation.solve
+
+    def counted(self, scene, *arguments):
+        done.append(scene)
+        return original(self, scene, *arguments)
+
+    monkeypatch.setattr(chunk.Continuation, "solve", counted)
+    return done
+
+
+@pytest.mark.parametrize(
+    ("profile", "alpha", "given"),
+    [
+        (profiles.Parabola(1.0), 0.5, "load"),
+        (profiles.Parabola(1.0), 0.0, "approach"),
+        (profiles.Sphere(1.0), 1e-3, "load"),
+        (profiles.Cone(1.0), 0.5, "approach"),
+        (profiles.RoundedFlat(0.5, 1.0), 0.5, "load"),
+    ],
+    ids=["parabola", "smooth", "sphere", "cone", "rounded flat"],
+)
+def test_a_long_curve_takes_few_radii(solved, profile, alpha, given):
+    scene, values = Scene(0.3, alpha, profile=profile, load=1.0), np.geomspace(0.02, 2.0, 80)
+    found = sweep(scene, **{given: values}, rtol=1e-9)
+    assert len(solved) < 25
+    assert (found.ending == "converged").all()
+    assert (found.total_shear == 0.0).all()
+    for i in range(0, 80, 11):
+        own = Scene(0.3, alpha, profile=profile, **{given: float(values[i])})
+        truth = solve(own, 1e-12, [*NUMBERS, "load"])
+        for name in {*NUMBERS, "load"} - {given}:
+            estimate = float(found[f"{name}_error"][i])
+            assert 0.0 < estimate <= 1e-9
+            error = abs(float(found[name][i]) / getattr(truth, name) - 1.0)
+            assert error <= estimate + getattr(truth.error, name) + 1e-15
+
+
+def test_curves_of_several_layers_are_each_their_own(solved):
+    values, alphas = np.linspace(0.1, 2.0, 30)[::-1], [0.5, 0.1]
+    found = sweep(BALL, load=values, normal_compliance=alphas, poisson_ratio=[0.1, 0.3])
+    assert len(solved) < 60
+    own = found.sel(normal_compliance=0.1, poisson_ratio=0.3).isel(load=7)
+    truth = solve(BALL.replace(normal_compliance=0.1, load=float(values[7])), 1e-12)
+    assert float(own.approach) == pytest.approx(truth.approach, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"quantities": ["load", "pressure"], "s": [0.0]},  # a field
+        {"quantities": ["approach"], "rtol": 1e-4, "max_unknowns": 1},
+    ],
+    ids=["pressure", "refused"],
+)
+def test_what_a_curve_does_not_know_is_solved(solved, arguments):
+    found = sweep(BALL, load=np.linspace(0.9, 1.0, 24), **arguments)
+    assert len(solved) >= 24
+    assert np.isfinite(found.approach if "approach" in found else found.pressure).all()
+
+
+def test_a_curve_across_a_break_is_solved_scene_by_scene(solved):
+    radii = np.linspace(0.0, 2.0, 3)
+    table = profiles.Sampled.from_points(radii, radii**2)
+    scene = Scene(0.3, profile=table, contact_radius=0.9)
+    ends = [solve(scene.replace(contact_radius=a)).load for a in (0.9, 1.1)]
+    found = sweep(scene, load=np.linspace(*ends, 24), quantities=["contact_radius"], rtol=1e-4)
+    assert len(solved) >= 24
+    assert (np.diff(found.contact_radius) > 0.0).all()
 
 
 def test_the_order_of_the_scenes_does_not_matter():

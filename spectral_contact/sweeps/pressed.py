@@ -1,0 +1,170 @@
+"""Indentation curves: scenes of one punch on one layer that differ in load, or approach, alone.
+
+Few contact radii are solved, and all scenes lie between: logarithms of load, approach, stiffness
+and work are smooth in that of the radius beyond the flat part of the profile, over how far it is
+from its reach, whose singularities are pi away from the real axis whatever the compliance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.contact_radius import RadiusScale
+from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.profiles import Profile
+from spectral_contact.solution import PROFILE_QUANTITIES, Solution
+from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, nodes_needed
+from spectral_contact.sweeps.parameters import PARAMETERS, Columns, Indices
+from spectral_contact.sweeps.request import Request
+from spectral_contact.sweeps.shortcuts import Served
+
+__all__ = ["CURVED", "PressedSolver", "along", "indentation_curves", "pressed_alone"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: The functions of the radius that are interpolated.
+CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
+#: What goes with them; the last two are the same in every scene without friction.
+_NORMAL: Final = frozenset({*PROFILE_QUANTITIES, "approach"})
+_FRICTIONLESS: Final = _NORMAL | {"stick_radius", "total_shear"}
+_GIVEN: Final = {name: PARAMETERS.index(name) for name in ("load", "approach")}
+
+
+def pressed_alone(columns: Columns, request: Request) -> Mask:
+    """Return of which scenes normal contact through a linear layer is all that is asked."""
+    asked = frozenset(request.quantities)
+    if columns.law or len(columns.values) <= max(_GIVEN.values()) or not asked <= _FRICTIONLESS:
+        return np.zeros(len(columns), dtype=bool)
+    linear = np.broadcast_to([one.layer is None for one in columns.forms], len(columns))
+    alone = np.isnan(columns.values[3]) if asked - _NORMAL else ~columns.coupled
+    return np.asarray(linear & alone)
+
+
+def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
+    """Yield scenes, of those to do, that differ in load or approach alone, as it rises."""
+    own = todo[pressed_alone(columns[todo], request)]
+    forms = columns.forms
+    for k in _GIVEN.values() if len(own) else ():
+        groups: dict[tuple[float, Profile | None], list[int]] = {}
+        for i in own[~np.isnan(columns.values[k, own])].tolist():
+            profile = forms[i if len(forms) > 1 else 0].profile
+            groups.setdefault((float(columns.values[1, i]), profile), []).append(i)
+        for group in groups.values():
+            if len(group) >= LEAST:
+                yield np.array(group)[np.argsort(columns.values[k, group], kind="stable")]
+
+
+class PressedSolver(Protocol):
+    """What solves the scenes of a curve."""
+
+    def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
+        """Return the solution of a scene, with more quantities, if it converged."""
+
+    def of_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
+        """Return that of the first scene with this contact radius instead."""
+
+
+def along(columns: Columns, request: Request, solver: PressedSolver) -> Served:
+    """Return what is known of the scenes of a curve from a few radii that are solved.
+
+    Parameters
+    ----------
+    columns : Columns
+        The scenes, by rising load or approach.
+    request : Request
+        For numbers alone.
+    solver : PressedSolver
+    """
+    size, mask = len(columns), np.zeros(len(columns), dtype=bool)
+    given = next(name for name, k in _GIVEN.items() if not np.isnan(columns.values[k, 0]))
+    ends = [solver.at_scene(i, ("contact_radius",)) for i in (0, size - 1)]
+    places = _ends(ends, size, request.rtol)
+    if places is not None:
+        assert ends[0] is not None
+        curve = _PressedCurve(given, RadiusScale(_profile(ends[0])), Curves(*places, len(CURVED)))
+        inner = columns.values[_GIVEN[given], 1 : size - 1]
+        while len(curve.curves.nodes) < WORTH * size:
+            if curve.curves.settled(request.rtol):
+                found = curve.served(inner, ends[0], request)
+                if all((found.errors[one] <= request.rtol).all() for one in request.quantities):
+                    mask[1 : size - 1] = True
+                    return replace(found, mask=mask)
+            if not curve.grow(solver):
+                break
+    return Served(mask, {}, {})
+
+
+def _profile(one: Solution) -> Profile:
+    assert one.scene.profile is not None
+    return one.scene.profile
+
+
+def _ends(solved: list[Solution | None], size: int, rtol: float) -> tuple[float, float] | None:
+    """Return where the curve begins and ends, if there is no break between and it is worth it."""
+    known = [one for one in solved if one is not None]
+    if len(known) < len(solved):
+        return None
+    profile, (first, last) = _profile(known[0]), [one.contact_radius for one in known]
+    if not first < last or any(first <= b < last for b in profile.breaks):
+        return None
+    low, high = map(RadiusScale(profile).place, (first, last))
+    return (low, high) if nodes_needed(low, high, rtol) <= WORTH * size else None
+
+
+@dataclass(frozen=True, slots=True)
+class _PressedCurve:
+    """What is known of a curve.
+
+    Attributes
+    ----------
+    given : str
+        What the scenes differ in.
+    scale : RadiusScale
+    curves : Curves
+        Logarithms of `names` over the places of the contact radii.
+    """
+
+    given: str
+    scale: RadiusScale
+    curves: Curves
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is interpolated, what is given first."""
+        return self.given, *(one for one in CURVED if one != self.given)
+
+    def grow(self, solver: PressedSolver) -> bool:
+        """Solve at one radius more; return whether that went well."""
+        one = solver.of_radius(self.scale.radius(self.curves.next()), CURVED)
+        if one is None:
+            return False
+        known = np.log([getattr(one, name) for name in self.names])
+        self.curves.add(known, np.array([getattr(one.error, name) for name in self.names]))
+        return True
+
+    def served(self, given: Array, one: Solution, request: Request) -> Served:
+        """Return values and errors of what is asked, where the first function is given.
+
+        What is the same in all scenes is that of a solution.
+        """
+        found = self.curves.where(np.log(given))
+        radius = np.array([self.scale.radius(v) for v in found.places.tolist()])
+        slope = np.array([self.scale.slope(r) for r in radius.tolist()])
+        moved = found.moved + ROUNDING * radius / slope  # a place is rounded as its radius is
+        lost = found.lost + found.slopes * moved[:, None] + ROUNDING
+        values = {self.given: given, "contact_radius": radius}
+        errors = {self.given: np.zeros(len(given)), "contact_radius": moved * slope / radius}
+        for j, name in enumerate(self.names[1:]):
+            values[name], errors[name] = np.exp(found.values[:, j]), lost[:, j]
+        for name in frozenset(request.quantities) - frozenset(values):
+            value = getattr(one, name)
+            values[name] = np.full(len(given), np.nan if value is None else value)
+            errors[name] = np.zeros(len(given))
+        asked, mask = request.quantities, np.ones(len(given), dtype=bool)
+        return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})
