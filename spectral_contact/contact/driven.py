@@ -149,6 +149,7 @@ class Driven(Tangential):
         """Return the matrix of `residual`, but for roundings: the pressure is given."""
         matrix = np.zeros((self.unknowns, self.unknowns))
         self._add_tangential(matrix)
+        matrix = self._with_masses(matrix)
         matrix[: self.count] = np.eye(self.count, self.unknowns)
         return matrix
 

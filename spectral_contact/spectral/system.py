@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import Block, Seen, block, disk_gram
+from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.moments import moments, outer_moments, unit_masses
 from spectral_contact.spectral.over_radius import OverRadius, finer
 from spectral_contact.spectral.panels import LogPanels
@@ -34,6 +35,10 @@ __all__ = ["System"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
+
+_STUCK: BoundedCache[tuple[LogPanels, LogPanels, Degrees], Array] = BoundedCache(
+    "full-stick matrices", 8
+)
 
 
 class System(Tangential):
@@ -230,6 +235,24 @@ class System(Tangential):
 
     def matrix(self) -> Array:
         """Return the matrix of both equations; it is that of `residual` but for roundings."""
+        return self._with_masses(self._assembled() if self.radii else self._stuck_matrix())
+
+    def _stuck_matrix(self) -> Array:
+        """Return the matrix of full stick without masses: only kappa is not its form's."""
+        [part], both = self.parts, (slice(self.count), slice(self.count, self.unknowns))
+
+        def unit() -> Array:
+            own = [part.family.panels], [part.degrees], self.parameters._replace(kappa=1.0)
+            return System(self.radii, self.states, *own)._assembled()
+
+        form = part.family.panels, part.shear.panels, part.degrees
+        matrix = _STUCK.get(form, unit).copy()
+        matrix[both[0], both[1]] *= self.parameters.kappa
+        matrix[both[1], both[0]] *= self.parameters.kappa
+        return matrix
+
+    def _assembled(self) -> Array:
+        """Return the matrix without masses."""
         matrix = np.zeros((self.unknowns, self.unknowns))
         for i, part in enumerate(self.parts):
             f, kept = self._f[i], None

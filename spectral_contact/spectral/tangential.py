@@ -29,7 +29,7 @@ from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import Fields, Seen, disk_gram
 from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes
 from spectral_contact.spectral.moments import unit_masses
-from spectral_contact.spectral.panels import LogPanels, top_functions
+from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.zone_parts import zone_parts
 from spectral_contact.threads import cached_property
@@ -162,9 +162,11 @@ class Tangential(ABC):
     @cached_property
     def shed(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
         """Places in a vector of the top two degrees of every panel, and of the top one."""
-        parts = [(one.panels, one.degrees) for one in self.fields]
-        first = self.fields[0].own.start
-        return first + top_functions(parts, 2), first + top_functions(parts, 1)
+        first, last = (
+            np.concatenate([one.own.start + one.panels.top(one.degrees, n) for one in self.fields])
+            for n in (2, 1)
+        )
+        return first, last
 
     def split(self, values: Array) -> tuple[list[Array], dict[int, Array]]:
         """Return the coefficients in the whole bases: of p on all parts, of u on those in stick."""
@@ -306,7 +308,7 @@ class Tangential(ABC):
         rows[:, self.shear[k]] += columns
 
     def _add_tangential(self, matrix: Array) -> None:
-        """Add what the traction does to the tangential equation, and the masses."""
+        """Add what the traction does to the tangential equation."""
         for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
             stuck, weights = self._stuck(i), self._shear_tests[i]
             kept = None
@@ -321,5 +323,9 @@ class Tangential(ABC):
                 at_boundary = self.balances[1][part.boundary]
                 for k, sums in stuck.tested(weights[:, None]):
                     matrix[self.shear[k]] += sums * at_boundary
+
+    def _with_masses(self, matrix: Array) -> Array:
+        """Return a matrix with the masses added to it."""
         for own, mass in self.masses:
             matrix[own, own] += mass
+        return matrix
