@@ -22,7 +22,7 @@ from spectral_contact.solution import (
     Zone,
 )
 from spectral_contact.solving.planning import plan
-from spectral_contact.solving.run import Run
+from spectral_contact.solving.run import Run, closer_tolerance
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
@@ -39,6 +39,8 @@ __all__ = ["CoupledRun"]
 #: Relative distance from the critical friction up to which full stick may stand for slip that is
 #: not found, and its error at that distance, in units of it.
 _ONSET, _ROOM = 1e-4, 3.0
+#: Tolerance of full stick at which it is seen that a scene is that close.
+_DECIDES = 0.1 * _ONSET
 #: A distance at which slip is not looked for if full stick is good enough; and one at which
 #: rounding hides it: at 1e-11 all annuli were found, at 1e-12 some, at 1e-13 hardly any.
 _HIDDEN, _ROUNDED = 1e-8, 3e-13
@@ -97,7 +99,7 @@ class CoupledRun(Run):
                 scene.normal_compliance,
                 scene.tangential_compliance,
                 scene.kappa,
-                self.rtol,
+                self.rtol if scene.friction == math.inf else min(self.rtol, _DECIDES),
                 self.max_unknowns,
                 pointwise=not integrals,
             ),
@@ -155,6 +157,10 @@ class CoupledRun(Run):
         except NoCoupledSlipError as missing:
             if unsure <= _ONSET:
                 return None
+            closer = closer_tolerance(search.tolerance)
+            # without a compliance it takes seconds
+            if closer < search.tolerance and search.parameters.alpha and search.parameters.beta:
+                return self._found(replace(search, tolerance=closer), unsure)
             raise NotComputedError(
                 "coupled partial slip",
                 f"no zones were found that obey the friction law ({missing}); "

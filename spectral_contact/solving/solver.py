@@ -11,7 +11,7 @@ from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import PROFILE_QUANTITIES, Plan, Solution
 from spectral_contact.solving.planning import plan
-from spectral_contact.solving.run import FrictionOf, Run
+from spectral_contact.solving.run import FrictionOf, Run, closer_tolerance
 from spectral_contact.solving.sharing import Shared
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
@@ -23,9 +23,6 @@ _INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANT
 
 #: The tightest tolerance of fields.
 _TIGHTEST = 1e-12
-#: A scene whose zones are not known is solved anew at so much of the tolerance, if the fields reach
-#: that; not where there is nothing to gain.
-_CLOSER, _LOOSE = 1e-3, 1e-11
 
 
 def solve(
@@ -84,8 +81,7 @@ def solve(
     with one_thread():
         solution = run.solution()
         if _unsure(solution):
-            again = Shared(progress)
-            tighter = max(_CLOSER * rtol, _TIGHTEST)
+            again, tighter = Shared(progress), closer_tolerance(rtol)
             closer = _run(scene, todo, tighter, max_unknowns, again).solution()
             if closer.converged and not _zone_missing(closer):
                 solution = replace(closer, rtol=rtol)
@@ -101,7 +97,8 @@ def solve(
 
 def _unsure(solution: Solution) -> bool:
     """Return whether there is slip in places, and at a tighter tolerance zones may be known."""
-    return _zone_missing(solution) and len(solution.zones) > 1 and solution.rtol >= _LOOSE
+    closer = closer_tolerance(solution.rtol)
+    return _zone_missing(solution) and len(solution.zones) > 1 and closer < solution.rtol
 
 
 def _zone_missing(solution: Solution) -> bool:
