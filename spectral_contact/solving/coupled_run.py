@@ -21,8 +21,8 @@ from spectral_contact.solution import (
     StepState,
     Zone,
 )
-from spectral_contact.solving.planning import plan
-from spectral_contact.solving.run import Run, closer_tolerance
+from spectral_contact.solving.planning import closer_tolerance, plan
+from spectral_contact.solving.run import Run
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
 
-__all__ = ["FrictionOf", "Run", "closer_tolerance"]
+__all__ = ["FrictionOf", "Run"]
 
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
@@ -48,14 +48,6 @@ _DRIVE = "drive"
 _BESIDE = ("opening", "domain_radius")
 #: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
 _TIGHTER, _TIGHTEST = 0.1, 1.2e-13
-#: Zones that are not known are looked for at so much of the tolerance, where there is something to
-#: gain, at the least at that of fields.
-_CLOSER, _LOOSE, _LEAST = 1e-3, 1e-11, 1e-12
-
-
-def closer_tolerance(rtol: float) -> float:
-    """Return a tolerance at which zones may be known, or be found, that are not at this one."""
-    return max(_CLOSER * rtol, _LEAST) if rtol >= _LOOSE else rtol
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,20 +9,14 @@ from dataclasses import replace
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
-from spectral_contact.solution import PROFILE_QUANTITIES, Plan, Solution
-from spectral_contact.solving.planning import plan
-from spectral_contact.solving.run import FrictionOf, Run, closer_tolerance
+from spectral_contact.solution import Plan, Solution
+from spectral_contact.solving.planning import checked_tolerance, closer_tolerance, plan
+from spectral_contact.solving.run import FrictionOf, Run
 from spectral_contact.solving.sharing import Shared
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["Continuation", "checked_tolerance", "solve"]
-
-#: Integral quantities, which may be asked for at 1e-13.
-_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
-
-#: The tightest tolerance of fields.
-_TIGHTEST = 1e-12
+__all__ = ["Continuation", "solve"]
 
 
 def solve(
@@ -104,22 +98,6 @@ def _unsure(solution: Solution) -> bool:
 def _zone_missing(solution: Solution) -> bool:
     zones = solution.error.zones
     return zones is not None and zones >= 1.0
-
-
-def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
-    """Return the tolerance if these quantities can be solved to it.
-
-    Raises
-    ------
-    SceneError
-        If they cannot.
-    """
-    value = checks.tolerance(rtol)
-    if value < _TIGHTEST and not _INTEGRAL.issuperset(quantities):
-        raise SceneError(
-            "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
-        )
-    return value
 
 
 class Continuation:
