@@ -10,12 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import LogSeries, Radius
-from spectral_contact.spectral.abel import (
-    beyond,
-    deeper,
-    outer,
-    tail_values,
-)
+from spectral_contact.spectral.abel import tail_values
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
@@ -96,34 +91,6 @@ class Family:
         """Return the sampling points: panels, then tail."""
         return self.points(transforms(self.panels).distances)
 
-    def half_integral(self, points: Points) -> Array:
-        """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)``, shape (points, size)."""
-        p, e = self.panels, points.before(self.boundary) / self.reach
-        matrix = np.zeros((len(e), p.size))
-        if self.sign < 0:
-            rows = e > 0.0
-            matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree, p.power)
-        else:
-            rows = e >= 0.0
-            matrix[rows] = beyond(e[rows], p.panels, p.width, p.degree)
-            rows = (e < 0.0) & (e >= -1.0)
-            matrix[rows] = outer(-e[rows], p.panels, p.width, p.degree)
-        return np.asarray(matrix * np.sqrt(self.reach))
-
-    def inner_integral(self, points: Points) -> Array:
-        """Return ``1/2 int_{z < s^2} psi dz / sqrt(s^2 - z)``, shape (points, size)."""
-        p, e = self.panels, points.before(self.boundary) / self.reach
-        matrix = np.zeros((len(e), p.size))
-        if self.sign < 0:
-            rows = e <= 0.0
-            matrix[rows] = beyond(-e[rows], p.panels, p.width, p.degree)
-            rows = (e > 0.0) & (e <= 1.0)
-            matrix[rows] = outer(e[rows], p.panels, p.width, p.degree, p.power)
-        else:
-            rows = e < 0.0
-            matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)
-        return np.asarray(matrix * np.sqrt(self.reach))
-
     def sources(self) -> tuple[Points, Array]:
         """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
         p = self.panels
@@ -141,16 +108,6 @@ class Family:
         matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
         points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
         return points, 0.5 * self.reach * matrix
-
-    def table(self, coefficients: Array) -> Array:
-        """Return panel coefficients as (panels, degree + 1)."""
-        p = self.panels
-        return coefficients[: -p.tail_terms].reshape(p.panels, p.degree + 1)
-
-    def series(self, coefficients: Array) -> LogSeries:
-        """Return the function of the scaled distance that the coefficients stand for."""
-        p = self.panels
-        return LogSeries(self.table(coefficients), coefficients[-p.tail_terms :], p.width)
 
     def unresolved(self, series: LogSeries) -> float:
         """Return the largest of the last coefficients of any panel or of the tail."""
@@ -210,10 +167,6 @@ class Annulus:
         """``1 - s**2`` and ``s**2`` at the sampling points, those of the inner half first."""
         points = [family.sampling() for family in self.families]
         return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
-
-    def inner_integral(self, points: Points) -> Array:
-        """Return the `inner_integral` of both families, shape (points, size)."""
-        return np.hstack([f.inner_integral(points) for f in self.families])
 
     @property
     def sampling_split(self) -> int:

@@ -9,13 +9,13 @@ from __future__ import annotations
 from itertools import groupby
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     chebyshev_interpolation,
-    chebyshev_values,
     gauss_rule,
     legendre_interpolation_matrix,
 )
@@ -185,7 +185,7 @@ def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
 
 def far_values(d: Array) -> Array:
     """Return the matrix from values at `FAR_NODES`, as distances, to those at other distances."""
-    return np.asarray(chebyshev_values(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_FIT)
+    return np.asarray(chebvander(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_FIT)
 
 
 def graded_nodes(panels: LogPanels, degrees: tuple[int, ...]) -> GradedNodes | SmoothNodes:
