@@ -28,19 +28,17 @@ from spectral_contact.fields.series import (
     ZonalField,
 )
 from spectral_contact.spectral.annulus import (
-    FAR_FIT,
-    FAR_NODES,
     Annulus,
     Family,
     Points,
     gap,
     sampled_series,
+    transforms,
 )
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.galerkin import DiskOperators
+from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.samples import root_sums
-from spectral_contact.spectral.transforms import transforms
 
 __all__ = [
     "SlipFields",

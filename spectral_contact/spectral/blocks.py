@@ -12,14 +12,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import (
+    Charges,
     beyond,
     beyond_tail,
+    charges_on,
     deeper,
     fall,
     fall_of_tail,
@@ -28,9 +30,8 @@ from spectral_contact.spectral.abel import (
     rise,
     tail_values,
 )
-from spectral_contact.spectral.annulus import Family, gap
+from spectral_contact.spectral.annulus import Family, gap, transforms
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.charges import Charges, charges_on
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     GradedNodes,
@@ -38,18 +39,42 @@ from spectral_contact.spectral.graded import (
     SmoothNodes,
     far_values,
     graded_nodes,
+    root_sums,
 )
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.products import OwnColumns, PartProduct, SideBySide
-from spectral_contact.spectral.samples import root_sums
-from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
 __all__ = ["Block", "Fields", "Seen", "across", "block", "disk_gram", "points_of"]
 
 Array = NDArray[np.float64]
+
+
+class PartProduct(NamedTuple):
+    """The product of the integrals of two parts."""
+
+    row: int
+    column: int
+    values: Array
+
+
+class OwnColumns(NamedTuple):
+    """Which columns are those of a part, and whether they are at the samples."""
+
+    part: int
+    columns: slice
+    sampled: bool
+
+
+class SideBySide(NamedTuple):
+    """Integrals of several parts: whose the columns are, and those at nodes and at samples."""
+
+    places: list[OwnColumns]
+    direct: Array
+    sampled: Array
+
+
 Degrees: TypeAlias = tuple[int, ...]
 Used: TypeAlias = tuple[int, ...] | LogPanels
 Nodes: TypeAlias = GradedNodes | SmoothNodes | PlainNodes

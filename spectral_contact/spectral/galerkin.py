@@ -25,9 +25,9 @@ from scipy.linalg import eigh
 
 from spectral_contact.spectral.abel import deeper_blocks, deeper_tail
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.graded import Samples
 from spectral_contact.spectral.panels import LogPanels, Nodes
 from spectral_contact.spectral.regularised import Change, Regularised
-from spectral_contact.spectral.samples import Samples
 from spectral_contact.threads import cached_property
 
 __all__ = [
