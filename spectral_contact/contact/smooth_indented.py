@@ -16,11 +16,10 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries
 from spectral_contact.profiles import Profile
-from spectral_contact.spectral.annulus import Family, sampled_series
+from spectral_contact.spectral.annulus import Family, sampled_series, transforms
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parted import Parts
-from spectral_contact.spectral.transforms import transforms
 
 __all__ = ["SmoothPressure", "smooth_pressure"]
 

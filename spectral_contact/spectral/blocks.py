@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,17 +20,16 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.abel import (
     beyond,
     beyond_tail,
+    charges_on,
     deeper,
     fall,
     fall_of_tail,
     far_fall,
     outer,
     rise,
-    tail_values,
 )
-from spectral_contact.spectral.annulus import Family, gap
+from spectral_contact.spectral.annulus import Family, gap, transforms
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.charges import Charges, charges_on
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     GradedNodes,
@@ -38,18 +37,25 @@ from spectral_contact.spectral.graded import (
     SmoothNodes,
     far_values,
     graded_nodes,
+    root_sums,
 )
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.products import OwnColumns, PartProduct, SideBySide
-from spectral_contact.spectral.samples import root_sums
-from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
-__all__ = ["Block", "Fields", "Seen", "across", "block", "disk_gram", "points_of"]
+__all__ = ["Block", "Fields", "PartProduct", "Seen", "across", "block", "disk_gram", "points_of"]
 
 Array = NDArray[np.float64]
+
+
+class PartProduct(NamedTuple):
+    """The product of the integrals of two parts."""
+
+    row: int
+    column: int
+    values: Array
+
+
 Degrees: TypeAlias = tuple[int, ...]
 Used: TypeAlias = tuple[int, ...] | LogPanels
 Nodes: TypeAlias = GradedNodes | SmoothNodes | PlainNodes
@@ -155,23 +161,21 @@ class Seen:
         for k, one in self.blocks.items():
             yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
 
-    def _columns(self, *, whole: bool) -> SideBySide:
-        """Return the integrals of all parts side by side."""
-        places: list[OwnColumns] = []
+    def _columns(self, *, whole: bool) -> tuple[dict[int, slice], list[Array]]:
+        """Return the integrals of all parts side by side, those at nodes and those at samples."""
+        places: dict[int, slice] = {}
         parts: tuple[list[Array], list[Array]] = [], []
         ends = [0, 0]
         for k, one in self.blocks.items():
-            values, kind = one.whole if whole else one.more, int(one.sampled)
-            own = slice(ends[kind], ends[kind] + values.shape[1])
-            places.append(OwnColumns(k, own, one.sampled))
-            parts[kind].append(values)
-            ends[kind] += values.shape[1]
+            values = one.whole if whole else one.more
+            start, ends[one.sampled] = ends[one.sampled], ends[one.sampled] + values.shape[1]
+            places[k] = slice(start, ends[one.sampled])
+            parts[one.sampled].append(values)
         shapes = len(self.nodes.d), len(self.nodes.samples)
-        direct, sampled = (
+        return places, [
             np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
             for each, rows in zip(parts, shapes, strict=True)
-        )
-        return SideBySide(places, direct, sampled)
+        ]
 
     def products(
         self, other: Seen, weights: Array, *, whole: bool = False, own: Array | None = None
@@ -187,8 +191,8 @@ class Seen:
         own : ndarray, optional
             The sums of what is given at the nodes themselves, if they are known.
         """
-        rows, direct, sampled = self._columns(whole=True)
-        columns, direct_other, sampled_other = other._columns(whole=whole)
+        rows, (direct, sampled) = self._columns(whole=True)
+        columns, (direct_other, sampled_other) = other._columns(whole=whole)
         w = weights[:, None]
         if own is not None:
             on_nodes = own
@@ -204,10 +208,10 @@ class Seen:
             below, beside = sampled.T @ gathered(w * direct_other), left.T @ sampled_other
             split = direct.shape[1]
             parts = [[on_nodes, beside[:split]], [below, beside[split:]]]
-        for k, row, of_samples in rows:
-            for j, column, from_samples in columns:
-                product = parts[of_samples][from_samples][row, column]
+        for k, row in rows.items():
+            for j, column in columns.items():
                 one, two = self.blocks[k], other.blocks[j]
+                product = parts[one.sampled][two.sampled][row, column]
                 yield PartProduct(k, j, two.back(one.back(product).T).T)
 
 
@@ -328,15 +332,14 @@ def across(
         Negative.
     """
     panels, scale = source.panels, float(np.sqrt(source.reach))
-    form = panels.panels, panels.width
-    charges: Charges = charges_on(panels.width, degrees)
+    charges = charges_on(panels.width, degrees)
     split = len(values) - panels.tail_terms
     weights, on_tail = charges.back(values[:split]) * charges.d[:, None], values[split:]
     root = np.sqrt(charges.d)
     e = target.reach / source.reach * points_of(target.panels, used).samples
     at = (1.0 / root) @ weights + beyond_tail(np.zeros(1), panels.end)[0] @ on_tail
     falls = e[:, None] * root_sums(e, charges.d, weights / root[:, None], root)
-    return scale * at, -scale * (falls + fall_of_tail(e, *form) @ on_tail)
+    return scale * at, -scale * (falls + fall_of_tail(e, panels.end) @ on_tail)
 
 
 def points_of(panels: LogPanels, used: Used) -> Nodes:
@@ -359,22 +362,24 @@ def _vanishing(matrix: Array) -> Block:
 def _facing(source: Family, degrees: Degrees, target: Family, nodes: Nodes) -> Block:
     """Return what is seen across the boundary that both parts have."""
     panels = source.panels
-    form = panels.panels, panels.width
-    whole, falls = fall(target.reach / source.reach * nodes.samples, *form, degrees)
-    at = beyond(np.zeros(1), *form, panels.degree)[0, panels.functions(degrees)]
+    form = panels.panels, panels.width, panels.degree
+    whole, falls = fall(target.reach / source.reach * nodes.samples, panels.width, degrees)
+    at = beyond(np.zeros(1), *form)[0, panels.functions(degrees)]
     return Block(at, -falls, whole, True)
 
 
 def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
     """Return what one half of an annulus contributes to the other, both of unit extent."""
-    form, columns = (panels.panels, panels.width, panels.degree, panels.power), degrees
-    used = panels.functions(columns)
+    form = panels.panels, panels.width, panels.degree, panels.power
+    used = panels.functions(degrees)
     whole = deeper(2.0 - d, *form)[:, used]
     if edge:
         return _vanishing(whole)
     at, near = deeper(np.array([2.0]), *form)[0, used], d <= _NEAR
     more = whole - at
-    more[near] = -far_fall(-d[near], *form)[:, used]
+    # as near as 1.5 a panel takes more points than a low degree has
+    every = (panels.degree,) * panels.panels
+    more[near] = -far_fall(-d[near], panels.width, every, panels.power)[:, used]
     return Block(at, more, whole, False)
 
 
@@ -415,13 +420,13 @@ def _apart(
 
 def _log_places(panels: LogPanels, degrees: Degrees) -> Array:
     """Return the places on the panels and on the tail that stand for its functions."""
-    charges: Charges = charges_on(panels.width, degrees)
+    charges = charges_on(panels.width, degrees)
     return np.concatenate([charges.d, tail_rule(panels)[0]])
 
 
 def _onto(panels: LogPanels, degrees: Degrees, kernels: Array) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` of kernels at these places, as rows."""
-    charges: Charges = charges_on(panels.width, degrees)
+    charges = charges_on(panels.width, degrees)
     d, weights, basis = tail_rule(panels)
     split = len(charges.d)
     own = charges.onto(kernels[:, :split] * charges.d ** (1.0 + panels.power))
@@ -433,18 +438,6 @@ def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
 
     def made() -> Array:
-        columns = panels.functions(degrees)
-        x, w = panels.half_line_nodes()
-        g, _ = gauss_rule(x.shape[1])
-        values = legendre_values(g, panels.degree)
-        rows = []
-        for one, weights in zip(x, w, strict=True):
-            d = np.exp(-one)
-            weighted = values * (0.5 * weights * d ** (1.0 + panels.power))[:, None]
-            rows.append(far_values(d).T @ weighted)
-        d, weights, _ = tail_rule(panels)
-        basis = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
-        rows.append(far_values(d).T @ (basis * (0.5 * weights * d**panels.power)[:, None]))
-        return np.ascontiguousarray(np.hstack(rows)[:, columns])
+        return _onto(panels, degrees, far_values(_log_places(panels, degrees)).T)
 
     return _GATHERED.get((panels, degrees), made)

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import (
+    EXTRA,
     ROOT_TERMS,
     TAIL_EXTRA,
     TAIL_TERMS,
     tail_values,
 )
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.charges import EXTRA
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
 __all__ = ["SAMPLES", "LogPanels", "Nodes", "PanelNodes"]
