@@ -126,7 +126,9 @@ def main() -> int:
         one, label, converged = ratios(rng)
         found.append(one)
         missed += not converged
-        violations += [f"{name} {ratio:.2f}: {label}" for name, ratio in one.items() if ratio > 1.0]
+        beyond = [f"{name} {ratio:.2f}: {label}" for name, ratio in one.items() if ratio > 1.0]
+        violations += beyond
+        print(*(f"{len(found)}: {told}\n" for told in beyond), end="", flush=True)
     about = (
         f"{scenes} random scenes, seed {seed}, by validation/honesty/profiles.py: true error over "
         f"its estimate; {missed} scenes did not meet their tolerance and said so."
