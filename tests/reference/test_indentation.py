@@ -7,6 +7,7 @@ import functools
 import math
 from itertools import pairwise
 
+import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -101,6 +102,35 @@ def test_smooth_pressures_are_the_closed_forms():
     truth = exact.cone_pressure(0.9, 0.7, 0.9 * s)
     assert np.abs(cone.pressure(s) / truth - 1.0).max() <= cone.error.pressure
     assert cone.pressure(0.0) == math.inf
+
+
+@pytest.mark.parametrize("short", [0.01, 1e-4, 1e-9])
+def test_the_pressure_of_a_smooth_sphere_next_to_its_equator(short):
+    """By quadrature of ``(2/pi) int H'(t) dt/sqrt(t^2 - r^2)``: ``H'`` has a pole close by."""
+    whole, a = 2.5, 2.5 * (1.0 - short)
+    scene = Scene(0.3, profile=profiles.Sphere(whole), contact_radius=a)
+    solution = solve(scene, 1e-10, strict=False)
+    from_edge = [1e-12, 1e-6, 1e-3, 0.1, 0.5, 0.9]
+    with mp.workdps(30):
+
+        def rate(t):
+            return 2 * mp.atanh(t / whole) + 2 * t * whole / ((whole - t) * (whole + t))
+
+        def truth(y):
+            r = mp.mpf(a) * (1 - mp.mpf(y))
+            # t = r + v**2
+            return 2 / mp.pi * mp.quad(
+                lambda v: 2 * rate(r + v**2) / mp.sqrt(2 * r + v**2),
+                [0, mp.sqrt(a * mp.mpf(y)) / 2, mp.sqrt(a * mp.mpf(y))],
+            )  # fmt: skip
+
+        exact_approach = float(a * mp.atanh(mp.mpf(a) / whole))
+        expected = np.array([float(truth(y)) for y in from_edge])
+    assert abs(solution.approach / exact_approach - 1.0) <= solution.error.approach
+    mean = solution.load / (math.pi * a**2)
+    errors = np.abs(solution.pressure(from_edge=from_edge) - expected) / np.maximum(expected, mean)
+    assert errors.max() <= solution.error.pressure
+    assert solution.error.pressure < 1e-5
 
 
 def test_a_thin_layer_tends_to_hertz_as_its_series_says():
