@@ -2,6 +2,6 @@
 
 import sys
 
-from spectral_contact.cli import main
+from spectral_contact.cli.commands import main
 
 sys.exit(main())

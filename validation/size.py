@@ -36,16 +36,16 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_896, 6_500),
-    Gate("lines in all", 49_619, 23_000),
-    Gate("float literals of the core", 225, 90),
+    Gate("lines of the core", 13_489, 6_500),
+    Gate("lines in all", 49_198, 23_000),
+    Gate("float literals of the core", 218, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 29, 12),
+    Gate("longest chain of imports", 23, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

@@ -26,11 +26,9 @@ __all__ = ["first_spaces", "with_known_slip"]
 #: at the edge.
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
-#: The same at a bend where all sticks, and how far before the layer that is; and further degrees
-#: there, on the first panel, the second and the others: of 294 scenes and tolerances none needs a
-#: second space. At the centre, where q/s is weakly determined, degrees that tolerances ask for
-#: would be rounding.
-_STUCK_BEND, _BEFORE, _STUCK_SPARE = 0.2, 3.0, (4, 2, 1)
+#: How far before the layer a bend is where all sticks; and further degrees there: of 300 scenes and
+#: tolerances one needs a second space.
+_BEFORE, _STUCK_SPARE = 3.0, 1
 #: How far in ``-ln y`` a layer of the pressure is felt at the edge.
 _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
@@ -117,8 +115,8 @@ def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> 
 def _all_sticks(alpha: float, beta: float, tolerance: float) -> Resolution:
     """Return the space of a disk that sticks to the edge: both layers bend both fields."""
     layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
-    begin = max(layers, default=LEADING) + (_FELT if len(layers) == 2 else 0.0)
-    bends = [(layer - _BEFORE, _STUCK_BEND) for layer in layers]
+    begin = max(layers, default=LEADING)
+    bends = [(layer - _BEFORE, _BEND) for layer in layers]
     # under one compliance alone a field has a square root at the edge
     rate, power = 0.5 if len(layers) == 1 else 1.0, -0.5 if alpha == 0.0 else 0.0
     return _space(begin, bends, tolerance, rate, power=power, spare=_STUCK_SPARE)
@@ -132,7 +130,7 @@ def _space(
     first: tuple[float, float] = (0.0, 0.0),
     *,
     power: float = 0.0,
-    spare: tuple[int, int, int] = (0, 0, 0),
+    spare: int = 0,
 ) -> Resolution:
     """Return a space whose solution settles like ``exp(-rate x)`` past `begin`."""
     # like scenes share their spaces
@@ -145,8 +143,7 @@ def _space(
     for place, share in bends:
         more = np.maximum(more, share * nearness(panels, ceil(2.0 * place) / 2.0))
     more[:2] = np.maximum(more[:2], first)
-    further = np.array([*spare[:2], *(panels - 2) * [spare[2]]])
-    degrees = np.ceil(1.0 + further + digits * (_ALL * missing + more)).astype(int)
+    degrees = np.ceil(1.0 + spare + digits * (_ALL * missing + more)).astype(int)
     degrees = np.maximum(degrees, _LEAST)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     return Resolution(LogPanels(panels, PANEL_WIDTH, capacity, power), tuple(degrees.tolist()))

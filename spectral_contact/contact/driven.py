@@ -18,7 +18,7 @@ from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import Block, across, block
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.products import Seen
+from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import Misfit, Tangential
 from spectral_contact.threads import cached_property
 
@@ -150,6 +150,7 @@ class Driven(Tangential):
         """Return the matrix of `residual`, but for roundings: the pressure is given."""
         matrix = np.zeros((self.unknowns, self.unknowns))
         self._add_tangential(matrix)
+        matrix = self._with_masses(matrix)
         matrix[: self.count] = np.eye(self.count, self.unknowns)
         return matrix
 

@@ -28,18 +28,17 @@ from spectral_contact.fields.series import (
     ZonalField,
 )
 from spectral_contact.spectral.annulus import (
-    FAR_FIT,
-    FAR_NODES,
     Annulus,
     Family,
     Points,
     gap,
     sampled_series,
+    transforms,
 )
+from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.galerkin import DiskOperators
+from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.samples import root_sums
-from spectral_contact.spectral.transforms import transforms
 
 __all__ = [
     "SlipFields",
@@ -166,7 +165,7 @@ def slip_displacement(
             for inner_zone in zones:
                 if inner_zone is zone:
                     break
-                part += _from_slipping(inner_zone, family.sampling())
+                part += _from_slipping(inner_zone, family)
         y, z = annulus.sampling
         values = total / (-pi * np.sqrt(z))
         if beta > 0.0:
@@ -225,10 +224,15 @@ def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> fl
     return float(np.abs(total / (pi * np.sqrt(points.z))).max())
 
 
-def _from_slipping(zone: Slipping, points: Points) -> Array:
-    """Integrate over a slip zone that lies inside `points`."""
-    annulus = zone.annulus
-    return np.asarray(annulus.inner_integral(points) @ annulus.expand(zone.weighted_misfit))
+def _from_slipping(zone: Slipping, target: Family) -> Array:
+    """Integrate over a slip zone that lies inside, at the sampling points of half a slip zone."""
+    total = np.zeros(len(target.sampling().offset))
+    for family, values in zip(zone.annulus.families, zone.weighted_misfit, strict=True):
+        panels = family.panels
+        seen = block(family, (panels.degree,) * panels.panels, target, target.panels, -1)
+        assert seen is not None
+        total += seen.whole @ seen.onto(family.expand(values))
+    return total
 
 
 def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[DiskSeries, float]:

@@ -151,12 +151,16 @@ class Sphere(Profile):
 
     def _transform(self, t: Array) -> Array:
         """Return ``H`` at radii."""
-        return np.asarray(2.0 * t * np.arctanh(t / self.radius))
+        return np.asarray(t * self._slope_of(t))
+
+    def _slope_of(self, t: Array) -> Array:
+        """Return ``H/t = 2 artanh(t/radius)``, which a quotient would spoil next to the equator."""
+        return np.asarray(np.log1p(2.0 * t / (self.radius - t)))
 
     def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``."""
-        whole, x = self.radius, t / self.radius
-        return np.asarray(2.0 * np.arctanh(x) + 2.0 * t * whole / ((whole - t) * (whole + t)))
+        whole = self.radius
+        return np.asarray(self._slope_of(t) + 2.0 * t * whole / ((whole - t) * (whole + t)))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         """Return ``H(radius) - H(radius t)``."""

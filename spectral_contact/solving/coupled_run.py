@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from spectral_contact.contact.coupled_stick import solve_coupled_stick
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.errors import NotComputedError
-from spectral_contact.fields.series import Radius
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
@@ -19,19 +18,17 @@ from spectral_contact.solution import (
     ZONE_SEARCH,
     PlannedStep,
     StepState,
-    Zone,
 )
-from spectral_contact.solving.planning import plan
+from spectral_contact.solving.planning import closer_tolerance
 from spectral_contact.solving.run import Run
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_search import CoupledSearch
     from spectral_contact.contact.drive import Drive
-    from spectral_contact.contact.layout import Layout
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
+    from spectral_contact.contact.zone_search import CoupledSearch
 
 __all__ = ["CoupledRun"]
 
@@ -39,6 +36,8 @@ __all__ = ["CoupledRun"]
 #: Relative distance from the critical friction up to which full stick may stand for slip that is
 #: not found, and its error at that distance, in units of it.
 _ONSET, _ROOM = 1e-4, 3.0
+#: Tolerance of full stick at which it is seen that a scene is that close.
+_DECIDES = 0.1 * _ONSET
 #: A distance at which slip is not looked for if full stick is good enough; and one at which
 #: rounding hides it: at 1e-11 all annuli were found, at 1e-12 some, at 1e-13 hardly any.
 _HIDDEN, _ROUNDED = 1e-8, 3e-13
@@ -97,7 +96,7 @@ class CoupledRun(Run):
                 scene.normal_compliance,
                 scene.tangential_compliance,
                 scene.kappa,
-                self.rtol,
+                self.rtol if scene.friction == math.inf else min(self.rtol, _DECIDES),
                 self.max_unknowns,
                 pointwise=not integrals,
             ),
@@ -117,13 +116,11 @@ class CoupledRun(Run):
 
     def _slipping(self, stick: FullStick) -> None:
         """Take over partial slip."""
-        from spectral_contact.contact.coupled_search import CoupledSearch
         from spectral_contact.contact.onset import unresolved_slip
+        from spectral_contact.contact.zone_search import CoupledSearch
 
         parameters = self.parameters
-        search = CoupledSearch(
-            parameters, stick, self._plain_zones, self.rtol, self.max_unknowns, self.record
-        )
+        search = CoupledSearch(parameters, stick, self.rtol, self.max_unknowns, self.record)
         lack = 1.0 - parameters.friction / stick.critical
         unsure = lack + stick.critical_error
         hidden = lack <= _ROUNDED or (lack <= _HIDDEN and _ROOM * unsure < 0.5 * self.rtol)
@@ -148,13 +145,17 @@ class CoupledRun(Run):
 
     def _found(self, search: CoupledSearch, unsure: float) -> PartialSlip | None:
         """Return the zones, or None next to the onset where full stick is as good."""
-        from spectral_contact.contact.coupled_search import NoCoupledSlipError
+        from spectral_contact.contact.zone_search import NoZonesError
 
         try:
             found = search.outcome()
-        except NoCoupledSlipError as missing:
+        except NoZonesError as missing:
             if unsure <= _ONSET:
                 return None
+            closer = closer_tolerance(search.tolerance)
+            # without a compliance it takes seconds
+            if closer < search.tolerance and search.parameters.alpha and search.parameters.beta:
+                return self._found(replace(search, tolerance=closer), unsure)
             raise NotComputedError(
                 "coupled partial slip",
                 f"no zones were found that obey the friction law ({missing}); "
@@ -180,24 +181,3 @@ class CoupledRun(Run):
         )
         reason = f"slip is too narrow to be found: friction is {lack:.1e} below the critical"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
-
-    def _plain_zones(self) -> Layout:
-        """Return the zones without coupling."""
-        from spectral_contact.contact.layout import Layout
-
-        plain = replace(self.scene, coupling=False)
-        todo = plan(plain, ("zones", "traction"))
-        solved = Run(plain, todo, 1e-3, self.max_unknowns, self.shared).solution()
-        if solved.zones[0].kind == "slip":
-            raise NotComputedError("coupled partial slip", "its stick disk is smaller than 1e-65")
-        states = [
-            0 if zone.kind == "stick" else int(math.copysign(1, solved.traction(_middle(zone))))
-            for zone in solved.zones
-        ]
-        ends = (Radius(zone.outer, zone.outer_from_edge) for zone in solved.zones[:-1])
-        return Layout(tuple(one.logit for one in ends), tuple(states))
-
-
-def _middle(zone: Zone) -> float:
-    """Return the radius in the middle of a zone."""
-    return (zone.inner + zone.outer) / 2.0

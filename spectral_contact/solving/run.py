@@ -373,25 +373,24 @@ class Run:
 
     def _partial_slip(self, drive: Drive, stick: FullStick) -> None:
         """Find the zones."""
-        from spectral_contact.contact.partial_slip import solve_partial_slip
+        from spectral_contact.contact.zone_search import DrivenSearch
 
-        scene, ratio = self.scene, self.parameters.friction
+        parameters = self.parameters
         path = self.shared.get(PARTIAL_SLIP, (), ZonePath)
-        compliances = scene.normal_compliance, scene.tangential_compliance
-        alpha, beta, along = (math.log(x) if x > 0.0 else -math.inf for x in (*compliances, ratio))
-        solved: PartialSlip = solve_partial_slip(
-            drive,
+        moving = parameters.alpha, parameters.beta, parameters.friction
+        alpha, beta, along = (math.log(x) if x > 0.0 else -math.inf for x in moving)
+        solved = DrivenSearch(
+            parameters,
             stick,
-            scene.tangential_compliance,
-            ratio,
             self.rtol,
             self.max_unknowns,
-            record=self.record,
+            self.record,
+            drive,
             near=path.near((alpha, beta, along)),
             pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
-        )
+        ).outcome()
         path.add((alpha, beta, along), solved.layout)
-        self.take(solved, scene.kappa)
+        self.take(solved, self.scene.kappa)
 
     def take(self, solved: PartialSlip, scale: float) -> None:
         """Copy the outcome of partial slip, with everything tangential scaled."""

@@ -9,23 +9,14 @@ from dataclasses import replace
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
-from spectral_contact.solution import PROFILE_QUANTITIES, Plan, Solution
-from spectral_contact.solving.planning import plan
+from spectral_contact.solution import Plan, Solution
+from spectral_contact.solving.planning import checked_tolerance, closer_tolerance, plan
 from spectral_contact.solving.run import FrictionOf, Run
 from spectral_contact.solving.sharing import Shared
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["Continuation", "checked_tolerance", "solve"]
-
-#: Integral quantities, which may be asked for at 1e-13.
-_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
-
-#: The tightest tolerance of fields.
-_TIGHTEST = 1e-12
-#: A scene whose zones are not known is solved anew at so much of the tolerance, if the fields reach
-#: that; not where there is nothing to gain.
-_CLOSER, _LOOSE = 1e-3, 1e-11
+__all__ = ["Continuation", "solve"]
 
 
 def solve(
@@ -84,8 +75,7 @@ def solve(
     with one_thread():
         solution = run.solution()
         if _unsure(solution):
-            again = Shared(progress)
-            tighter = max(_CLOSER * rtol, _TIGHTEST)
+            again, tighter = Shared(progress), closer_tolerance(rtol)
             closer = _run(scene, todo, tighter, max_unknowns, again).solution()
             if closer.converged and not _zone_missing(closer):
                 solution = replace(closer, rtol=rtol)
@@ -101,28 +91,13 @@ def solve(
 
 def _unsure(solution: Solution) -> bool:
     """Return whether there is slip in places, and at a tighter tolerance zones may be known."""
-    return _zone_missing(solution) and len(solution.zones) > 1 and solution.rtol >= _LOOSE
+    closer = closer_tolerance(solution.rtol)
+    return _zone_missing(solution) and len(solution.zones) > 1 and closer < solution.rtol
 
 
 def _zone_missing(solution: Solution) -> bool:
     zones = solution.error.zones
     return zones is not None and zones >= 1.0
-
-
-def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
-    """Return the tolerance if these quantities can be solved to it.
-
-    Raises
-    ------
-    SceneError
-        If they cannot.
-    """
-    value = checks.tolerance(rtol)
-    if value < _TIGHTEST and not _INTEGRAL.issuperset(quantities):
-        raise SceneError(
-            "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
-        )
-    return value
 
 
 class Continuation:

@@ -14,9 +14,7 @@ from spectral_contact.spectral.galerkin import (
     disk_operators,
 )
 from spectral_contact.spectral.jacobi import (
-    chebyshev_values,
     gauss_rule,
-    jacobi_values,
     legendre_values,
 )
 from spectral_contact.spectral.panels import LogPanels, Nodes
@@ -32,10 +30,8 @@ __all__ = [
     "Points",
     "Space",
     "cache_sizes",
-    "chebyshev_values",
     "clear_caches",
     "disk_operators",
     "gauss_rule",
-    "jacobi_values",
     "legendre_values",
 ]

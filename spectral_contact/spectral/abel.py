@@ -21,19 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_rows_between
-from spectral_contact.spectral.charges import EXTRA, charges_on
-from spectral_contact.spectral.jacobi import (
-    gauss_rule,
-    legendre_projection_matrix,
-    legendre_values,
-)
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_projection_matrix, legendre_values
 
 __all__ = [
+    "EXTRA",
     "ROOT_TERMS",
     "TAIL_EXTRA",
     "TAIL_TERMS",
+    "Charges",
     "beyond",
     "beyond_tail",
+    "charges_on",
     "deeper",
     "deeper_blocks",
     "deeper_tail",
@@ -47,6 +46,50 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+#: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
+EXTRA = 12
+
+
+class Charges:
+    """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
+
+    def __init__(self, width: float, degrees: tuple[int, ...]) -> None:
+        middles = [j + (1.0 + gauss_rule(n + EXTRA)[0]) / 2.0 for j, n in enumerate(degrees)]
+        #: distances of the points
+        self.d: Array = np.exp(-width * np.concatenate(middles))
+        self._blocks: list[tuple[slice, slice, Array]] = []
+        point = self._size = 0
+        for n in degrees:
+            block = (width / 4) * legendre_projection_matrix(n + EXTRA, n)
+            rows, columns = slice(point, point + n + EXTRA), slice(self._size, self._size + n + 1)
+            self._blocks.append((rows, columns, block))
+            point, self._size = rows.stop, columns.stop
+
+    def back(self, coefficients: Array) -> Array:
+        """Return what functions have at the points, (points, k): the transpose of `onto`."""
+        result = np.empty((len(self.d), coefficients.shape[1]))
+        for rows, columns, block in self._blocks:
+            np.matmul(block, coefficients[columns], out=result[rows])
+        return result
+
+    def onto(self, values: Array) -> Array:
+        """Return integrals over ``1/2 dx`` of kernels at the points, as rows, with functions."""
+        result = np.empty((len(values), self._size))
+        for rows, columns, block in self._blocks:
+            np.matmul(values[:, rows], block, out=result[:, columns])
+        return result
+
+
+_CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
+    "charges on panels", 32
+)
+
+
+def charges_on(width: float, degrees: tuple[int, ...]) -> Charges:
+    """Return functions up to these degrees on panels as charges (cached)."""
+    return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
+
 
 #: Tail polynomials in the distance (degree 0, 1, 2), where logarithms follow the constant.
 TAIL_TERMS = 3
@@ -214,14 +257,12 @@ def _outer_tail(d: Array, end: float, power: float) -> Array:
         g, w = gauss_rule(TAIL_TERMS + 24)
         phi = np.arccosh(np.sqrt(np.maximum(end / d, 1.0)))[:, None]
         root = np.sqrt(d)[:, None] * np.cosh(phi * (1.0 + g) / 2.0)
-        source = np.minimum(root**2, end)
-        return _panel(
-            w * phi / 2.0 * root ** (1.0 + 2.0 * power), 2.0 * source / end - 1.0, TAIL_TERMS - 1
-        )
-    g, w = gauss_rule(TAIL_TERMS + 1)
-    span = np.sqrt(np.maximum(end - d, 0.0))[:, None]
-    source = d[:, None] + (span * (1.0 + g) / 2.0) ** 2
-    return _panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
+        source, values = np.minimum(root**2, end), w * phi / 2.0 * root ** (1.0 + 2.0 * power)
+    else:
+        g, w = gauss_rule(TAIL_TERMS + 1)
+        span = np.sqrt(np.maximum(end - d, 0.0))[:, None]
+        source, values = d[:, None] + (span * (1.0 + g) / 2.0) ** 2, w * span / 2.0
+    return _panel(values, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
 
 
 def _alike(found: list[tuple[Array, Array]], places: Array) -> Array | None:
@@ -311,11 +352,8 @@ def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0)
 
 
 def beyond(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
-    """Return the matrix of the `beyond` integral at distances `e` >= 0 past the boundary.
-
-    Shapes are those of `fall`.
-    """
-    charges = charges_on(width, degree, panels)
+    """Return the matrix of `beyond` at distances `e` >= 0; degrees may be those of each panel."""
+    charges = charges_on(width, (degree,) * panels if isinstance(degree, int) else degree)
     kernels = charges.d + e[:, None]
     np.divide(charges.d, np.sqrt(kernels, out=kernels), out=kernels)
     return np.hstack([charges.onto(kernels), beyond_tail(e, np.exp(-panels * width))])
@@ -331,13 +369,12 @@ def beyond_tail(e: Array, end: float) -> Array:
     return np.asarray(_panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
 
 
-def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> tuple[Array, Array]:
+def fall(e: Array, width: float, degrees: tuple[int, ...]) -> tuple[Array, Array]:
     """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels.
 
-    There may be a highest degree for each panel; only these functions have columns then.
+    Only functions up to the highest degree of each panel have columns.
     """
-    end = np.exp(-panels * width)
-    charges = charges_on(width, degree, panels)
+    end, charges = np.exp(-len(degrees) * width), charges_on(width, degrees)
     near, far = np.sqrt(charges.d), charges.d + e[:, None]
     np.sqrt(far, out=far)
     work = charges.d / far
@@ -345,12 +382,11 @@ def fall(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> 
     far *= np.add(near, far, out=work)
     np.divide(e[:, None], far, out=far)
     far *= near
-    return plain, np.hstack([charges.onto(far), fall_of_tail(e, panels, width)])
+    return plain, np.hstack([charges.onto(far), fall_of_tail(e, end)])
 
 
-def fall_of_tail(e: Array, panels: int, width: float) -> Array:
+def fall_of_tail(e: Array, end: float) -> Array:
     """Return by how much `beyond_tail` is less than at the boundary, (n, TAIL_TERMS)."""
-    end = np.exp(-panels * width)
     tail = beyond_tail(np.zeros(1), end) - beyond_tail(e, end)
     small = (e > 0.0) & (e < 1e-3 * end)
     tail[small] = _far_below(e[small], end)
@@ -371,20 +407,18 @@ def _far_below(e: Array, end: float) -> Array:
     return np.asarray(np.sqrt(e)[:, None] * np.column_stack(legendre))
 
 
-def far_fall(
-    e: Array, panels: int, width: float, degree: int | tuple[int, ...], power: float = 0.0
-) -> Array:
+def far_fall(e: Array, width: float, degrees: tuple[int, ...], power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi (1/sqrt(2 - d') - 1/sqrt(2 + e - d')) dd'`` for ``e > -1``.
 
     It is how this integral falls past the distance 2. Shapes are those of `fall`.
     """
-    end = np.exp(-panels * width)
+    end = np.exp(-len(degrees) * width)
 
     def kernel(source: Array) -> Array:
         near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None])
         return np.asarray(e[:, None] / (near * far * (near + far)))
 
-    charges = charges_on(width, degree, panels)
+    charges = charges_on(width, degrees)
     blocks = charges.onto(charges.d ** (1.0 + power) * kernel(charges.d))
     g, w = gauss_rule(TAIL_TERMS + TAIL_EXTRA)
     v = (1.0 + g) / 2.0

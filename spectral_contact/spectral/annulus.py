@@ -9,34 +9,203 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.fields.legendre import legendre_rows
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import (
-    beyond,
+    EXTRA,
     deeper,
+    deeper_blocks,
+    deeper_tail,
     outer,
+    outer_blocks,
     tail_values,
 )
-from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES
+from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,
+    legendre_interpolation_matrix,
     legendre_values,
 )
-from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.transforms import Transforms, transforms
+from spectral_contact.spectral.panels import SAMPLES, LogPanels
 from spectral_contact.threads import cached_property
 
-__all__ = [
-    "FAR_FIT",
-    "FAR_NODES",
-    "Annulus",
-    "Family",
-    "Points",
-    "gap",
-    "sampled_series",
-]
+__all__ = ["Annulus", "Family", "Points", "Transforms", "gap", "sampled_series", "transforms"]
 
 Array = NDArray[np.float64]
+
+
+#: Gauss points in ``d`` below the first panel; seen from beyond the first panel, a function of
+#: ``d`` there is analytic in an ellipse of parameter 27 or more.
+_DEEP_POINTS = 14
+
+_TRANSFORMS: BoundedCache[LogPanels, Transforms] = BoundedCache("Abel transforms", 12)
+
+
+class _Means(NamedTuple):
+    """Matrices of means: on a panel, of a whole one, in the tail, of all of the tail."""
+
+    within: Array
+    whole: Array
+    in_tail: Array
+    below: Array
+
+
+def transforms(panels: LogPanels) -> Transforms:
+    """Return the transforms of these panels, whose blocks are assembled once (cached)."""
+    return _TRANSFORMS.get(panels, lambda: Transforms(panels))
+
+
+class Transforms:
+    """Abel integrals of a function at the sampling points of its own panels, without a matrix.
+
+    In ``x`` they are convolutions: one row of blocks, kept for a set of panels, serves every panel
+    by a shift. Points are the panels', then the tail's.
+
+    Parameters
+    ----------
+    panels : LogPanels
+        Without endpoint weight or root tail.
+    """
+
+    def __init__(self, panels: LogPanels) -> None:
+        self.panels = panels
+        self._x = panels.sampling()
+        #: distances of the sampling points
+        self.distances = self._with_tail(self._x)
+
+    @cached_property
+    def coarse(self) -> Array:
+        """Distances of points that represent a smooth function: `SAMPLES` a panel, the tail's."""
+        return self._with_tail(self.panels.sampling(SAMPLES))
+
+    def _with_tail(self, x: Array) -> Array:
+        """Return the distances of points on the panels, and of the sampling points in the tail."""
+        return np.concatenate([np.exp(-x).ravel(), self.panels.tail_sampling()])
+
+    @cached_property
+    def _from_coarse(self) -> Array:
+        """Matrix of `interpolate` on a panel."""
+        g, _ = gauss_rule(self.panels.samples)
+        return legendre_interpolation_matrix(g, SAMPLES).T.copy()
+
+    def interpolate(self, values: Array) -> Array:
+        """Return functions (..., sampling points) from their values at the `coarse` ones."""
+        count, shape = self.panels.panels * SAMPLES, values.shape[:-1]
+        on_panels = values[..., :count].reshape(*shape, -1, SAMPLES) @ self._from_coarse
+        return np.concatenate([on_panels.reshape(*shape, -1), values[..., count:]], axis=-1)
+
+    def deeper(self, coefficients: Array) -> Array:
+        """Return the `deeper` integral of a function, shape (sampling points,)."""
+        panels, terms = self.panels, self.panels.degree + 1
+        blocks, tail = self._deeper
+        count, size = panels.panels, self._x.size
+        values = tail @ coefficients[count * terms :]
+        from_panels = coefficients[: count * terms].reshape(count, terms) @ blocks
+        sums = from_panels[-1].copy()
+        for j in range(1, count):
+            stop = size - j * panels.samples
+            sums[:stop] += from_panels[-1 - j, size - stop :]
+        values[:size] += np.exp(-0.5 * self._x).ravel() * sums
+        return np.asarray(values)
+
+    def outer(self, coefficients: Array) -> Array:
+        """Return the `outer` integral, (..., sampling points), of functions (..., size)."""
+        panels, terms = self.panels, self.panels.degree + 1
+        blocks, tail = self._outer
+        count, shape = panels.panels, coefficients.shape[:-1]
+        series = coefficients[..., : count * terms].reshape(*shape, count, terms)
+        scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
+        from_panels = scaled @ blocks
+        values = from_panels[..., 0, :].copy()
+        size = values.shape[-1]
+        for j in range(1, count):
+            start = j * panels.samples
+            values[..., start:] += from_panels[..., j, : size - start]
+        return np.concatenate([values, coefficients @ tail.T], axis=-1)
+
+    def across(self, coefficients: Array, other: LogPanels) -> Array:
+        """Return ``1/2 int f dd' / sqrt(2 - d - d')`` at the sampling points ``d`` of `other`.
+
+        This is what one half of an annulus contributes to the points of the other half, both of
+        unit length. Only points of the first panel come near the sources: below, the integral
+        is a polynomial in ``d`` to rounding.
+        """
+        x = other.sampling()
+        reach = float(np.exp(-other.width))
+        near = np.exp(-x[0])
+        values = self._across_matrix(near, reach) @ coefficients
+        g = 2.0 * transforms(other).distances[len(near) :] / reach - 1.0
+        series = legendre_expansion_matrix(_DEEP_POINTS, _DEEP_POINTS - 1) @ values[len(near) :]
+        return np.concatenate([values[: len(near)], series @ legendre_rows(g, _DEEP_POINTS - 1)])
+
+    def mean(self, coefficients: Array) -> Array:
+        """Return ``(1/d) int_0^d f dd'`` of a function, shape (sampling points,).
+
+        Panel by panel from the boundary on, so that nothing cancels.
+        """
+        panels, terms = self.panels, self.panels.degree + 1
+        count, end = panels.panels, panels.end
+        within, whole, in_tail, below = self._mean
+        series = coefficients[: count * terms].reshape(count, terms)
+        tail = coefficients[count * terms :]
+        start = np.exp(-panels.width * np.arange(count))
+        parts = start * (series @ whole)
+        # what lies beyond each panel
+        beyond = np.cumsum(np.concatenate([[end * (below @ tail)], parts[:0:-1]]))[::-1]
+        sums = beyond[:, None] + start[:, None] * (series @ within)
+        means = sums / self.distances[: sums.size].reshape(sums.shape)
+        return np.concatenate([means.ravel(), in_tail @ tail])
+
+    @cached_property
+    def _mean(self) -> _Means:
+        """Matrices of `mean`."""
+        panels, h = self.panels, self.panels.width
+        g, w = gauss_rule(panels.degree + EXTRA)
+        half, degree = (1.0 + g) / 2.0, panels.tail_terms - 1
+        # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
+        reach = h - self._x[0]
+        source = self._x[0, :, None] + np.outer(reach, half)
+        weight = np.exp(-source) * (w / 2.0) * reach[:, None]
+        basis = legendre_values(2.0 * source / h - 1.0, panels.degree)
+        within = np.einsum("iq,iqk->ki", weight, basis)
+        whole = (np.exp(-h * half) * w * h / 2.0) @ legendre_values(g, panels.degree)
+        local = np.outer(panels.tail_sampling() / panels.end, 2.0 * half) - 1.0
+        in_tail = np.einsum("iqk,q->ik", legendre_values(local, degree), w / 2.0)
+        return _Means(within, whole, in_tail, (w / 2.0) @ legendre_values(g, degree))
+
+    @cached_property
+    def _deeper(self) -> tuple[Array, Array]:
+        panels = self.panels
+        to_end = panels.width - self._x[0]
+        blocks = deeper_blocks(to_end, panels.panels, panels.width, panels.degree)
+        return _in_a_row(blocks[:, ::-1]), deeper_tail(self.distances, panels.end)
+
+    @cached_property
+    def _outer(self) -> tuple[Array, Array]:
+        panels = self.panels
+        mesh = panels.panels, panels.width, panels.degree
+        blocks = outer_blocks(self._x[0], *mesh)
+        return _in_a_row(blocks), outer(panels.tail_sampling(), *mesh)
+
+    def _across_matrix(self, near: Array, reach: float) -> Array:
+        """Return the matrix of `across` at points of the first panel and Gauss points below."""
+
+        def matrix() -> Array:
+            panels = self.panels
+            d = np.concatenate([near, reach * (1.0 + gauss_rule(_DEEP_POINTS)[0]) / 2.0])
+            return deeper(2.0 - d, panels.panels, panels.width, panels.degree)
+
+        return self._across.get((len(near), reach), matrix)
+
+    @cached_property
+    def _across(self) -> BoundedCache[tuple[int, float], Array]:
+        return BoundedCache("Abel transforms across an annulus", 4)
+
+
+def _in_a_row(blocks: Array) -> Array:
+    """Return blocks (points, panels, terms) side by side, (terms, panels * points)."""
+    return blocks.transpose(2, 1, 0).reshape(blocks.shape[2], -1)
 
 
 def gap(a: Radius, b: Radius) -> float:
@@ -96,34 +265,6 @@ class Family:
         """Return the sampling points: panels, then tail."""
         return self.points(transforms(self.panels).distances)
 
-    def half_integral(self, points: Points) -> Array:
-        """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)``, shape (points, size)."""
-        p, e = self.panels, points.before(self.boundary) / self.reach
-        matrix = np.zeros((len(e), p.size))
-        if self.sign < 0:
-            rows = e > 0.0
-            matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree, p.power)
-        else:
-            rows = e >= 0.0
-            matrix[rows] = beyond(e[rows], p.panels, p.width, p.degree)
-            rows = (e < 0.0) & (e >= -1.0)
-            matrix[rows] = outer(-e[rows], p.panels, p.width, p.degree)
-        return np.asarray(matrix * np.sqrt(self.reach))
-
-    def inner_integral(self, points: Points) -> Array:
-        """Return ``1/2 int_{z < s^2} psi dz / sqrt(s^2 - z)``, shape (points, size)."""
-        p, e = self.panels, points.before(self.boundary) / self.reach
-        matrix = np.zeros((len(e), p.size))
-        if self.sign < 0:
-            rows = e <= 0.0
-            matrix[rows] = beyond(-e[rows], p.panels, p.width, p.degree)
-            rows = (e > 0.0) & (e <= 1.0)
-            matrix[rows] = outer(e[rows], p.panels, p.width, p.degree, p.power)
-        else:
-            rows = e < 0.0
-            matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)
-        return np.asarray(matrix * np.sqrt(self.reach))
-
     def sources(self) -> tuple[Points, Array]:
         """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
         p = self.panels
@@ -141,16 +282,6 @@ class Family:
         matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
         points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
         return points, 0.5 * self.reach * matrix
-
-    def table(self, coefficients: Array) -> Array:
-        """Return panel coefficients as (panels, degree + 1)."""
-        p = self.panels
-        return coefficients[: -p.tail_terms].reshape(p.panels, p.degree + 1)
-
-    def series(self, coefficients: Array) -> LogSeries:
-        """Return the function of the scaled distance that the coefficients stand for."""
-        p = self.panels
-        return LogSeries(self.table(coefficients), coefficients[-p.tail_terms :], p.width)
 
     def unresolved(self, series: LogSeries) -> float:
         """Return the largest of the last coefficients of any panel or of the tail."""
@@ -210,10 +341,6 @@ class Annulus:
         """``1 - s**2`` and ``s**2`` at the sampling points, those of the inner half first."""
         points = [family.sampling() for family in self.families]
         return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
-
-    def inner_integral(self, points: Points) -> Array:
-        """Return the `inner_integral` of both families, shape (points, size)."""
-        return np.hstack([f.inner_integral(points) for f in self.families])
 
     @property
     def sampling_split(self) -> int:

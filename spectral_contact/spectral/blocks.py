@@ -19,17 +19,16 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.abel import (
     beyond,
     beyond_tail,
+    charges_on,
     deeper,
     fall,
     fall_of_tail,
     far_fall,
     outer,
     rise,
-    tail_values,
 )
-from spectral_contact.spectral.annulus import Family, gap
+from spectral_contact.spectral.annulus import Family, gap, transforms
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.charges import Charges, charges_on
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     GradedNodes,
@@ -37,12 +36,10 @@ from spectral_contact.spectral.graded import (
     SmoothNodes,
     far_values,
     graded_nodes,
+    root_sums,
 )
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.samples import root_sums
-from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
 __all__ = ["Block", "across", "block", "disk_gram", "points_of"]
@@ -241,15 +238,14 @@ def across(
         Negative.
     """
     panels, scale = source.panels, float(np.sqrt(source.reach))
-    form = panels.panels, panels.width
-    charges: Charges = charges_on(panels.width, degrees)
+    charges = charges_on(panels.width, degrees)
     split = len(values) - panels.tail_terms
     weights, on_tail = charges.back(values[:split]) * charges.d[:, None], values[split:]
     root = np.sqrt(charges.d)
     e = target.reach / source.reach * points_of(target.panels, used).samples
     at = (1.0 / root) @ weights + beyond_tail(np.zeros(1), panels.end)[0] @ on_tail
     falls = e[:, None] * root_sums(e, charges.d, weights / root[:, None], root)
-    return scale * at, -scale * (falls + fall_of_tail(e, *form) @ on_tail)
+    return scale * at, -scale * (falls + fall_of_tail(e, panels.end) @ on_tail)
 
 
 def points_of(panels: LogPanels, used: Used) -> Nodes:
@@ -273,26 +269,27 @@ def _facing(
     source: Family, degrees: Degrees, target: Family, nodes: Nodes, differences: bool
 ) -> Block:
     """Return what is seen across the boundary that both parts have."""
-    panels = source.panels
-    form = panels.panels, panels.width
+    form = source.panels.panels, source.panels.width
     e = target.reach / source.reach * nodes.samples
     if not differences:
         return replace(_vanishing(beyond(e, *form, degrees)), sampled=True)
-    whole, falls = fall(e, *form, degrees)
-    at = beyond(np.zeros(1), *form, panels.degree)[0, panels.functions(degrees)]
+    whole, falls = fall(e, form[1], degrees)
+    at = beyond(np.zeros(1), *form, degrees)[0]
     return Block(at, -falls, whole, True)
 
 
 def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
     """Return what one half of an annulus contributes to the other, both of unit extent."""
-    form, columns = (panels.panels, panels.width, panels.degree, panels.power), degrees
-    used = panels.functions(columns)
+    form = panels.panels, panels.width, panels.degree, panels.power
+    used = panels.functions(degrees)
     whole = deeper(2.0 - d, *form)[:, used]
     if edge:
         return _vanishing(whole)
     at, near = deeper(np.array([2.0]), *form)[0, used], d <= _NEAR
     more = whole - at
-    more[near] = -far_fall(-d[near], *form)[:, used]
+    # as near as 1.5 a panel takes more points than a low degree has
+    every = (panels.degree,) * panels.panels
+    more[near] = -far_fall(-d[near], panels.width, every, panels.power)[:, used]
     return Block(at, more, whole, False)
 
 
@@ -333,13 +330,13 @@ def _apart(
 
 def _log_places(panels: LogPanels, degrees: Degrees) -> Array:
     """Return the places on the panels and on the tail that stand for its functions."""
-    charges: Charges = charges_on(panels.width, degrees)
+    charges = charges_on(panels.width, degrees)
     return np.concatenate([charges.d, tail_rule(panels)[0]])
 
 
 def _onto(panels: LogPanels, degrees: Degrees, kernels: Array) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` of kernels at these places, as rows."""
-    charges: Charges = charges_on(panels.width, degrees)
+    charges = charges_on(panels.width, degrees)
     d, weights, basis = tail_rule(panels)
     split = len(charges.d)
     own = charges.onto(kernels[:, :split] * charges.d ** (1.0 + panels.power))
@@ -351,18 +348,6 @@ def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
 
     def made() -> Array:
-        columns = panels.functions(degrees)
-        x, w = panels.half_line_nodes()
-        g, _ = gauss_rule(x.shape[1])
-        values = legendre_values(g, panels.degree)
-        rows = []
-        for one, weights in zip(x, w, strict=True):
-            d = np.exp(-one)
-            weighted = values * (0.5 * weights * d ** (1.0 + panels.power))[:, None]
-            rows.append(far_values(d).T @ weighted)
-        d, weights, _ = tail_rule(panels)
-        basis = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
-        rows.append(far_values(d).T @ (basis * (0.5 * weights * d**panels.power)[:, None]))
-        return np.ascontiguousarray(np.hstack(rows)[:, columns])
+        return _onto(panels, degrees, far_values(_log_places(panels, degrees)).T)
 
     return _GATHERED.get((panels, degrees), made)

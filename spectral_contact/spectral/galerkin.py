@@ -17,17 +17,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
+from spectral_contact.spectral.abel import deeper_blocks, deeper_tail
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.graded import Samples
 from spectral_contact.spectral.panels import LogPanels, Nodes
 from spectral_contact.spectral.regularised import Change, Regularised
-from spectral_contact.spectral.samples import Samples
 from spectral_contact.threads import cached_property
 
 __all__ = [
@@ -78,14 +78,6 @@ class Strip:
     values: Array
 
 
-class _OuterBlocks(NamedTuple):
-    """Outer integrals on the first panel, on any other one, and on the tail."""
-
-    first: Array
-    other: Array
-    tail: Array
-
-
 class DiskOperators:
     """Half-integral matrix and Galerkin matrices on the unit disk for one set of panels.
 
@@ -116,28 +108,6 @@ class DiskOperators:
     def samples(self) -> Samples:
         """Few points that represent a smooth function at the many nodes."""
         return Samples(self.panels, self.nodes.d, self._offsets)
-
-    def outer(self, coefficients: Array) -> Array:
-        """Return the `outer` integral of a function at the nodes, (nodes,); no root tail."""
-        panels, (first, other, tail) = self.panels, self._outer
-        count, terms = panels.panels, panels.degree + 1
-        fall = np.exp(-(0.5 + panels.power) * panels.width * np.arange(count))
-        scaled = coefficients[: count * terms].reshape(count, terms) * fall[:, None]
-        values = np.zeros((count - 1, other.shape[-1]))
-        for k in range(count):
-            start = max(k, 1)
-            values[start - 1 :] += scaled[start - k : count - k] @ other[k]
-        return np.concatenate([scaled[0] @ first, values.ravel(), tail @ coefficients])
-
-    @cached_property
-    def _outer(self) -> _OuterBlocks:
-        """Blocks of the `outer` integral."""
-        p, (start, begin) = self.panels, self._offsets
-        form = p.width, p.degree, p.power
-        blocks = outer_blocks(begin, p.panels, *form).transpose(1, 2, 0).copy()
-        tail = self.nodes.d[-p.node_counts[1] :]
-        first = outer_blocks(start, 1, *form)[:, 0].T
-        return _OuterBlocks(first, blocks, outer(tail, p.panels, *form))
 
     @property
     def normal(self) -> GalerkinOperator:

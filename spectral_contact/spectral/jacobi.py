@@ -1,14 +1,12 @@
-"""The Jacobi family: values and Gauss rules, Legendre and Chebyshev included.
+"""Of the Jacobi family those at 0 and -1/2: Legendre and Chebyshev polynomials, and Gauss rules.
 
-Panels carry Legendre polynomials, the closed spectral solutions at zero compliance are Jacobi
-polynomials with the weight (1 - z)^(-1/2), and sampled functions are expanded from Gauss nodes.
+Panels carry Legendre polynomials, and sampled functions are expanded from Gauss nodes.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import special
 from scipy.linalg import lapack
 
 from spectral_contact.fields.legendre import legendre_rows
@@ -16,10 +14,8 @@ from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = [
     "chebyshev_interpolation",
-    "chebyshev_values",
     "gauss_rule",
     "graded_rule",
-    "jacobi_values",
     "legendre_expansion_matrix",
     "legendre_interpolation_matrix",
     "legendre_projection_matrix",
@@ -27,8 +23,8 @@ __all__ = [
 ]
 
 
-_RULES: BoundedCache[tuple[int, float, float], tuple[NDArray[np.float64], NDArray[np.float64]]] = (
-    BoundedCache("Gauss rules", 64)
+_RULES: BoundedCache[int, tuple[NDArray[np.float64], NDArray[np.float64]]] = BoundedCache(
+    "Gauss rules", 64
 )
 _PROJECTIONS: BoundedCache[tuple[int, int], NDArray[np.float64]] = BoundedCache(
     "Legendre projections", 32
@@ -38,77 +34,26 @@ _EXPANSIONS: BoundedCache[tuple[int, int], NDArray[np.float64]] = BoundedCache(
 )
 
 
-def jacobi_values(x: ArrayLike, degree: int, a: float, b: float) -> NDArray[np.float64]:
-    """Evaluate the Jacobi polynomials P_0 ... P_degree with weight (1-x)^a (1+x)^b.
-
-    Parameters
-    ----------
-    x : array_like
-        Points, usually in [-1, 1]; any shape.
-    degree : int
-        Highest degree, at least 0.
-    a, b : float
-        Exponents of the weight, each greater than -1.
-
-    Returns
-    -------
-    ndarray
-        Shape ``x.shape + (degree + 1,)``, standard normalisation P_n(1) = C(n+a, n).
-
-    Raises
-    ------
-    ValueError
-        For a negative degree or an exponent of -1 or less.
-    """
-    if degree < 0:
-        raise ValueError(f"degree = {degree}: must be at least 0")
-    if not (a > -1 and b > -1):
-        raise ValueError(f"a, b = {a}, {b}: both must be greater than -1")
-    x = np.asarray(x, dtype=float)
-    values = np.empty((*x.shape, degree + 1))
-    values[..., 0] = 1.0
-    if degree > 0:
-        values[..., 1] = (a + 1) + (a + b + 2) * (x - 1) / 2
-    for n in range(2, degree + 1):  # three-term recurrence, DLMF 18.9.1-2
-        c = 2 * n + a + b
-        lead = 2 * n * (n + a + b) * (c - 2)
-        linear = (c - 1) * (c * (c - 2) * x + a * a - b * b)
-        previous = 2 * (n + a - 1) * (n + b - 1) * c
-        values[..., n] = (linear * values[..., n - 1] - previous * values[..., n - 2]) / lead
-    return values
-
-
 def legendre_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
-    """Evaluate the Legendre polynomials (a = b = 0); see `jacobi_values`."""
+    """Evaluate the Legendre polynomials up to a degree, shape ``x.shape + (degree + 1,)``."""
     x = np.asarray(x, dtype=float)
     return legendre_rows(x, degree).transpose(*range(1, x.ndim + 1), 0)
 
 
-def chebyshev_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
-    """Evaluate the Chebyshev polynomials T_n, the Jacobi family at a = b = -1/2 with T_n(1) = 1."""
-    x = np.asarray(x, dtype=float)
-    values = np.polynomial.chebyshev.chebvander(x, degree)
-    return np.asarray(values).reshape(*x.shape, degree + 1)
-
-
-def gauss_rule(
-    points: int, a: float = 0.0, b: float = 0.0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return nodes and weights of the Gauss-Jacobi rule on [-1, 1].
+def gauss_rule(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return nodes and weights of the Gauss-Legendre rule on [-1, 1].
 
     Parameters
     ----------
     points : int
         Number of nodes, at least 1; exact for polynomials of degree ``2*points - 1``.
-    a, b : float
-        Exponents of the weight (1-x)^a (1+x)^b. The default is Gauss-Legendre.
 
     Returns
     -------
     nodes, weights : ndarray
         Shape ``(points,)`` each, read-only; nodes increase.
     """
-    return _RULES.get((points, a, b), lambda: _frozen_rule(points, a, b))
+    return _RULES.get(points, lambda: _gauss_legendre(points))
 
 
 def graded_rule(
@@ -136,13 +81,9 @@ def graded_rule(
     return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
 
 
-def _frozen_rule(
-    points: int, a: float, b: float
+def _frozen(
+    nodes: NDArray[np.float64], weights: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    if a == b == 0.0:
-        nodes, weights = _gauss_legendre(points)
-    else:
-        nodes, weights = special.roots_jacobi(points, a, b)
     nodes.setflags(write=False)
     weights.setflags(write=False)
     return nodes, weights
@@ -159,7 +100,7 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
     if points < 1:
         raise ValueError(f"points = {points}: must be at least 1")
     if points == 1:  # LAPACK takes no empty array
-        return np.zeros(1), np.full(1, 2.0)
+        return _frozen(np.zeros(1), np.full(1, 2.0))
     order = np.arange(1.0, points)
     eigenvalues, _ = lapack.dsterf(np.zeros(points), order / np.sqrt(4 * order * order - 1.0))
     # the upper half, of which the lower one is the mirror image
@@ -182,7 +123,7 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
     weights = 2 / ((1 - nodes) * (1 + nodes) * slope**2)
     lower = slice(None, None if points % 2 == 0 else 0, -1)
     halves = nodes.astype(float), weights.astype(float)
-    return (
+    return _frozen(
         np.concatenate([-halves[0][lower], halves[0]]),
         np.concatenate([halves[1][lower], halves[1]]),
     )

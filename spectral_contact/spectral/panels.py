@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -11,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import (
+    EXTRA,
     ROOT_TERMS,
     TAIL_EXTRA,
     TAIL_TERMS,
     tail_values,
 )
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.charges import EXTRA
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
-__all__ = ["SAMPLES", "LogPanels", "Nodes", "PanelNodes", "top_functions"]
+__all__ = ["SAMPLES", "LogPanels", "Nodes", "PanelNodes"]
 
 Array = NDArray[np.float64]
 
@@ -29,7 +28,7 @@ Array = NDArray[np.float64]
 SAMPLES = 20
 
 
-_FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...]], NDArray[np.int_]] = BoundedCache(
+_FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_]] = BoundedCache(
     "functions in use", 256
 )
 
@@ -127,12 +126,25 @@ class LogPanels:
 
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
-        return _FUNCTIONS.get((self, degrees), lambda: self._functions(degrees))
+        return _FUNCTIONS.get((self, degrees, 0), lambda: self._functions(degrees))
 
     def _functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         terms = self.degree + 1
         used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
         return np.concatenate([*used, np.arange(self.panels * terms, self.size)])
+
+    def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
+        """Return places among these of so many top degrees of every panel, and of the tail's last.
+
+        Constants are none of them. They are kept.
+        """
+        return _FUNCTIONS.get((self, degrees, count), lambda: self._top(degrees, count))
+
+    def _top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
+        ends = np.cumsum(np.array(degrees) + 1).tolist()
+        tops = zip(ends, degrees, strict=True)
+        places = [np.arange(end - min(count, n), end) for end, n in tops]
+        return np.concatenate([*places, [ends[-1] + self.tail_terms - 1]])
 
     @property
     def samples(self) -> int:
@@ -234,27 +246,3 @@ class LogPanels:
         weight = w * v * self.end * (a + b * d)
         matrix[last:, last:] = (values.T * weight) @ values
         return matrix
-
-
-def top_functions(
-    parts: Iterable[tuple[LogPanels, tuple[int, ...]]], count: int
-) -> NDArray[np.int_]:
-    """Return the places in a vector of so many top degrees of every panel, and the last of a tail.
-
-    Constants are none of them.
-
-    Parameters
-    ----------
-    parts : iterable of (LogPanels, tuple of int)
-        The vector holds their `functions` up to these degrees, one part after the other.
-    count : int
-    """
-    places, start = [], 0
-    for panels, degrees in parts:
-        highest = np.array(degrees)
-        own = np.repeat(highest, highest + 1)
-        degree = np.arange(len(own)) - np.repeat(np.cumsum(highest + 1) - highest - 1, highest + 1)
-        places.append(start + np.flatnonzero(degree > np.maximum(own - count, 0)))
-        start += len(own) + panels.tail_terms
-        places.append(np.array([start - 1]))
-    return np.concatenate(places)

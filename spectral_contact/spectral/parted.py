@@ -35,8 +35,8 @@ from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.products import Seen
 from spectral_contact.spectral.regularised import Factorable, Regularised
+from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
 __all__ = ["DiskSpace", "NodalSpace", "PartedSpace", "Parts", "PressureSpace", "pressure_space"]

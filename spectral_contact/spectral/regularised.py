@@ -92,11 +92,6 @@ class Regularised(Generic[S]):
         matrix += space.gram
         self._cholesky = Cholesky(matrix)
 
-    @property
-    def scale(self) -> Array:
-        """One over the square roots of the matrix's diagonal."""
-        return np.asarray(1.0 / np.sqrt(self._cholesky.diagonal))
-
     def solve(
         self, target: Array | float, load: Array | None = None, *, correct: bool = True
     ) -> Array:

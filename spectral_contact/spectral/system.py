@@ -24,17 +24,75 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import Block, block, disk_gram
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.moments import moments, outer_moments, unit_masses
-from spectral_contact.spectral.over_radius import OverRadius, finer
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.products import Seen
+from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import AT_END, Field, Misfit, Tangential
 
-__all__ = ["System"]
+__all__ = ["OverRadius", "System", "finer"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
+
+_STUCK: BoundedCache[tuple[LogPanels, LogPanels, Degrees], Array] = BoundedCache(
+    "full-stick matrices", 8
+)
+
+
+#: Degrees that ``p / s`` has more than p.
+_SPARE = 4
+
+
+def finer(degrees: Degrees, panels: LogPanels) -> Degrees:
+    """Return the degrees of a function over s."""
+    return tuple(min(n + _SPARE, panels.degree) for n in degrees)
+
+
+class OverRadius:
+    """The map from the coefficients of a pressure on a part to those of it over s.
+
+    That is what the traction of a slip zone, ``q = f p``, is as ``q/s``. It takes the functions in
+    use to those of some degrees more, panel by panel.
+    """
+
+    def __init__(self, family: Family, used: Degrees) -> None:
+        panels = family.panels
+        points = panels.degree + 11
+        expand = legendre_expansion_matrix(points, panels.degree)
+        values = legendre_values(gauss_rule(points)[0], panels.degree)
+        s = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
+        blocks = [
+            expand[: more + 1] @ (values[:, : n + 1] / one[:, None])
+            for one, n, more in zip(s, used, finer(used, panels), strict=True)
+        ]
+        # on the tail s is the same to rounding
+        at_end = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))
+        blocks.append(np.eye(panels.tail_terms) / at_end)
+        self._blocks: list[tuple[slice, slice, Array]] = []
+        row = column = 0
+        for one in blocks:
+            rows, columns = one.shape
+            self._blocks.append((slice(row, row + rows), slice(column, column + columns), one))
+            row, column = row + rows, column + columns
+        self.shape = row, column
+
+    def of(self, values: Array) -> Array:
+        """Return the coefficients of functions over s."""
+        result = np.empty((self.shape[0], *values.shape[1:]))
+        for rows, columns, one in self._blocks:
+            result[rows] = one @ values[columns]
+        return result
+
+    def after(self, matrix: Array) -> Array:
+        """Return the product of a matrix with this map, of which it may have the first rows."""
+        result = np.zeros((len(matrix), self.shape[1]))
+        for rows, columns, one in self._blocks:
+            if rows.stop <= matrix.shape[1]:
+                result[:, columns] = matrix[:, rows] @ one
+        return result
 
 
 class System(Tangential):
@@ -53,9 +111,7 @@ class System(Tangential):
         parameters: Parameters,
     ) -> None:
         super().__init__(radii, states, panels, degrees, parameters)
-        self._over = [
-            OverRadius((p.family,), (p.degrees,)) if p.state else None for p in self.parts
-        ]
+        self._over = [OverRadius(p.family, p.degrees) if p.state else None for p in self.parts]
         #: degrees and functions of q/s: in slip those of p/s
         self._finer = [
             finer(p.degrees, p.family.panels) if p.state else p.degrees for p in self.parts
@@ -231,6 +287,24 @@ class System(Tangential):
 
     def matrix(self) -> Array:
         """Return the matrix of both equations; it is that of `residual` but for roundings."""
+        return self._with_masses(self._assembled() if self.radii else self._stuck_matrix())
+
+    def _stuck_matrix(self) -> Array:
+        """Return the matrix of full stick without masses: only kappa is not its form's."""
+        [part], both = self.parts, (slice(self.count), slice(self.count, self.unknowns))
+
+        def unit() -> Array:
+            own = [part.family.panels], [part.degrees], self.parameters._replace(kappa=1.0)
+            return System(self.radii, self.states, *own)._assembled()
+
+        form = part.family.panels, part.shear.panels, part.degrees
+        matrix = _STUCK.get(form, unit).copy()
+        matrix[both[0], both[1]] *= self.parameters.kappa
+        matrix[both[1], both[0]] *= self.parameters.kappa
+        return matrix
+
+    def _assembled(self) -> Array:
+        """Return the matrix without masses."""
         matrix = np.zeros((self.unknowns, self.unknowns))
         for i, part in enumerate(self.parts):
             f, kept = self._f[i], None

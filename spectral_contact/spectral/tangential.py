@@ -17,28 +17,84 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
-from spectral_contact.spectral.annulus import Family
+from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.blocks import disk_gram
 from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes
 from spectral_contact.spectral.moments import unit_masses
-from spectral_contact.spectral.panels import LogPanels, top_functions
+from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.products import Fields, Seen
-from spectral_contact.spectral.zone_parts import zone_parts
+from spectral_contact.spectral.seen import Fields, Seen
 from spectral_contact.threads import cached_property
 
-__all__ = ["AT_END", "Field", "Misfit", "Tangential"]
+__all__ = ["AT_END", "Field", "Misfit", "Part", "Tangential", "zone_parts"]
+
+Degrees = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Half a zone, or the central disk: a family of panels, and how the surface moves on it.
+
+    Attributes
+    ----------
+    zone : int
+        From the centre outward.
+    state : int
+        0 for stick, +1 or -1 for slip with this sign of the traction.
+    boundary : int
+        Number of the boundary that the panels are graded to; -1 for the edge.
+    family, shear : Family
+        With the panels of the pressure, and with those of q/s, the same but for the endpoint
+        weight.
+    degrees : tuple of int
+        Highest degree on every panel.
+    """
+
+    zone: int
+    state: int
+    boundary: int
+    family: Family
+    shear: Family
+    degrees: Degrees
+
+
+def zone_parts(
+    radii: tuple[Radius, ...],
+    states: tuple[int, ...],
+    panels: list[LogPanels],
+    degrees: list[Degrees],
+    beta: float,
+) -> list[Part]:
+    """Return the parts of all zones, outward; parameters are those of `System`.
+
+    Without tangential compliance the traction is singular at an edge that sticks.
+    """
+    bounds = (CENTRE, *radii, EDGE)
+    parts = []
+    each = iter(zip(panels, degrees, strict=True))
+    for zone, state in enumerate(states):
+        inner, outer = bounds[zone : zone + 2]
+        last = zone if zone < len(radii) else -1
+        ends = [(outer, -1, last)] if zone == 0 else [(inner, 1, zone - 1), (outer, -1, last)]
+        for boundary, sign, number in ends:
+            own, used = next(each)
+            family = Family(boundary, sign, gap(inner, outer) / len(ends), own)
+            power = own.power if state else -0.5 if beta == 0.0 and number < 0 else 0.0
+            alike = power == own.power
+            shear = family if alike else replace(family, panels=replace(own, power=power))
+            parts.append(Part(zone, state, number, family, shear, used))
+    return parts
+
 
 Array = NDArray[np.float64]
-Degrees = tuple[int, ...]
 
 #: Values of the functions of a tail at its end.
 AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
@@ -163,9 +219,11 @@ class Tangential(ABC):
     @cached_property
     def shed(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
         """Places in a vector of the top two degrees of every panel, and of the top one."""
-        parts = [(one.panels, one.degrees) for one in self.fields]
-        first = self.fields[0].own.start
-        return first + top_functions(parts, 2), first + top_functions(parts, 1)
+        first, last = (
+            np.concatenate([one.own.start + one.panels.top(one.degrees, n) for one in self.fields])
+            for n in (2, 1)
+        )
+        return first, last
 
     def split(self, values: Array) -> tuple[list[Array], dict[int, Array]]:
         """Return the coefficients in the whole bases: of p on all parts, of u on those in stick."""
@@ -307,7 +365,7 @@ class Tangential(ABC):
         rows[:, self.shear[k]] += columns
 
     def _add_tangential(self, matrix: Array) -> None:
-        """Add what the traction does to the tangential equation, and the masses."""
+        """Add what the traction does to the tangential equation."""
         for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
             stuck, weights = self._stuck(i), self._shear_tests[i]
             kept = None
@@ -322,5 +380,9 @@ class Tangential(ABC):
                 at_boundary = self.balances[1][part.boundary]
                 for k, sums in stuck.tested(weights[:, None]):
                     matrix[self.shear[k]] += sums * at_boundary
+
+    def _with_masses(self, matrix: Array) -> Array:
+        """Return a matrix with the masses added to it."""
         for own, mass in self.masses:
             matrix[own, own] += mass
+        return matrix

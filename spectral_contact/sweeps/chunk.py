@@ -60,16 +60,13 @@ def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
     """
     end_with_parent(asker)
     work = _Chunk(columns, request)
-    todo = np.arange(len(columns))
     if request.shared:
-        known = served(columns, request)
-        work.rows.put(todo, known)
-        todo = np.flatnonzero(~known.mask)
-    for line in lines(columns, todo, request):
+        work.rows.put(np.arange(len(columns)), served(columns, request))
+    for line in lines(columns, work.rows.left, request):
         work.rows.put(line, between(columns[line], request, _OnLine(work, line)))
-    for curve in indentation_curves(columns, todo, request):
+    for curve in indentation_curves(columns, work.rows.left, request):
         work.rows.put(curve, along(columns[curve], request, _OnLine(work, curve)))
-    for i in np.setdiff1d(todo, work.rows.done).tolist():
+    for i in work.rows.left.tolist():
         work.solve(i)
     return work.rows.outcome()
 
@@ -155,9 +152,9 @@ class _Rows:
             self._values[f"{name}_error"] = np.full(count, np.nan)
 
     @property
-    def done(self) -> Indices:
-        """The scenes that need no work any more."""
-        return np.flatnonzero(self._done)
+    def left(self) -> Indices:
+        """The scenes that need work."""
+        return np.flatnonzero(~self._done)
 
     def take(self, i: int, solution: Solution) -> None:
         """Keep what was asked of a solution."""

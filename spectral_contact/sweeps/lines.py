@@ -12,18 +12,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.solution import Solution
-from spectral_contact.solving.run import FrictionOf
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, Placed, nodes_needed
 from spectral_contact.sweeps.parameters import Columns, Indices
 from spectral_contact.sweeps.request import SCALARS, Request
 from spectral_contact.sweeps.shortcuts import Served
+
+if TYPE_CHECKING:
+    from spectral_contact.solving.run import FrictionOf
 
 __all__ = ["Solver", "between", "lines"]
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES
-from spectral_contact.solving.planning import asked_quantities
-from spectral_contact.solving.solver import checked_tolerance
+from spectral_contact.solving.planning import asked_quantities, checked_tolerance
 
 __all__ = ["ENDINGS", "FIELDS", "SCALARS", "Request", "requested"]
 

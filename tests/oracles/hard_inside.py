@@ -75,7 +75,8 @@ def condition_numbers() -> Iterator[dict[str, float]]:
         yield found
     for kind, factored in last.items():
         matrix = factored.compliance * factored.space.mass + factored.space.gram
-        found[kind] = float(np.linalg.cond(matrix * factored.scale * factored.scale[:, None]))
+        scale = 1.0 / np.sqrt(matrix.diagonal())
+        found[kind] = float(np.linalg.cond(matrix * scale * scale[:, None]))
     if pairs:
         found["coupled"] = float(np.linalg.cond(pairs[-1]))
     if systems:

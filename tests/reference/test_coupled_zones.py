@@ -209,6 +209,22 @@ def test_stick_at_the_edge_is_found_from_slip_of_the_wrong_sense():
     assert check_solution(solution, scene, 1e-4).passed
 
 
+def test_zones_about_to_join_are_looked_for_at_a_tighter_tolerance():
+    # at 1e-7 there seem to be neither two zones nor three
+    scene = Scene(0.3, 0.2, 0.5, 0.08546367610197515, coupling=True)
+    solution = slipping(scene, 1e-7)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert check_solution(solution, scene, 1e-7).passed
+
+
+def test_at_a_loose_tolerance_an_onset_is_one_all_the_same():
+    scene = Scene(0.1818131139118595, 0.002251012775380736, 0.03308553098032446,
+                  0.36437415696100256, coupling=True)  # fmt: skip
+    solution = slipping(scene, 1e-2)
+    assert solution.converged
+    assert len(solution.zones) == 3 or solution.error.zones >= 1.0
+
+
 def test_what_is_there():
     solution = slipping(INSIDE)
     states = {step.name: step for step in solution.plan.steps}

@@ -15,13 +15,14 @@ from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import solve_full_stick
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.contact.partial_slip import solve_partial_slip
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.zone_search import DrivenSearch
 from spectral_contact.equations.residuals import tangential_displacement
 from spectral_contact.fields.series import PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parameters import Parameters
 
 BETA, FRICTION = 1.0, 0.47  # for kappa = 1
 PANELS = LogPanels(20, 2.0, 24)
@@ -58,7 +59,8 @@ def slipping(rtol):
     def record(name, result, begin):
         return result.best.value if isinstance(result, Refinement) else result
 
-    return solve_partial_slip(drive, stick, BETA, FRICTION, rtol, 20_000, record=record)
+    parameters = Parameters(drive.contact.compliance, BETA, 1.0, FRICTION)
+    return DrivenSearch(parameters, stick, rtol, 20_000, record, drive).outcome()
 
 
 def field(one):

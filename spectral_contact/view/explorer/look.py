@@ -23,7 +23,8 @@ from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
-from spectral_contact.solving.solver import checked_tolerance, solve
+from spectral_contact.solving.planning import checked_tolerance
+from spectral_contact.solving.solver import solve
 from spectral_contact.view.html import table_html, zones_svg
 from spectral_contact.view.radii import bulk_limits, graded_radii, known_zones, layer_depth
 from spectral_contact.view.report import quantity_cells

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from spectral_contact import Ending, Scene, solve
-from spectral_contact.contact import coupled_search
+from spectral_contact.contact import zone_search
 from spectral_contact.contact.coupled_problem import find_coupled_zones, solve_coupled_zones
 from spectral_contact.contact.coupled_stick import solve_coupled_stick
 from spectral_contact.contact.layout import Layout
@@ -51,20 +51,20 @@ def test_pressure_that_pulls_is_refused(part):
 
 
 def test_zones_without_width_are_no_zones(monkeypatch):
-    own = coupled_search.CoupledSearch._layouts
+    own = zone_search.CoupledSearch._guesses
 
-    def layouts(search):
-        yield Layout((1.0, 1.0), (0, 1, 0)), False
+    def guesses(search):
+        yield Layout((1.0, 1.0), (0, 1, 0))
         yield from own(search)
 
-    monkeypatch.setattr(coupled_search.CoupledSearch, "_layouts", layouts)
+    monkeypatch.setattr(zone_search.CoupledSearch, "_guesses", guesses)
     assert len(solve(Scene(0.3, 0.3, 0.2, 0.1, coupling=True), 1e-4).zones) == 2
 
 
 def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(monkeypatch):
-    own = coupled_search.CoupledSearch.outcome
+    own = zone_search.CoupledSearch.outcome
     monkeypatch.setattr(
-        coupled_search.CoupledSearch, "outcome", lambda run: replace(own(run), consistent=False)
+        zone_search.CoupledSearch, "outcome", lambda run: replace(own(run), consistent=False)
     )
     solution = solve(Scene(0.1, 0.5, 0.5, 0.1, coupling=True), 1e-2, strict=False)
     assert not solution.converged
@@ -109,7 +109,7 @@ def test_the_shear_of_full_stick_has_an_error_of_its_own():
 
 
 def test_where_the_errors_decide_on_slip_it_is_not_ruled_out():
-    full = Scene(0.3, 0.5, 0.2, math.inf, coupling=True)
+    full = Scene(0.3, 0.5, 0.2, 100.0, coupling=True)
     critical = solve(full, 1e-3).critical_friction
     at, above = (solve(replace(full, friction=f), 1e-3) for f in (critical, 1.1 * critical))
     for solution, error in ((at, 1.0), (above, 0.0)):

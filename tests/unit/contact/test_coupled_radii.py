@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact import coupled_search
+from spectral_contact.contact import coupled_radii
 from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_radii import PossibleRadius, stick_radii
 from spectral_contact.contact.layout import Layout
@@ -63,7 +63,7 @@ def test_others_are_looked_for_where_there_may_be_some_and_named(monkeypatch, sc
         yield PossibleRadius(5.0, True, 0.0)
         yield PossibleRadius(6.0, True, 0.5)
 
-    monkeypatch.setattr(coupled_search, "stick_radii", all_possible)
+    monkeypatch.setattr(coupled_radii, "stick_radii", all_possible)
     solution = solve(scene, 1e-3)
     text = "; a larger stick radius may satisfy the friction law, too: 0.997"
     assert (text in str(solution.plan)) == looked == bool(seen)

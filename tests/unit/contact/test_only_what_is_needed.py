@@ -23,11 +23,11 @@ ONE_DISK = FULL_STICK | {
     "friction_law",
     "layout",
     "one_disk",
-    "partial_slip",
     "rim",
     "slip_displacement",
     "slip_outcome",
     "stick_radius",
+    "zone_search",
 }
 PROFILE = NORMAL | {
     "contact_radius",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import coupled_problem, newton, one_disk, partial_slip
+from spectral_contact.contact import coupled_problem, newton, one_disk, zone_search
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -114,12 +114,12 @@ def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):
 
 def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monkeypatch):
     systems, searches = [], []
-    solve_system, search = coupled_problem.CoupledProblem.system, partial_slip._Search._searched
+    solve_system, search = coupled_problem.CoupledProblem.system, zone_search.DrivenSearch._guesses
     monkeypatch.setattr(
         coupled_problem.CoupledProblem, "system", lambda *a: systems.append(1) or solve_system(*a)
     )
     monkeypatch.setattr(
-        partial_slip._Search, "_searched", lambda *a: searches.append(1) or search(*a)
+        zone_search.DrivenSearch, "_guesses", lambda *a: searches.append(1) or search(*a)
     )
     scenes, continuation = walk_inside(1e-8, np.linspace(0.032, 0.035, 20))
     for scene in scenes[:-5]:

@@ -262,17 +262,17 @@ def against(function, low, high, kernel, cut=None):
 @pytest.mark.parametrize("place", [0.3, 2e-5, 1e-9])
 @pytest.mark.parametrize("column", [0, 7, 12, 21, 24, 25])
 def test_differences_to_the_boundary_are_right_to_the_root_of_the_distance(column, place):
-    mesh = 4, 2.0, 5
+    mesh, every = (4, 2.0, 5), (5,) * 4
     function, low, high = basis(*divmod(column, 6), 4, 2.0)
     e, d = mp.mpf(place), np.array([place])
-    plain, less = fall(d, *mesh)
+    plain, less = fall(d, 2.0, every)
     assert_allclose(plain, beyond(d, *mesh), rtol=4e-15, atol=1e-17)
     found = {
         "fall": less[0, column],
         "rise": rise(d, *mesh)[0, column],
-        "far": far_fall(d, *mesh)[0, column],
-        "nearer": far_fall(-d, *mesh)[0, column],
-        "singular": far_fall(d, *mesh, -0.5)[0, column],
+        "far": far_fall(d, 2.0, every)[0, column],
+        "nearer": far_fall(-d, 2.0, every)[0, column],
+        "singular": far_fall(d, 2.0, every, -0.5)[0, column],
     }
     kernels = {
         "fall": lambda s: 1 / mp.sqrt(s) - 1 / mp.sqrt(s + e),

@@ -36,9 +36,10 @@ def test_charges_may_have_a_degree_for_each_panel():
     d, form = np.array([1.0, 0.1, 1e-5]), (PANELS.panels, PANELS.width)
     used = PANELS.functions(DEGREES)
     for function in (fall, far_fall):
-        whole, few = (np.array(function(d, *form, one)) for one in (PANELS.degree, DEGREES))
+        every = (PANELS.degree,) * PANELS.panels
+        whole, few = (np.array(function(d, PANELS.width, one)) for one in (every, DEGREES))
         assert_allclose(few, whole[..., used], rtol=1e-11, atol=1e-15)  # rounding of 1
-    plain = fall(d, *form, DEGREES)[0]
+    plain = fall(d, form[1], DEGREES)[0]
     whole = beyond(d, *form, PANELS.degree)[:, used]
     # Both sum terms of order one, and BLAS libraries differ in the order of a sum.
     assert_allclose(plain, whole, rtol=1e-11, atol=2.0 * np.finfo(float).eps)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from oracles.family_integrals import half_integral, inner_integral
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.annulus import Points
@@ -83,12 +84,12 @@ def test_balances_are_integrals_at_the_boundaries(states):
     for b, radius in enumerate(system.radii):
         at = Points(radius, np.zeros(1))
         inner = sum(
-            float((part.family.inner_integral(at) @ p)[0])
+            float((inner_integral(part.family, at) @ p)[0])
             for part, p in zip(system.parts, pressure, strict=True)
             if part.zone <= b
         )
         outside = sum(
-            float((part.family.half_integral(at) @ q)[0])
+            float((half_integral(part.family, at) @ q)[0])
             for part, q in zip(system.parts, traction, strict=True)
             if part.zone > b
         )
@@ -147,7 +148,7 @@ def test_the_misfit_at_sampling_points_is_that_of_the_families():
         wanted = np.zeros((len(points.offset), 1))
         for other, p, q in zip(system.parts, pressure, traction, strict=True):
             inner = 2.0 * PARAMETERS.kappa / np.sqrt(points.z)[:, None]
-            wanted += inner * (other.family.inner_integral(points) @ p)
-            wanted -= other.family.half_integral(points) @ q
+            wanted += inner * (inner_integral(other.family, points) @ p)
+            wanted -= half_integral(other.family, points) @ q
         found = system.slip_misfit(values, part.family)
         assert np.abs(found - wanted).max() < 1e-11 * np.abs(wanted).max()

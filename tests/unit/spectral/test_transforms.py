@@ -4,7 +4,7 @@ from numpy.testing import assert_allclose
 
 from spectral_contact.spectral import LogPanels
 from spectral_contact.spectral.abel import deeper, outer
-from spectral_contact.spectral.transforms import transforms
+from spectral_contact.spectral.annulus import transforms
 
 
 @pytest.mark.parametrize("count", [1, 2, 7])

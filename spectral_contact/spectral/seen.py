@@ -1,4 +1,4 @@
-"""What integrals of several parts, side by side, and their products are."""
+"""Integrals of several parts at the nodes of one: sums of them, and their products."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.blocks import Block
     from spectral_contact.spectral.graded import GradedNodes, SmoothNodes
 
-__all__ = ["Fields", "OwnColumns", "PartProduct", "Seen", "SideBySide"]
+__all__ = ["Fields", "PartProduct", "Seen"]
 
 Array = NDArray[np.float64]
 Fields: TypeAlias = Sequence[Array] | Mapping[int, Array]
@@ -26,22 +26,6 @@ class PartProduct(NamedTuple):
     row: int
     column: int
     values: Array
-
-
-class OwnColumns(NamedTuple):
-    """Which columns are those of a part, and whether they are at the samples."""
-
-    part: int
-    columns: slice
-    sampled: bool
-
-
-class SideBySide(NamedTuple):
-    """Integrals of several parts: whose the columns are, and those at nodes and at samples."""
-
-    places: list[OwnColumns]
-    direct: Array
-    sampled: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,23 +90,21 @@ class Seen:
             values = values if left is None else left.T @ values
             yield PartProduct(k, j, values if right is None else values @ right)
 
-    def _columns(self, *, whole: bool) -> SideBySide:
-        """Return the integrals of all parts side by side."""
-        places: list[OwnColumns] = []
+    def _columns(self, *, whole: bool) -> tuple[dict[int, slice], list[Array]]:
+        """Return the integrals of all parts side by side, those at nodes and those at samples."""
+        places: dict[int, slice] = {}
         parts: tuple[list[Array], list[Array]] = [], []
         ends = [0, 0]
         for k, one in self.blocks.items():
-            values, kind = one.whole if whole else one.more, int(one.sampled)
-            own = slice(ends[kind], ends[kind] + values.shape[1])
-            places.append(OwnColumns(k, own, one.sampled))
-            parts[kind].append(values)
-            ends[kind] += values.shape[1]
+            values = one.whole if whole else one.more
+            start, ends[one.sampled] = ends[one.sampled], ends[one.sampled] + values.shape[1]
+            places[k] = slice(start, ends[one.sampled])
+            parts[one.sampled].append(values)
         shapes = len(self.nodes.d), len(self.nodes.samples)
-        direct, sampled = (
+        return places, [
             np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
             for each, rows in zip(parts, shapes, strict=True)
-        )
-        return SideBySide(places, direct, sampled)
+        ]
 
     def products(
         self, other: Seen, weights: Array, *, whole: bool = False, own: Array | None = None
@@ -138,8 +120,8 @@ class Seen:
         own : ndarray, optional
             The sums of what is given at the nodes themselves, if they are known.
         """
-        rows, direct, sampled = self._columns(whole=True)
-        columns, direct_other, sampled_other = other._columns(whole=whole)
+        rows, (direct, sampled) = self._columns(whole=True)
+        columns, (direct_other, sampled_other) = other._columns(whole=whole)
         w = weights[:, None]
         if own is not None:
             on_nodes = own
@@ -155,8 +137,8 @@ class Seen:
             below, beside = sampled.T @ gathered(w * direct_other), left.T @ sampled_other
             split = direct.shape[1]
             parts = [[on_nodes, beside[:split]], [below, beside[split:]]]
-        for k, row, of_samples in rows:
-            for j, column, from_samples in columns:
-                sums = parts[of_samples][from_samples][row, column]
+        for k, row in rows.items():
+            for j, column in columns.items():
                 one, two = self.blocks[k], other.blocks[j]
+                sums = parts[one.sampled][two.sampled][row, column]
                 yield PartProduct(k, j, two.back(one.back(sums).T).T)

@@ -1,0 +1,423 @@
+"""Which zones partial slip has: guesses are solved for until one obeys the friction law.
+
+How zones were guessed does not matter then. Without elastic coupling the problem is a strictly
+convex minimisation under |q| <= f p: a traction that satisfies all conditions is the solution. With
+it uniqueness is not proved, and no search is known to be sure.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from math import exp, inf
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
+from spectral_contact.contact.ratio import FullStick
+from spectral_contact.contact.refine import Refinement, refine
+from spectral_contact.contact.slip_outcome import (
+    PartialSlip,
+    all_slip,
+    everywhere,
+    no_slip,
+    one_disk_outcome,
+    zones_outcome,
+)
+from spectral_contact.contact.stick_radius import NoStickDiskError
+from spectral_contact.fields.series import Radius
+from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
+from spectral_contact.spectral.parameters import Parameters
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.coupled_assessment import CoupledZones
+
+__all__ = ["CoupledSearch", "DrivenSearch", "NoZonesError", "ZoneSearch"]
+
+Record = Callable[[str, Any, float], Any]
+
+#: What tolerance of the traction one of shear and stick radius takes, as a power of it: of 216
+#: scenes of sweeps at 1e-8 and 1e-12 none is solved again, 43 are with 0.5.
+_SUPERCONVERGENCE = 0.52
+#: Narrower zones than this, in logits, are not handed on: their slopes change within their width.
+_NARROWEST = 1e-3
+#: Where the edge of a smooth surface sticks over less than this, in ``y``, it is one disk.
+_NO_EDGE = 1e-80
+#: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
+_MOST_ZONES = 6
+#: One stick disk; where nothing is known of its radius slip is narrow.
+_DISK = Layout((3.0,), (0, 1))
+#: From where on another stick radius is looked for, and in which steps, as logits; on smooth
+#: surfaces they are 10 apart and more, measured.
+_CLEAR, _APART = 1.0, 3.0
+#: Friction that lacks as little as this lets no more slip than where full stick exceeds it: to 0.01
+#: in the logit, measured; as much is seen of the difference to where rough spaces have slip.
+_ABOUT, _SEEN = 1e-2, 0.02
+
+
+class NoZonesError(ArithmeticError):
+    """No guess of the zones obeys the friction law; the text says what is amiss with each."""
+
+
+@dataclass
+class ZoneSearch(ABC):
+    """Solves for guesses until the friction law holds.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    stick : FullStick
+        Full stick, with its fields.
+    tolerance : float
+        Bound on the relative errors of the fields.
+    max_unknowns : int
+        Most unknowns of a space.
+    record : callable
+        Takes the name of a step, its outcome and its beginning, returns the value.
+    """
+
+    parameters: Parameters
+    stick: FullStick
+    tolerance: float
+    max_unknowns: int
+    record: Record
+    _reasons: list[str] = field(default_factory=list, init=False)
+
+    def outcome(self) -> PartialSlip:
+        """Return the first outcome that obeys the friction law, or the best there is.
+
+        Raises
+        ------
+        NoZonesError
+            If none will do.
+        """
+        found = []
+        # the search for boundaries that are not there ends at the edge, past rounding
+        with np.errstate(all="ignore"):
+            for one in self._tried():
+                if one.settled:
+                    return one
+                found.append(one)
+        return self._least_wrong(found)
+
+    def _tried(self) -> Iterator[PartialSlip]:
+        """Solve for guesses, of every kind once, and for what mends them."""
+        seen: set[tuple[int, ...]] = set()
+        for guess in self._guesses():
+            layout: Layout | None = None if guess.states in seen else guess
+            seen.add(guess.states)
+            while layout is not None and self._possible(layout):
+                outcome = self._attempted(layout)
+                layout = None
+                if outcome is not None:
+                    yield outcome
+                    layout = outcome.mended
+
+    def _attempted(self, layout: Layout) -> PartialSlip | None:
+        """Return the solution on zones like these, if there is one."""
+        try:
+            return self._solved(layout)
+        # one of them has no width: its ends coincide
+        except (np.linalg.LinAlgError, ArithmeticError) as missing:
+            self._reasons.append(f"{len(layout.states)} zones: {missing}")
+            return None
+
+    @abstractmethod
+    def _guesses(self) -> Iterator[Layout]:
+        """Yield zones, the likeliest first."""
+
+    @abstractmethod
+    def _possible(self, layout: Layout) -> bool:
+        """Return whether there may be zones like these."""
+
+    @abstractmethod
+    def _solved(self, layout: Layout) -> PartialSlip:
+        """Return the solution on zones like these."""
+
+    @abstractmethod
+    def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
+        """Return the best of those that do not obey the law, or whose sense of slip is unknown."""
+
+
+@dataclass
+class DrivenSearch(ZoneSearch):
+    """The search under a pressure that is given, for kappa = 1.
+
+    Guesses are zones of a like scene, one stick disk, narrow slip where full stick breaks the law,
+    and what an active set finds on rings.
+
+    Parameters
+    ----------
+    drive : Drive
+        Of the pressure.
+    near : Layout, optional
+        Where the search begins, as `PartialSlip.layout` of a like scene has it.
+    pointwise : bool
+        Whether the tolerance bounds q/s. If not, and slip is inside, it bounds the total shear
+        and the stick radius, which need less.
+    """
+
+    drive: Drive
+    near: Layout | None = None
+    pointwise: bool = True
+    _disk: PartialSlip | None = field(default=None, init=False)
+
+    def outcome(self) -> PartialSlip:
+        """Return the best outcome; full stick where it fails and the errors decide on slip."""
+        best = self._handed_on() or self._one_disk_alone() or super().outcome()
+        error = max(best.traction_error if self.pointwise else 0.0, best.shear_error)
+        failed = not best.consistent or error > self.tolerance
+        critical = self.stick.critical * (1.0 - self.stick.critical_error)
+        if failed and self.parameters.friction > critical:
+            return no_slip(self.stick, self.parameters)
+        return best
+
+    @property
+    def _smooth(self) -> bool:
+        """Whether p is infinite at the edge and q is not.
+
+        It sticks there for ``y < (f beta/kappa)**2``, as long as that is a number.
+        """
+        return self.parameters.alpha == 0.0 < self.parameters.beta
+
+    def _handed_on(self) -> PartialSlip | None:
+        """Return the solution on the zones of a like scene if the friction law holds on them."""
+        layout = self.near
+        if layout is None or min(np.diff(layout.logits), default=0.0) <= _NARROWEST:
+            return None
+        begin = perf_counter()
+        try:
+            refinement = self._refined(layout)
+        except (np.linalg.LinAlgError, ArithmeticError):  # they have other zones
+            return None
+        zones = refinement.best.value
+        outcome = zones_outcome(zones, self.parameters, self.drive)
+        error = max(zones.traction_error if self.pointwise else 0.0, zones.shear_error)
+        if not outcome.settled or outcome.slip_error == inf or error > self.tolerance:
+            return None
+        self.record(ZONE_SEARCH, refinement, begin)
+        return outcome
+
+    def _one_disk_alone(self) -> PartialSlip | None:
+        """Return one stick disk where it is enough, or what is known to be there instead."""
+        _, beta, _, friction = self.parameters
+        if self._smooth and (friction * beta) ** 2 >= _NO_EDGE:
+            return None
+        near = None
+        if self.near is not None and self.near.states == (0, 1) and self.near.slopes is not None:
+            near = self.near.logits[0], float(self.near.slopes[0, 0])
+        try:
+            found = self._on_disk(near=near)
+        except NoStickDiskError as missing:
+            if missing.at_centre:
+                return all_slip(self.drive, beta, friction, self.tolerance)
+            return no_slip(self.stick, self.parameters) if beta == 0.0 else None
+        if found.settled or beta == 0.0 or self._smooth:
+            return found
+        self._disk = found
+        return None
+
+    def _guesses(self) -> Iterator[Layout]:
+        """Yield zones with the stick that one disk lacks, and what full stick and rings tell."""
+        alpha, beta, _, friction = self.parameters
+        if self._disk is not None and self._disk.mended is not None:
+            yield self._disk.mended
+        from spectral_contact.contact.onset import exceeded, is_narrow
+
+        violated = exceeded(self.stick, self.parameters)
+        if is_narrow(violated):  # rings miss it
+            yield violated
+        from spectral_contact.contact.active_set import ring_layout
+
+        found = ring_layout(alpha, beta, friction, 1.0, False)
+        logits = tuple(one.logit for one in found.boundaries)
+        if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
+            centre = 2.0 * beta * friction
+            if self._disk is not None:
+                centre = self._disk.zones[0].outer
+            yield Layout((Radius(centre, 1.0 - centre).logit, *logits), (0, *found.states))
+        elif found.states[-1] == 0 or not self._smooth:  # a smooth edge sticks, if below rings
+            yield Layout(logits, found.states)
+        yield violated  # rings have a pressure of their own
+
+    def _possible(self, layout: Layout) -> bool:
+        return 1 < len(layout.states) <= _MOST_ZONES and (
+            self._disk is None or layout.states != (0, 1)
+        )
+
+    def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
+        if self._disk is not None:
+            if self._disk.consistent:
+                # but for the sense of slip, of which no digit is known
+                found = [one for one in found if one.consistent and one.slip_error < inf]
+            found = [self._disk, *found]
+        if not found:  # slip about to start, thinner than its own conditioning
+            return no_slip(self.stick, self.parameters)
+        best = min(found, key=lambda outcome: outcome.violation)
+        if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
+            best = replace(best, zones_error=max(best.zones_error, 1.0))
+        return best
+
+    def _on_disk(
+        self, guess: float | None = None, near: tuple[float, float] | None = None
+    ) -> PartialSlip:
+        """Return the solution with one stick disk, by the operators of the unit disk."""
+        _, beta, _, friction = self.parameters
+        form, begin = (self.drive, beta, friction, self.tolerance), perf_counter()
+        refinement = solve_one_disk(*form, self.max_unknowns, guess=guess, near=near)
+        disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
+        begin = perf_counter()
+        outcome = one_disk_outcome(self.drive, disk, beta, friction, self.tolerance)
+        result: PartialSlip = self.record(SLIP_FIELD, outcome, begin)
+        return result
+
+    def _solved(self, layout: Layout) -> PartialSlip:
+        if layout.states == (0, 1):
+            return self._on_disk(layout.logits[0])
+        begin = perf_counter()
+        zones: CoupledZones = self.record(ZONE_SEARCH, self._refined(layout), begin)
+        return zones_outcome(zones, self.parameters, self.drive)
+
+    def _refined(self, layout: Layout) -> Refinement[CoupledZones]:
+        """Solve on zones like these."""
+        from spectral_contact.contact.boundaries import NoBoundariesError
+
+        if self.pointwise:
+            return self._to(self.tolerance, layout)
+        loose = self._to(self.tolerance**_SUPERCONVERGENCE, layout)
+        solved = loose.best.value
+        if max(solved.shear_error, solved.radius_error) <= self.tolerance:
+            return loose
+        try:
+            return self._to(self.tolerance, solved.layout)
+        except NoBoundariesError:  # nothing better is found near by
+            return loose
+
+    def _to(self, tolerance: float, layout: Layout) -> Refinement[CoupledZones]:
+        """Solve on zones like these, with fields to a tolerance."""
+        from spectral_contact.contact.coupled_problem import CoupledProblem
+
+        with np.errstate(all="ignore"):
+            problem = CoupledProblem(
+                self.parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
+            )
+            return refine(problem, tolerance, self.max_unknowns)
+
+
+@dataclass
+class CoupledSearch(ZoneSearch):
+    """The search with elastic coupling, where pressure and traction are one system.
+
+    Guesses are narrow slip where full stick breaks the law, what an active set finds on rings, and
+    one stick disk. Of 600 random scenes, half of them at thresholds, none needed another one.
+    """
+
+    def others(self, logit: float) -> list[float]:
+        """Return what other stick radii than that of a solution there may be, roughly.
+
+        Where full stick slips at the edge there is an even number of them; none, as far as seen.
+        So they are looked for where the edge sticks in full stick, or opens. Only larger ones are:
+        from small disks on, which is where friction, or the load, begins, the first is reached.
+        """
+        from spectral_contact.contact.coupled_problem import CoupledProblem
+        from spectral_contact.contact.coupled_radii import scanned, stick_radii
+
+        ratio = self.stick.edge_ratio
+        if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
+            return []
+        problem = CoupledProblem(self.parameters, _DISK, self.tolerance)
+        further = scanned(problem, logit + _CLEAR, _APART)
+        found = stick_radii(problem, further, contacts=True)
+        return [Radius.from_logit(one.logit).value for one in found if one.possible]
+
+    def _guesses(self) -> Iterator[Layout]:
+        """Yield narrow slip by full stick, zones on rings, and one disk."""
+        from spectral_contact.contact.active_set import ring_layout
+        from spectral_contact.contact.onset import exceeded, is_narrow
+
+        violated = exceeded(self.stick, self.parameters)
+        if is_narrow(violated):  # rings miss it, or its place
+            yield violated
+        alpha, beta, kappa, friction = self.parameters
+        found = ring_layout(alpha, beta, friction, kappa, True)
+        if found.settled and found.positive and not found.centre_unseen:
+            yield Layout(tuple(one.logit for one in found.boundaries), found.states)
+        yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
+
+    def _possible(self, layout: Layout) -> bool:
+        """Return whether there is slip, and the edge may be as it is.
+
+        That of a smooth surface sticks with tangential compliance.
+        """
+        alpha, beta, _, _ = self.parameters
+        if len(layout.states) == 2:
+            return alpha > 0.0 or beta == 0.0
+        return len(layout.states) > 2 and beta > 0.0
+
+    def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
+        lawful = [one for one in found if not one.amiss]
+        if not lawful:
+            edge = (self.parameters.friction * self.parameters.beta) ** 2
+            unseen = f"the edge sticks over some {edge:.0e}, too little to resolve"
+            reasons = [*self._reasons, *(one.amiss for one in found)]
+            raise NoZonesError("; ".join(reasons or [unseen]))
+        return min(lawful, key=lambda outcome: outcome.violation)
+
+    def _solved(self, layout: Layout) -> PartialSlip:
+        from spectral_contact.contact.coupled_problem import (
+            find_coupled_zones,
+            solve_coupled_zones,
+        )
+
+        begin = perf_counter()
+        try:
+            layout = self._narrowed(find_coupled_zones(self.parameters, layout))
+        except NoStickDiskError as missing:
+            if missing.at_centre:
+                return self._all_slip()
+            raise
+        zones = solve_coupled_zones(self.parameters, layout, self.tolerance, self.max_unknowns)
+        if not zones.best.error < 0.5:
+            raise NoZonesError("no digit of the fields is known")
+        solved = perf_counter()
+        outcome = zones_outcome(zones.best.value, self.parameters)
+        if not outcome.amiss:
+            self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
+            self.record(SLIP_FIELD, outcome, solved)
+        return outcome
+
+    def _narrowed(self, layout: Layout) -> Layout:
+        """Return a slip annulus that is narrower than rough spaces see, as full stick shows it.
+
+        Next to the onset all slips where full stick exceeds friction, and hardly anything more.
+        """
+        from spectral_contact.contact.onset import exceeded
+
+        lack = 1.0 - self.parameters.friction / self.stick.critical
+        if layout.states != _DISK.states or lack >= _ABOUT:
+            return layout
+        near = exceeded(self.stick, self.parameters)
+        if near.states != layout.states or near.logits[0] < layout.logits[0] + _SEEN:
+            return layout
+        assert layout.slopes is not None
+        # conditions rise as the distance from the edge does
+        narrower = exp(layout.logits[0] - near.logits[0])
+        return replace(layout, logits=near.logits, slopes=narrower * layout.slopes)
+
+    def _all_slip(self) -> PartialSlip:
+        """Return slip everywhere but in a disk too small to be felt."""
+        from spectral_contact.contact.coupled_problem import solve_coupled_slip
+
+        begin = perf_counter()
+        zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)
+        self.record(PARTIAL_SLIP, zones, begin)
+        begin = perf_counter()
+        point = zones_outcome(zones.best.value, self.parameters, felt=False)
+        outcome = everywhere(point, self.parameters.friction)
+        self.record(SLIP_FIELD, outcome, begin)
+        return outcome
