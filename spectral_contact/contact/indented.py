@@ -16,7 +16,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_parts import joined
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
@@ -31,6 +30,7 @@ from spectral_contact.contact.resolution import (
     table_rates,
 )
 from spectral_contact.contact.smooth_indented import smooth_pressure
+from spectral_contact.contact.zone_spaces import joined
 from spectral_contact.fields.series import CENTRE, LogSeries, PressureField, Radius, ZonalField
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.panels import LogPanels

@@ -15,7 +15,11 @@ from spectral_contact.fields.series import CENTRE, EDGE, Radius
 if TYPE_CHECKING:
     from spectral_contact.contact.slip_displacement import Stuck
 
-__all__ = ["Layout", "SolvedZones", "logit_at"]
+__all__ = ["Layout", "NoBoundariesError", "SolvedZones", "logit_at"]
+
+
+class NoBoundariesError(ArithmeticError):
+    """There are no such boundaries near by."""
 
 
 def logit_at(x: float) -> float:

@@ -43,8 +43,8 @@ from spectral_contact.records import Zone
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_assessment import CoupledZones
     from spectral_contact.contact.one_disk import OneDisk
+    from spectral_contact.contact.zone_assessment import ZoneSolution
 
 __all__ = ["PartialSlip", "all_slip", "everywhere", "no_slip", "one_disk_outcome", "zones_outcome"]
 
@@ -202,7 +202,7 @@ def one_disk_outcome(
 
 
 def zones_outcome(
-    solved: CoupledZones,
+    solved: ZoneSolution,
     parameters: Parameters,
     drive: Drive | None = None,
     *,
@@ -212,7 +212,7 @@ def zones_outcome(
 
     Parameters
     ----------
-    solved : CoupledZones
+    solved : ZoneSolution
     parameters : Parameters
     drive : Drive, optional
         Of the pressure, if it was given.

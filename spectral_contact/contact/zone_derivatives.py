@@ -21,13 +21,12 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.boundaries import ROUNDED
-from spectral_contact.contact.coupled_assessment import BENT
-from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
+from spectral_contact.contact.zone_problem import ROUNDED, ZoneProblem
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -94,7 +93,7 @@ def differentiated(
     Parameters
     ----------
     parameters : Parameters
-        With what `CoupledProblem` takes.
+        With what `ZoneProblem` takes.
     layout : Layout
         The zones, to as many digits as there are.
     names : sequence of str
@@ -107,7 +106,7 @@ def differentiated(
     """
     slopes = np.eye(len(layout.logits))  # they are not needed yet
     known = Layout(layout.logits, layout.states, slopes)
-    problem = CoupledProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
+    problem = ZoneProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
     problem.drives = list(drives)
     return _AtBoundaries(problem, tolerance, names).outcome()
 
@@ -115,7 +114,7 @@ def differentiated(
 class _AtBoundaries:
     """A problem at its boundaries, its state there, and the derivatives of that."""
 
-    def __init__(self, problem: CoupledProblem, tolerance: float, names: Sequence[str]) -> None:
+    def __init__(self, problem: ZoneProblem, tolerance: float, names: Sequence[str]) -> None:
         self.problem, self.names = problem, names
         self.spaces = problem.spaces(tolerance)
         self._settle()

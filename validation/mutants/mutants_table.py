@@ -132,14 +132,14 @@ MUTANTS = (
     ),
     Mutant(
         "coupled solves take twice the unknowns allowed",
-        f"{_CONTACT}/coupled_problem.py",
+        f"{_CONTACT}/zone_problem.py",
         "max_unknowns // 2",
         "max_unknowns",
         _COUPLED,
     ),
     Mutant(
         "the coupled shear has the error of the approach",
-        f"{_CONTACT}/coupled_assessment.py",
+        f"{_CONTACT}/zone_assessment.py",
         "shear_error=sum(errors)",
         "shear_error=errors[0]",
         _COUPLED,
@@ -153,7 +153,7 @@ MUTANTS = (
     ),
     Mutant(
         "Newton's method believes in boundaries that are not near",
-        f"{_CONTACT}/newton.py",
+        f"{_CONTACT}/zone_newton.py",
         'raise NoBoundariesError("no boundaries near by")',
         "pass",
         f"{_UNIT}/solving/test_continuation.py -k given_up",
