@@ -27,7 +27,7 @@ from spectral_contact.contact.resolution import (
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
-from spectral_contact.contact.zone_newton import Effect, ZoneState
+from spectral_contact.contact.zone_newton import LEFT, Effect, ZoneState
 from spectral_contact.contact.zone_spaces import leading_depth, root_error, rounding_depth
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Annulus, Points, gap
@@ -217,12 +217,12 @@ class _Assessment:
         self.noise = _STUCK_NOISE
         if self.system.radii:
             self.noise = _GIVEN_NOISE if self.system.given else _NOISE
-        self.noise += left * 1e-2
+        self.noise += LEFT * left
 
     @cached_property
     def loose(self) -> Effect:
         """What would meet the conditions of the boundaries, twice; no lift does without a layer."""
-        return self.state.unbalanced.times(2.0 if self.system.parameters.beta > 0.0 else 0.0)
+        return self.state.unbalanced(2.0 if self.system.parameters.beta > 0.0 else 0.0)
 
     @cached_property
     def inverse(self) -> Array:

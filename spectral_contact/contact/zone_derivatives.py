@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.resolution import ROUNDING, series_of
 from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
-from spectral_contact.contact.zone_problem import ROUNDED, ZoneProblem
+from spectral_contact.contact.zone_problem import ZoneProblem
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -195,8 +195,8 @@ class _AtBoundaries:
     def _noise(self, logits: Array) -> Array:
         """Return by how much rounding of the conditions, in slopes and boundaries, moves these."""
         inverse, narrowest = np.abs(np.linalg.inv(self.moved[:, :-2])).T, self.problem.narrowest
-        rough = ROUNDED / narrowest * float(np.abs(_SLOPE).sum())
-        off = ROUNDED * inverse.sum(axis=1, keepdims=True)  # of the boundaries, and slopes bend
+        rough = ROUNDING / narrowest * float(np.abs(_SLOPE).sum())
+        off = ROUNDING * inverse.sum(axis=1, keepdims=True)  # of the boundaries, and slopes bend
         moved = np.abs(logits)
         return np.asarray(
             rough * inverse.sum(axis=1, keepdims=True) * moved.sum(axis=0)

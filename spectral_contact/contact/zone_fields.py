@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.friction_law import DISTANCES
-from spectral_contact.contact.zone_spaces import LEADING, ended
+from spectral_contact.contact.resolution import LEADING
+from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ __all__ = ["LEFT", "Effect", "ZoneState", "ZonesNewton", "longest", "through_sec
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Effect:
+class Effect(NamedTuple):
     """What a change of the space does at unit load.
 
     Attributes
@@ -43,15 +42,6 @@ class Effect:
     lifts: Array
     mismatch: Array
     approach: float
-
-    def times(self, factor: float) -> Effect:
-        """Return so much of it."""
-        return Effect(
-            factor * self.change,
-            factor * self.lifts,
-            factor * self.mismatch,
-            factor * self.approach,
-        )
 
 
 class ZoneState:
@@ -123,14 +113,13 @@ class ZoneState:
         drive, balance = self.system.balances
         return np.asarray((balance @ self.solution - self.lifts) / (drive @ self.solution))
 
-    @property
-    def unbalanced(self) -> Effect:
-        """What would meet the conditions of the boundaries, with a jump of the traction there.
+    def unbalanced(self, share: float) -> Effect:
+        """Return what would meet so much of the conditions, with a jump of the traction there.
 
         But for the square of what the boundaries are off it is the error of the fields.
         """
         drive, _ = self.system.balances
-        lifts = self.mismatch * (drive @ self.solution)
+        lifts = share * self.mismatch * (drive @ self.solution)
         return self._at_unit_load(self.factored.responses @ lifts, lifts)
 
     def effects(self) -> list[Effect]:
@@ -388,8 +377,8 @@ def through_secants(slopes: Array, secants: list[tuple[Array, Array]]) -> Array:
 
 def longest(x: Array, step: Array) -> float:
     """Return the factor that keeps the boundaries in order and the step moderate."""
-    factor = 1.5 / max(float(np.abs(step).max()), TINY)
+    factor = 2.0 / max(float(np.abs(step).max()), TINY)
     for width, change in zip(np.diff(x), np.diff(step), strict=True):
         if change < 0.0:
-            factor = min(factor, 0.6 * width / -change)
+            factor = min(factor, 0.5 * width / -change)
     return factor

@@ -35,14 +35,7 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 
-__all__ = [
-    "ROUNDED",
-    "ZoneProblem",
-    "differences",
-    "find_zones",
-    "solve_coupled_slip",
-    "solve_zones",
-]
+__all__ = ["ZoneProblem", "differences", "find_zones", "solve_coupled_slip", "solve_zones"]
 
 Array = NDArray[np.float64]
 
@@ -53,8 +46,8 @@ _UNFELT = -40.0
 _ROUGH, _PROBE = 1e-3, 1e-2
 #: What corrections leave of conditions whose differences are taken.
 _SLOPING = 1e-8
-#: Shares of a zone's width that differences are taken over, and rounding of the conditions.
-_LEAST_SHARE, _MOST_SHARE, ROUNDED = 1e-3, 0.2, 2e-15
+#: Shares of a zone's width that differences are taken over, between which rounding decides.
+_LEAST_SHARE, _MOST_SHARE = 1e-3, 0.2
 #: A first guess of how fast the condition of one stick disk rises with its logit.
 _SLOPE = 0.3
 #: At the edge nothing happens in less than this of the layer.
@@ -359,7 +352,7 @@ def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array
     slopes, spacing = [], np.diff(logits)
     for i in range(len(logits)):
         near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-        share = min(max(_LEAST_SHARE, float(np.cbrt(ROUNDED / near**2))), _MOST_SHARE)
+        share = min(max(_LEAST_SHARE, float(np.cbrt(ROUNDING / near**2))), _MOST_SHARE)
         h = share * near * np.eye(len(logits))[i]
         slopes.append(
             (conditions_at(logits + h) - conditions_at(logits - h)) / (2.0 * share * near)

@@ -51,13 +51,13 @@ _NO_EDGE = 1e-80
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 #: One stick disk; where nothing is known of its radius slip is narrow.
-_DISK = Layout((3.0,), (0, 1))
+_DISK = Layout((2.0,), (0, 1))
 #: From where on another stick radius is looked for, and in which steps, as logits; on smooth
 #: surfaces they are 10 apart and more, measured.
-_CLEAR, _APART = 1.0, 3.0
-#: Friction that lacks as little as this lets no more slip than where full stick exceeds it: to 0.01
-#: in the logit, measured; as much is seen of the difference to where rough spaces have slip.
-_ABOUT, _SEEN = 1e-2, 0.02
+_CLEAR, _APART = 1.0, 2.0
+#: Friction that lacks less than this lets no more slip than where full stick exceeds it: to 0.01 in
+#: the logit, measured, where it lacks half as much. Rough spaces have slip to as much in the logit.
+_ABOUT = 0.02
 
 
 class NoZonesError(ArithmeticError):
@@ -400,7 +400,7 @@ class CoupledSearch(ZoneSearch):
         if layout.states != _DISK.states or lack >= _ABOUT:
             return layout
         near = exceeded(self.stick, self.parameters)
-        if near.states != layout.states or near.logits[0] < layout.logits[0] + _SEEN:
+        if near.states != layout.states or near.logits[0] < layout.logits[0] + _ABOUT:
             return layout
         assert layout.slopes is not None
         # conditions rise as the distance from the edge does

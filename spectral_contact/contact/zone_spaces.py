@@ -14,15 +14,14 @@ from math import atanh, ceil, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import Resolution
-from spectral_contact.contact.resolution import PANEL_WIDTH, nearness
+from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
+from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = [
-    "LEADING",
     "ended",
     "first_spaces",
     "joined",
@@ -38,8 +37,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Depth in ``-ln y``, past the layer, from which a singular field is its leading term, to 1e-13.
-LEADING = 30.0
 #: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
 #: in ``-ln d``, as where they end is felt for a while.
 _CLOSEST, _DEEPER = 2.2e-16, 10.0
@@ -125,11 +122,11 @@ def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[
     return spaces
 
 
-#: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, and on the first
-#: two panels, on the disk, above its rim, where the far end is a singularity ln 2 before them, and
-#: at the edge.
-_ALL, _BEND, _TURN = 0.43, 0.15, 0.08
-_INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
+#: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, as on the second
+#: panel, and on the first one, on the disk, above its rim, where the far end is a singularity ln 2
+#: before it, and at the edge.
+_ALL, _BEND, _TURN = 0.43, 0.15, 0.1
+_INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, 0.42
 #: The same at a bend where all sticks, and how far before the layer that is; and further degrees
 #: there, on the first panel, the second and the others: of 294 scenes and tolerances none needs a
 #: second space. At the centre, where q/s is weakly determined, degrees that tolerances ask for
@@ -140,8 +137,6 @@ _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
 #: which boundaries are only looked for, where it is the tolerance.
 _QUADRATURE, _FINEST, _ROUGHLY = 0.01, 1e-11, 1e-3
-#: Least degree on a panel: the estimate sheds two degrees and must keep one.
-_LEAST = 2
 
 
 def first_spaces(
@@ -187,8 +182,7 @@ def with_known_slip(
 ) -> list[Resolution]:
     """Return first spaces with the degrees with which a pressure that is given is right in slip."""
     accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < _ROUGHLY else tolerance
-    # the far end of a part is a singularity ln 2 before the first panel
-    degree = 4 * ceil((4.0 - 0.7 * log(accuracy)) / 4.0)
+    degree = slip_degree(accuracy)
     return [
         Resolution(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
         if states[(k + 1) // 2]
@@ -233,7 +227,7 @@ def _space(
     bends: list[tuple[float, float]],
     tolerance: float,
     rate: float,
-    first: tuple[float, float] = (0.0, 0.0),
+    first: float = 0.0,
     *,
     power: float = 0.0,
     spare: tuple[int, int, int] = (0, 0, 0),
@@ -248,9 +242,10 @@ def _space(
     more = np.zeros(panels)
     for place, share in bends:
         more = np.maximum(more, share * nearness(panels, ceil(2.0 * place) / 2.0))
-    more[:2] = np.maximum(more[:2], first)
+    if first:
+        more[:2] = np.maximum(more[:2], (first, _TURN))
     further = np.array([*spare[:2], *(panels - 2) * [spare[2]]])
     degrees = np.ceil(1.0 + further + digits * (_ALL * missing + more)).astype(int)
-    degrees = np.maximum(degrees, _LEAST)
+    degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     return Resolution(LogPanels(panels, PANEL_WIDTH, capacity, power), tuple(degrees.tolist()))

@@ -352,7 +352,7 @@ def points_of(panels: LogPanels, used: Used) -> Nodes:
 def _same_annulus(source: Family, target: Family, side: int, apart: float) -> bool:
     """Return whether two parts are the halves of an annulus, the source on this side."""
     facing = target.sign == side == -source.sign
-    return facing and source.reach == target.reach and apart < 3.0 * source.reach
+    return facing and source.reach == target.reach and round(apart / source.reach) == 2
 
 
 def _vanishing(matrix: Array) -> Block:
