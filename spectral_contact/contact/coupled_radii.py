@@ -19,7 +19,7 @@ from spectral_contact.contact.resolution import DEEPEST, series_of
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import ZoneState
-    from spectral_contact.contact.zone_problem import ZoneProblem
+    from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
 __all__ = ["PossibleRadius", "scanned", "stick_radii"]
 
@@ -58,13 +58,13 @@ class PossibleRadius:
 
 
 def stick_radii(
-    problem: ZoneProblem, logits: Iterable[float], *, contacts: bool = False
+    problem: FreeBoundaryProblem, logits: Iterable[float], *, contacts: bool = False
 ) -> Iterator[PossibleRadius]:
     """Yield the radii at which the traction is continuous, between the first and the last of some.
 
     Parameters
     ----------
-    problem : ZoneProblem
+    problem : FreeBoundaryProblem
     logits : iterable of float
         Increasing, so close to each other that the condition changes its sign once between two.
     contacts : bool
@@ -83,7 +83,7 @@ def stick_radii(
             yield _described(middle, problem.rough([middle]))
 
 
-def scanned(problem: ZoneProblem, first: float, step: float) -> Iterator[float]:
+def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
     layers = min(problem.parameters.alpha, problem.parameters.beta)
     last = min(DEEPEST, _PAST - log(layers)) if layers > 0.0 else DEEPEST

@@ -68,11 +68,9 @@ class Problem(Protocol[T]):
 
     def start(self) -> Resolution:
         """Return the first space to try."""
-        ...
 
     def attempt(self, resolution: Resolution) -> Attempt[T]:
         """Solve in a space."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,7 @@ __all__ = [
     "FIELD_ROUNDING",
     "LEADING",
     "LEAST_RATE",
+    "LEFT",
     "PANEL_WIDTH",
     "ROUNDING",
     "SAFETY",
@@ -69,6 +70,8 @@ DEEPEST = -log(np.finfo(float).eps)
 _POINTWISE = 1.6
 #: What a change does to a functional or through a linear map, times this and a power of the rate.
 SAFETY = 4.5
+#: The share of its step that a correction of a solution leaves at least.
+LEFT = 1e-2
 #: Largest error of ``logit(c**2)`` that is taken for small.
 _LINEAR = 1.0 / 3.0
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(

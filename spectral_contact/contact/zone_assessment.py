@@ -17,6 +17,7 @@ from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
     FIELD_ROUNDING,
     LEAST_RATE,
+    LEFT,
     ROUNDING,
     SAFETY,
     TRACTION_ROUNDING,
@@ -27,7 +28,6 @@ from spectral_contact.contact.resolution import (
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
-from spectral_contact.contact.zone_newton import LEFT, Effect, ZoneState
 from spectral_contact.contact.zone_spaces import leading_depth, root_error, rounding_depth
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Annulus, Points, gap
@@ -36,7 +36,8 @@ from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zone_problem import ZoneProblem
+    from spectral_contact.contact.zone_newton import Effect, ZoneState
+    from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
 __all__ = [
     "BENT",
@@ -180,13 +181,13 @@ class ZoneSolution(SolvedZones):
 
 
 def assessed(
-    problem: ZoneProblem, spaces: list[Resolution], state: ZoneState, left: float
+    problem: FreeBoundaryProblem, spaces: list[Resolution], state: ZoneState, left: float
 ) -> Attempt[ZoneSolution]:
     """Return a solution with its errors.
 
     Parameters
     ----------
-    problem : ZoneProblem
+    problem : FreeBoundaryProblem
         Whose boundaries and slopes these are.
     spaces : list of Resolution
     state : ZoneState
@@ -207,7 +208,7 @@ class _Assessment:
     """The parts of `assessed`."""
 
     def __init__(
-        self, problem: ZoneProblem, spaces: list[Resolution], state: ZoneState, left: float
+        self, problem: FreeBoundaryProblem, spaces: list[Resolution], state: ZoneState, left: float
     ) -> None:
         self.problem, self.state, self.left = problem, state, left
         self.system, self.effects = state.system, state.effects()

@@ -26,7 +26,7 @@ from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING, series_of
 from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
-from spectral_contact.contact.zone_problem import ZoneProblem
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -93,7 +93,7 @@ def differentiated(
     Parameters
     ----------
     parameters : Parameters
-        With what `ZoneProblem` takes.
+        With what `FreeBoundaryProblem` takes.
     layout : Layout
         The zones, to as many digits as there are.
     names : sequence of str
@@ -106,7 +106,7 @@ def differentiated(
     """
     slopes = np.eye(len(layout.logits))  # they are not needed yet
     known = Layout(layout.logits, layout.states, slopes)
-    problem = ZoneProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
+    problem = FreeBoundaryProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
     problem.drives = list(drives)
     return _AtBoundaries(problem, tolerance, names).outcome()
 
@@ -114,7 +114,9 @@ def differentiated(
 class _AtBoundaries:
     """A problem at its boundaries, its state there, and the derivatives of that."""
 
-    def __init__(self, problem: ZoneProblem, tolerance: float, names: Sequence[str]) -> None:
+    def __init__(
+        self, problem: FreeBoundaryProblem, tolerance: float, names: Sequence[str]
+    ) -> None:
         self.problem, self.names = problem, names
         self.spaces = problem.spaces(tolerance)
         self._settle()

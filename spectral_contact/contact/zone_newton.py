@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.refine import Resolution
-from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.resolution import LEFT, TINY
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zone_problem import ZoneProblem
-    from spectral_contact.spectral.factored import Factored
+    from spectral_contact.contact.zone_problem import FreeBoundaryProblem
     from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["LEFT", "Effect", "ZoneState", "ZonesNewton", "longest", "through_secants"]
+__all__ = ["Effect", "ZoneState", "ZonesNewton", "longest", "through_secants"]
 
 Array = NDArray[np.float64]
 
@@ -147,9 +146,8 @@ class ZoneState:
         return [one[:, 0] for one in misfit.tangential]
 
 
-#: The share of its step that a correction leaves at least, and from which share on it is the factor
-#: or rounding that is not good enough.
-LEFT, _SLOW = 1e-2, 0.2
+#: From which share of the last step on it is the factor or rounding that is not good enough.
+_SLOW = 0.2
 #: Corrections of a solution from nothing, which do not tell how good the factors are; and what is
 #: left by those of other boundaries, over their distance.
 _FIRST, _DRIFT = 2, 3.0
@@ -248,7 +246,7 @@ class ZonesNewton:
 
     Parameters
     ----------
-    problem : ZoneProblem
+    problem : FreeBoundaryProblem
         Its boundaries and their slopes are kept up.
     spaces : list of Resolution
     settle : float
@@ -265,7 +263,7 @@ class ZonesNewton:
 
     def __init__(
         self,
-        problem: ZoneProblem,
+        problem: FreeBoundaryProblem,
         spaces: list[Resolution],
         settle: float,
         factors: Factored | None = None,

@@ -18,16 +18,11 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.resolution import ROUNDING, TINY
+from spectral_contact.contact.resolution import DEEPEST, LEFT, ROUNDING, TINY
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
-from spectral_contact.contact.zone_newton import LEFT, ZonesNewton, ZoneState
-from spectral_contact.contact.zone_spaces import (
-    first_spaces,
-    joined,
-    parted,
-    with_known_slip,
-)
+from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
+from spectral_contact.contact.zone_spaces import first_spaces, joined, parted, with_known_slip
 from spectral_contact.fields.series import Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
@@ -35,12 +30,12 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["ZoneProblem", "differences", "find_zones", "solve_coupled_slip", "solve_zones"]
+__all__ = ["FreeBoundaryProblem", "differences", "find_zones", "solve_coupled_slip", "solve_zones"]
 
 Array = NDArray[np.float64]
 
-#: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
-_UNFELT = -40.0
+#: The logit of a stick disk too small to be felt: rounding of the load is on it.
+_UNFELT = -DEEPEST
 #: Tolerance of the spaces and steps in which boundaries are found first, and of the spaces in which
 #: they are looked at by the way.
 _ROUGH, _PROBE = 1e-3, 1e-2
@@ -73,7 +68,7 @@ _FRICTIONLESS = 1e-14
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
 
 
-class ZoneProblem:
+class FreeBoundaryProblem:
     """Spaces for given states of the zones; the boundaries are found anew in each of them.
 
     Parameters
@@ -281,7 +276,7 @@ def find_zones(parameters: Parameters, layout: Layout) -> Layout:
 
     Parameters and errors are those of `solve_zones`.
     """
-    return ZoneProblem(parameters, layout, _ROUGH).layout
+    return FreeBoundaryProblem(parameters, layout, _ROUGH).layout
 
 
 def solve_zones(
@@ -320,7 +315,7 @@ def solve_zones(
     best: Refinement[ZoneSolution] | None = None
     for k in range(_TRIES):
         aim = max(_FINER**k * tolerance, _TIGHTEST)
-        problem = ZoneProblem(parameters, layout, aim, pointwise=pointwise)
+        problem = FreeBoundaryProblem(parameters, layout, aim, pointwise=pointwise)
         found = refine(problem, tolerance, max_unknowns // 2)
         if best is None or found.best.error < best.best.error:
             best = found

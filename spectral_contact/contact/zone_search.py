@@ -299,10 +299,10 @@ class DrivenSearch(ZoneSearch):
 
     def _to(self, tolerance: float, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these, with fields to a tolerance."""
-        from spectral_contact.contact.zone_problem import ZoneProblem
+        from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
         with np.errstate(all="ignore"):
-            problem = ZoneProblem(
+            problem = FreeBoundaryProblem(
                 self.parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
             )
             return refine(problem, tolerance, self.max_unknowns)
@@ -324,12 +324,12 @@ class CoupledSearch(ZoneSearch):
         from small disks on, which is where friction, or the load, begins, the first is reached.
         """
         from spectral_contact.contact.coupled_radii import scanned, stick_radii
-        from spectral_contact.contact.zone_problem import ZoneProblem
+        from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
         ratio = self.stick.edge_ratio
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
             return []
-        problem = ZoneProblem(self.parameters, _DISK, self.tolerance)
+        problem = FreeBoundaryProblem(self.parameters, _DISK, self.tolerance)
         further = scanned(problem, logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]

@@ -438,6 +438,9 @@ def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
 
     def made() -> Array:
-        return _onto(panels, degrees, far_values(_log_places(panels, degrees)).T)
+        # polynomials of degree 23 take more points than low degrees have
+        every = (panels.degree,) * panels.panels
+        whole = _onto(panels, every, far_values(_log_places(panels, every)).T)
+        return np.ascontiguousarray(whole[:, panels.functions(degrees)])
 
     return _GATHERED.get((panels, degrees), made)

@@ -146,7 +146,7 @@ MUTANTS = (
     ),
     Mutant(
         "a zone narrower than its errors is certain",
-        f"{_CONTACT}/boundaries.py",
+        f"{_CONTACT}/zone_assessment.py",
         "        return inf\n",
         "        return max(map(max, errors))\n",
         f"{_UNIT}/contact/test_boundaries.py",

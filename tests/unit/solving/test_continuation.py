@@ -114,9 +114,12 @@ def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):
 
 def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monkeypatch):
     systems, searches = [], []
-    solve_system, search = zone_problem.ZoneProblem.system, zone_search.DrivenSearch._guesses
+    solve_system, search = (
+        zone_problem.FreeBoundaryProblem.system,
+        zone_search.DrivenSearch._guesses,
+    )
     monkeypatch.setattr(
-        zone_problem.ZoneProblem, "system", lambda *a: systems.append(1) or solve_system(*a)
+        zone_problem.FreeBoundaryProblem, "system", lambda *a: systems.append(1) or solve_system(*a)
     )
     monkeypatch.setattr(
         zone_search.DrivenSearch, "_guesses", lambda *a: searches.append(1) or search(*a)
