@@ -36,9 +36,9 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_489, 6_500),
-    Gate("lines in all", 49_198, 23_000),
-    Gate("float literals of the core", 218, 90),
+    Gate("lines of the core", 13_318, 6_500),
+    Gate("lines in all", 49_027, 23_000),
+    Gate("float literals of the core", 174, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),

@@ -14,8 +14,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.given_radius import radius_slopes
 from spectral_contact.contact.normal import by_compliance, solve_normal
-from spectral_contact.contact.radius_slopes import radius_slopes
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields.series import Radius

@@ -15,21 +15,25 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.ring_law import RingLaw, RingState, Settled, settle
+from spectral_contact.contact.resolution import DEEPEST
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.rings import graded_rings, ring_operators
+from spectral_contact.spectral.cholesky import Cholesky
+from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_operators
 
-__all__ = ["Doubt", "RingLayout", "ring_layout"]
+__all__ = ["RingLaw", "RingLayout", "RingState", "Settled", "ring_layout", "settle"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int_]
 
+#: Changes of all wrong rings that may fail to lower their number, before one changes at a time;
+#: and systems solved at most. Random scenes took 12, or 33 where friction and coupling are strong.
+_PATIENCE, _MOST = 4, 40
 #: Distances from the edge are the fourth powers of even numbers. With 3 or 5 the approach is as
 #: good (1e-5 with 60 rings); rings even in the logit all the way down err 60 times as much.
-_EXPONENT = 4.0
-#: Logit width of the widest rings, and minus and plus the logits down to which the first grid goes:
-#: a radius of 1e-5 and a distance of 1e-16 from the edge. Splits go farther where it matters.
-_WIDEST, _CENTRE, _EDGE = 1.5, 24.0, 36.0
+_EXPONENT = 4
+#: Logit width of the widest rings.
+_WIDEST = 1.5
 #: Rings are split in so many, on either side of a boundary.
 _PARTS, _AROUND = 4, 2
 #: Margins below which the law is in doubt, and most doubts around which rings are split.
@@ -39,26 +43,201 @@ _NARROW, _DOUBTS = 0.1, 2
 _FEW = 3
 
 
-@dataclass(frozen=True, slots=True)
-class Doubt:
-    """A place inside a zone where the law holds most narrowly: another zone may be hidden there.
+class RingLaw:
+    """The equations on rings, scaled by the square roots of their areas.
+
+    Then rows are of like size, and unknowns are p and q times these roots.
+
+    Parameters
+    ----------
+    rings : RingOperators
+    parameters : Parameters
+    coupled : bool
+        Whether q acts back on p.
+    """
+
+    def __init__(self, rings: RingOperators, parameters: Parameters, *, coupled: bool) -> None:
+        self.rings = rings
+        alpha, beta, kappa, self.friction = parameters
+        self._root = np.sqrt(rings.mass)
+        scale = np.outer(self._root, self._root)
+        identity = np.eye(len(self._root))
+        self._normal = rings.normal / scale + alpha * identity
+        self._tangential = rings.tangential / scale + beta * identity
+        self._carried = kappa * rings.carried / scale
+        #: by what q of a ring falls if only this ring slips by a unit
+        self.own: Array = self._tangential.diagonal()
+        self._alone = None if coupled else Cholesky(self._normal.copy()).solve(self._root)
+
+    def solve(self, states: Integers) -> RingState:
+        """Return p, q and u_r for these states, scaled to unit load."""
+        stick = np.flatnonzero(states == 0)
+        share = np.zeros(len(states))
+        share[states != 0] = self.friction * states[states != 0]
+        p, q = self._both(stick, share) if self._alone is None else self._shear(stick, share)
+        load = 2.0 * pi * float(p @ self._root)
+        p, q = p / load, q / load
+        slip = self._tangential @ q - self._carried @ p
+        slip[stick] = 0.0
+        root = self._root
+        return RingState(self, states, 1.0 / load, p / root, q / root, slip / root)
+
+    def _shear(self, stick: Integers, share: Array) -> tuple[Array, Array]:
+        """Return the pressure, which is known, and the traction, for unit approach."""
+        assert self._alone is not None
+        p = self._alone
+        q = share * p
+        right = (self._carried @ p - self._tangential @ q)[stick]
+        if len(stick):
+            q[stick] = Cholesky(self._tangential[np.ix_(stick, stick)]).solve(right)
+        return p, q
+
+    def _both(self, stick: Integers, share: Array) -> tuple[Array, Array]:
+        """Return pressure and traction that depend on each other, for unit approach."""
+        n = len(share)
+        matrix = np.empty((n + len(stick), n + len(stick)))
+        matrix[:n, :n] = self._normal - self._carried.T * share
+        matrix[:n, n:] = -self._carried.T[:, stick]
+        matrix[n:, :n] = (self._tangential * share - self._carried)[stick]
+        matrix[n:, n:] = self._tangential[np.ix_(stick, stick)]
+        # a small ring has little compliance of its own where the surfaces are smooth
+        scale = 1.0 / np.sqrt(np.concatenate([self._normal.diagonal(), self.own[stick]]))
+        matrix *= scale
+        matrix *= scale[:, None]
+        right = np.concatenate([self._root, np.zeros(len(stick))])
+        both = scale * np.linalg.solve(matrix, scale * right)
+        q = share * both[:n]
+        q[stick] = both[n:]
+        return both[:n], q
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RingState:
+    """What follows from states of rings: means of p, q and u_r over the area of each.
 
     Attributes
     ----------
-    zone : int
-    place : Radius
-    margin : float
-        As of `RingLayout.margin`.
+    law : RingLaw
+    states : ndarray of int, shape (rings,)
+        0 stick, +1 or -1 slip with ``q = +f p`` or ``-f p``.
+    approach : float
+        For unit load.
+    pressure, traction, slip : ndarray, shape (rings,)
     """
 
-    zone: int
-    place: Radius
-    margin: float
+    law: RingLaw
+    states: Integers
+    approach: float
+    pressure: Array
+    traction: Array
+    slip: Array
+
+    @property
+    def limit(self) -> Array:
+        """What friction bears on each ring."""
+        return np.asarray(self.law.friction * np.abs(self.pressure))
+
+    @property
+    def holding(self) -> Array:
+        """The traction that would hold each ring if the others stayed as they are.
+
+        It passes smoothly from stick to slip.
+        """
+        return self.traction - self.slip / self.law.own
+
+    @property
+    def reserve(self) -> Array:
+        """By what part of what friction bears the holding traction is below it; minus in slip.
+
+        Its modulus is the margin by which the law holds, if it does.
+        """
+        with np.errstate(divide="ignore", over="ignore"):
+            return np.asarray(1.0 - np.abs(self.holding) / self.limit)
+
+    @property
+    def positive(self) -> bool:
+        """Whether the pressure is.
+
+        Thin coupled layers in full stick may pull at the edge; and where friction times coupling is
+        about 1 or more, coupled pressures oscillate on the widest rings. Beyond the first such ring
+        all slips, unjudged.
+        """
+        return bool((self.pressure > 0.0).all())
+
+    @property
+    def doubts(self) -> Integers:
+        """The rings inside zones where the law holds most narrowly, the most doubtful first.
+
+        Other zones may be hidden there.
+        """
+        margin = np.abs(self.reserve)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # a slip that is smallest: its margin jumps with the width of rings
+            height = np.where(self.states == 0, margin, np.abs(self.slip) / self.limit)
+        same = np.concatenate([[False], np.diff(self.states) == 0, [True]])
+        around = np.concatenate([[-inf], height, [inf]])
+        least = same[:-1] & same[1:] & (height < around[:-2]) & (height < around[2:])
+        found = np.flatnonzero(least & (margin < _NARROW))
+        return found[np.argsort(margin[found])]
+
+    def wanted(self) -> Integers:
+        """Return the states by the law: rings slip that friction does not hold.
+
+        Where surfaces would separate, zones are wrong nearer the centre already. Until these are
+        right, all beyond slips outward: its pressure and traction oscillate.
+        """
+        if self.law.friction == inf:
+            return np.zeros_like(self.states)
+        holding = self.holding
+        states = np.where(np.abs(holding) > self.limit, np.sign(holding).astype(int), 0)
+        apart = np.flatnonzero(self.pressure <= 0.0)
+        if len(apart):
+            states[apart[0] :] = 1
+        return states
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Settled:
+    """What an active set came to: the state, the systems solved, whether the law holds."""
+
+    state: RingState
+    iterations: int
+    settled: bool
+
+
+def settle(law: RingLaw, states: Integers) -> Settled:
+    """Change states until all obey the law.
+
+    All wrong rings change at once. If their number does not fall, the last of them alone does: then
+    a positive definite problem is solved after finitely many changes (Judice and Pires, 1994).
+
+    Parameters
+    ----------
+    law : RingLaw
+    states : ndarray of int, shape (rings,)
+        What to begin with.
+    """
+    fewest, patience = len(states) + 1, _PATIENCE
+    for iteration in range(1, _MOST + 1):
+        state = law.solve(states)
+        wanted = state.wanted()
+        wrong = np.flatnonzero(wanted != states)
+        if len(wrong) == 0:
+            return Settled(state, iteration, True)
+        if len(wrong) < fewest:
+            fewest, patience = len(wrong), _PATIENCE
+        elif patience > 0:
+            patience -= 1
+        else:
+            wrong = wrong[-1:]
+        states = states.copy()
+        states[wrong] = wanted[wrong]
+    return Settled(state, _MOST, False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RingLayout:
-    """Zones, and pressure and traction on rings, dimensionless and for unit load.
+    """Zones, and what they are read from.
 
     Attributes
     ----------
@@ -67,41 +246,19 @@ class RingLayout:
         of a few rings between others are left out once rings have been split.
     boundaries : tuple of Radius
         Between the zones, interpolated between rings; one fewer.
-    doubts : tuple of Doubt
-        The most doubtful first.
-    approach, total_shear : float
-    logits : ndarray, shape (rings + 1,)
-        Boundaries of the rings, see `RingOperators`.
-    pressure, traction, slip : ndarray, shape (rings,)
-        Means of p, q and u_r over the area of each ring.
-    ring_states : ndarray of int, shape (rings,)
-    margin : ndarray, shape (rings,)
-        By how much the law holds: ``1 - |q|/(f p)`` in stick; in slip what the traction would
-        exceed ``f p`` by, relative to it, if the ring alone stuck. Negative where it is broken.
+    on_rings : RingState
+        The last of all.
     iterations : int
         Linear systems solved, on all grids.
     settled : bool
         Whether the law holds on every ring, as far as the pressure is positive.
-    positive : bool
-        Whether it is. Thin coupled layers in full stick may pull at the edge; and where friction
-        times coupling is about 1 or more, coupled pressures oscillate on the widest rings. Beyond
-        the first such ring all slips, unjudged.
     """
 
     states: tuple[int, ...]
     boundaries: tuple[Radius, ...]
-    doubts: tuple[Doubt, ...]
-    approach: float
-    total_shear: float
-    logits: Array
-    pressure: Array
-    traction: Array
-    slip: Array
-    ring_states: Integers
-    margin: Array
+    on_rings: RingState
     iterations: int
     settled: bool
-    positive: bool
 
     @property
     def centre_unseen(self) -> bool:
@@ -110,25 +267,14 @@ class RingLayout:
 
 
 def ring_layout(
-    alpha: float,
-    beta: float,
-    friction: float,
-    kappa: float,
-    coupled: bool,
-    *,
-    rings: int = 60,
-    splits: int = 2,
+    parameters: Parameters, *, coupled: bool, rings: int = 60, splits: int = 2
 ) -> RingLayout:
     """Return the zones that the friction law makes on rings.
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*`` and ``beta*``, 0 or positive.
-    friction : float
-        Coulomb's coefficient, 0 or positive; infinite is full stick.
-    kappa : float
-        The coupling of p to q, 0 or positive.
+    parameters : Parameters
+        Infinite friction is full stick.
     coupled : bool
         Whether q acts back on p.
     rings : int
@@ -140,19 +286,27 @@ def ring_layout(
     -------
     RingLayout
     """
-    logits = graded_rings(rings, _EXPONENT, _WIDEST, _CENTRE, _EDGE)
+    logits = graded_rings(rings, _EXPONENT, _WIDEST, DEEPEST, DEEPEST)
     states = np.zeros(len(logits) - 1, dtype=int)
     iterations = 0
     # on smooth surfaces coupled full stick oscillates, so the states without coupling come first
     passes = [False] * coupled + [coupled] * (splits + 1)
     for number, back in enumerate(passes):
-        law = RingLaw(ring_operators(logits), alpha, beta, friction, kappa, coupled=back)
+        law = RingLaw(ring_operators(logits), parameters, coupled=back)
         found = settle(law, states)
         iterations += found.iterations
         states = found.state.states
         if coupled <= number < len(passes) - 1:
             logits, states = _split(found.state)
-    return _layout(found, _resolved(states) if splits else states, iterations)
+    states = _resolved(states) if splits else states
+    last, ends = _boundaries(replace(found.state, states=states))
+    return RingLayout(
+        tuple(int(one) for one in states[np.append(last, len(states) - 1)]),
+        tuple(Radius.from_logit(float(end)) for end in ends),
+        found.state,
+        iterations,
+        found.settled,
+    )
 
 
 def _resolved(states: Integers) -> Integers:
@@ -179,25 +333,12 @@ def _boundaries(state: RingState) -> tuple[Integers, Array]:
     return last, np.where((share > 0.0) & (share < 1.0), between, state.law.rings.logits[last + 1])
 
 
-def _doubtful(state: RingState) -> Integers:
-    """Return the rings inside zones where the law holds most narrowly, the most doubtful first."""
-    margin = np.abs(state.reserve)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # a slip that is smallest: its margin jumps with the width of rings
-        height = np.where(state.states == 0, margin, np.abs(state.slip) / state.limit)
-    same = np.concatenate([[False], np.diff(state.states) == 0, [True]])
-    around = np.concatenate([[-inf], height, [inf]])
-    least = same[:-1] & same[1:] & (height < around[:-2]) & (height < around[2:])
-    found = np.flatnonzero(least & (margin < _NARROW))
-    return found[np.argsort(margin[found])]
-
-
 def _split(state: RingState) -> tuple[Array, Integers]:
     """Return a grid with smaller rings where zones begin or might, and the states of its rings."""
     logits, rings = state.law.rings.logits, len(state.states)
     last, _ = _boundaries(state)
     near = [last + 1 + k for k in range(-_AROUND, _AROUND)]
-    near += [_doubtful(state)[:_DOUBTS] + k for k in (-1, 0, 1)]
+    near += [state.doubts[:_DOUBTS] + k for k in (-1, 0, 1)]
     near.append(np.flatnonzero(state.states[:1]))  # the stick disk is smaller than the first ring
     marked = np.unique(np.clip(np.concatenate(near), 0, rings - 1))
     lower, upper = logits[marked], logits[marked + 1]
@@ -210,30 +351,3 @@ def _split(state: RingState) -> tuple[Array, Integers]:
     parts = np.ones(rings, dtype=int)
     parts[marked] = _PARTS
     return np.sort(np.concatenate([logits, inner.ravel()])), np.repeat(state.states, parts)
-
-
-def _layout(found: Settled, states: Integers, iterations: int) -> RingLayout:
-    """Return what was found as a layout, with zones where these states are."""
-    state = found.state
-    last, ends = _boundaries(replace(state, states=states))
-    rings, margin = state.law.rings, np.abs(state.reserve)
-    zone = np.searchsorted(last, np.arange(len(margin)))
-    return RingLayout(
-        states=tuple(int(one) for one in states[np.append(last, len(margin) - 1)]),
-        boundaries=tuple(Radius.from_logit(float(end)) for end in ends),
-        doubts=tuple(
-            Doubt(int(zone[i]), Radius.from_logit(float(rings.middles[i])), float(margin[i]))
-            for i in _doubtful(state)
-        ),
-        approach=state.approach,
-        total_shear=2.0 * pi * float(state.traction @ rings.mass),
-        logits=rings.logits,
-        pressure=state.pressure,
-        traction=state.traction,
-        slip=state.slip,
-        ring_states=state.states,
-        margin=np.where(state.states == 0, state.reserve, -state.reserve),
-        iterations=iterations,
-        settled=found.settled,
-        positive=bool((state.pressure > 0.0).all()),
-    )

@@ -18,8 +18,8 @@ from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import DEEPEST, series_of
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_problem import CoupledProblem
-    from spectral_contact.contact.coupled_state import CoupledState
+    from spectral_contact.contact.zone_newton import ZoneState
+    from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
 __all__ = ["PossibleRadius", "scanned", "stick_radii"]
 
@@ -58,13 +58,13 @@ class PossibleRadius:
 
 
 def stick_radii(
-    problem: CoupledProblem, logits: Iterable[float], *, contacts: bool = False
+    problem: FreeBoundaryProblem, logits: Iterable[float], *, contacts: bool = False
 ) -> Iterator[PossibleRadius]:
     """Yield the radii at which the traction is continuous, between the first and the last of some.
 
     Parameters
     ----------
-    problem : CoupledProblem
+    problem : FreeBoundaryProblem
     logits : iterable of float
         Increasing, so close to each other that the condition changes its sign once between two.
     contacts : bool
@@ -83,14 +83,14 @@ def stick_radii(
             yield _described(middle, problem.rough([middle]))
 
 
-def scanned(problem: CoupledProblem, first: float, step: float) -> Iterator[float]:
+def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
     layers = min(problem.parameters.alpha, problem.parameters.beta)
     last = min(DEEPEST, _PAST - log(layers)) if layers > 0.0 else DEEPEST
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
-def _parts(state: CoupledState) -> list[Array]:
+def _parts(state: ZoneState) -> list[Array]:
     """Return p on the disk, above its rim and below the edge, and then q/s on the disk."""
     pressure, shear = state.system.split(state.solution)
     parts = [part.family.panels for part in state.system.parts]
@@ -102,7 +102,7 @@ def _positive(pressure: list[Array]) -> bool:
     return min(float(one.min()) for one in pressure) > 0.0
 
 
-def _described(logit: float, state: CoupledState) -> PossibleRadius:
+def _described(logit: float, state: ZoneState) -> PossibleRadius:
     """Return what the fields at a radius are like."""
     *pressure, shear = _parts(state)
     if not _positive(pressure):

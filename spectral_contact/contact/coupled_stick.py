@@ -14,14 +14,13 @@ from math import atan2, exp, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_assessment import CoupledZones
-from spectral_contact.contact.coupled_errors import shares_of, sizes_of
-from spectral_contact.contact.coupled_parts import ended
-from spectral_contact.contact.coupled_problem import solve_coupled_zones
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import TINY, places, series_of
+from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
+from spectral_contact.contact.zone_problem import solve_zones
+from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.tangential import Tangential
@@ -60,7 +59,7 @@ def solve_coupled_stick(
     Refinement
     """
     parameters, layout = Parameters(alpha, beta, kappa, inf), Layout((), (0,))
-    found = solve_coupled_zones(parameters, layout, tolerance, max_unknowns, pointwise=pointwise)
+    found = solve_zones(parameters, layout, tolerance, max_unknowns, pointwise=pointwise)
     solved = found.best.value
     stick = FullStick(
         approach=solved.approach,
@@ -74,7 +73,7 @@ def solve_coupled_stick(
     return replace(found, best=best)  # type: ignore[return-value]
 
 
-def _with_fields(stick: FullStick, solved: CoupledZones) -> FullStick:
+def _with_fields(stick: FullStick, solved: ZoneSolution) -> FullStick:
     """Return full stick with its fields, and their ratio where it means something."""
     system, [pressure], [shear] = solved.system, solved.pressures, solved.shears
     assert shear is not None

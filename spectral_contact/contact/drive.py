@@ -162,7 +162,7 @@ class Drive:
         at = values[:, 0]
         # a flat stretch must come out flat: its rounding would be amplified by the division
         fit = _FIT @ (values[:, 1 : 1 + len(_NODES)] - at[:, None]).T
-        fit[np.abs(fit) < 4e-16 * np.abs(at)] = 0.0
+        fit[np.abs(fit) < 2.0 * np.finfo(float).eps * np.abs(at)] = 0.0
         x = 2.0 * d[split:] / analytic - 1.0
         near = chebyshev_sums(np.tile(x, (len(drives), 1)), (_QUOTIENT @ fit)[:, :, None])
         return Targets(at, values[:, 1 + len(_NODES) :], (x + 1.0) * near)

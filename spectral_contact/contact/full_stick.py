@@ -171,6 +171,6 @@ def solve_full_stick(
 
 def _smooth_shear(drive: Drive) -> float:
     """Return ``2 pi int t R dt``: at zero tangential compliance the half-integral is R itself."""
-    disk = disk_operators(starting_resolution(0.0, 1e-16).panels)
+    disk = disk_operators(starting_resolution(0.0, float(np.finfo(float).eps)).panels)
     t = np.sqrt(disk.nodes.rest)
     return 2.0 * pi * float((disk.nodes.weights * t) @ drive.target(disk.nodes.d))

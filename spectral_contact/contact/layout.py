@@ -15,7 +15,11 @@ from spectral_contact.fields.series import CENTRE, EDGE, Radius
 if TYPE_CHECKING:
     from spectral_contact.contact.slip_displacement import Stuck
 
-__all__ = ["Layout", "SolvedZones", "logit_at"]
+__all__ = ["Layout", "NoBoundariesError", "SolvedZones", "ZoneNumbers", "logit_at"]
+
+
+class NoBoundariesError(ArithmeticError):
+    """There are no such boundaries near by."""
 
 
 def logit_at(x: float) -> float:
@@ -68,10 +72,33 @@ class Layout:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SolvedZones:
-    """The solution on given zones for unit load, before it is held against the friction law.
+class ZoneNumbers:
+    """What is said of zones for unit load; without elastic coupling for kappa = 1.
 
-    Without elastic coupling everything tangential is for kappa = 1.
+    Attributes
+    ----------
+    approach, total_shear : float
+        ``delta*`` and ``Q*``.
+    approach_error, shear_error, pressure_error, traction_error : float
+        Estimates of relative errors; those of the fields, p and q/s, are pointwise.
+    radius_error, zones_error : float
+        Of ``c``, and the largest one of all boundaries, from the centre and from the edge;
+        infinite if a zone may not be there.
+    """
+
+    approach: float
+    total_shear: float
+    approach_error: float
+    shear_error: float
+    pressure_error: float
+    traction_error: float
+    radius_error: float
+    zones_error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolvedZones(ZoneNumbers):
+    """The solution on given zones, before it is held against the friction law.
 
     Attributes
     ----------
@@ -79,15 +106,8 @@ class SolvedZones:
         Boundaries between zones, outward.
     states : tuple of int
         0 for stick, +1 or -1 for slip with this sign of the traction.
-    approach, total_shear : float
-        ``delta*`` and ``Q*``.
     stuck : list of Stuck
         Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
-    approach_error, shear_error, pressure_error, traction_error : float
-        Estimates of relative errors; those of the fields, p and q/s, are pointwise.
-    radius_error, zones_error : float
-        Of ``c``, and the largest one of all boundaries, from the centre and from the edge;
-        infinite if a zone may not be there.
     loose : float
         By what share of a slip zone its ends may be off, at the most.
     stray : float
@@ -98,15 +118,7 @@ class SolvedZones:
 
     radii: tuple[Radius, ...]
     states: tuple[int, ...]
-    approach: float
-    total_shear: float
     stuck: list[Stuck]
-    approach_error: float
-    shear_error: float
-    pressure_error: float
-    traction_error: float
-    radius_error: float
-    zones_error: float
     loose: float
     stray: float
     slopes: NDArray[np.float64]

@@ -10,7 +10,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_parts import joined
 from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import (
     expected_error,
@@ -20,6 +19,7 @@ from spectral_contact.contact.resolution import (
     starting_resolution,
     table_rates,
 )
+from spectral_contact.contact.zone_spaces import joined
 from spectral_contact.fields.series import CENTRE, LogSeries, Radius
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parted import Parts

@@ -28,6 +28,8 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import SolvedZones
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
 from spectral_contact.contact.resolution import (
+    CENTRE_ROUNDS,
+    FIELD_ROUNDING,
     LEAST_RATE,
     ROUNDING,
     SAFETY,
@@ -67,6 +69,9 @@ _ROUGH = 0.03
 _GUESSED = 0.01
 #: Compliance of the disk above which rounding of q/s at the centre is that of any place.
 _SOFT = 0.1
+#: Panels cancel in both changes of the pressure at times: of 2000 errors of a radius one was 4.5
+#: times what the rate makes of the changes, and another 3.5 times.
+_CANCELLING = 6.0
 #: Tolerance of trials that only look for the radius, or carry a change.
 _ROUGHLY = 1e-3
 
@@ -171,8 +176,7 @@ class OneDiskProblem:
     def _soft_root(self) -> tuple[float, float]:
         """Return the radius with tangential compliance, to some per cent, and the slope there."""
         # c grows like 2 beta f/kappa at first
-        rough = min(2.0 * self.beta * self.friction, 0.9)
-        start = max(self.logit, 2.0 * log(rough) - log(1.0 - rough**2))
+        start = max(self.logit, 2.0 * log(2.0 * self.beta * self.friction))
         if start <= LEAST_LOGIT:
             raise NoStickDiskError(at_centre=True)
         # what a disk of great compliance needs falls like 1/c
@@ -198,7 +202,7 @@ class OneDiskProblem:
             soft = self.beta / radius.value
             more = 0.55 * log(1.0 + radius.rest / soft) / sqrt(radius.rest)
             at_rim = self.drive.pressure.value(radius.rest)
-            mismatch -= self.friction * at_rim * soft * (4.0 + more)
+            mismatch -= self.friction * at_rim * soft * (4 + more)
         return mismatch
 
     def _rough_mismatch(self, logit: float) -> float:
@@ -306,7 +310,8 @@ class OneDiskProblem:
         at_rim = self.drive.value(radius.rest)
         cancelled = at_rim / float(np.abs(trial.target).max())
         # under little compliance the noise of the target is amplified at the centre
-        rounding = (3.0 if self.beta < _SOFT * radius.value else 1.0) * TRACTION_ROUNDING
+        stiff = self.beta < _SOFT * radius.value
+        rounding = (CENTRE_ROUNDS if stiff else 1.0) * TRACTION_ROUNDING
         error = float(indicators.max()) + rounding + 2.0 * ROUNDING * cancelled
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(space.shear_moments @ coefficients) + outside
@@ -335,17 +340,16 @@ class OneDiskProblem:
                 part = radius.square * float(moments @ one.coefficients)
                 outside = float(drive.load_outside(np.array(radius.rest)))
                 swept.append(abs(part) + 2.0 * pi * self.friction * abs(outside))
-            # panels cancel in both changes at times: of 2000 errors one was 4.5 times what the rate
-            # makes of the changes, and another 3.5 times; in the pressure's tail twice the change
+            # in the pressure's tail the error was up to twice the change
             deep = normal.panels is not None and radius.rest < normal.panels.end
             # the rate is that of the panel whose change is largest; those that matter have others
             settling = SAFETY * max(normal.rate, LEAST_RATE) ** 2
-            shift += max(6.0 * settling, 3.0 if deep else 0.0) * max(swayed)
+            shift += max(_CANCELLING * settling, SAFETY if deep else 0.0) * max(swayed)
             if deep and trial.unit > 0.0 and normal.change is not None:
                 # the change may vanish at the rim itself, what the tail lacks does not
                 assert normal.change.pressure.series is not None
                 largest = float(np.abs(normal.change.pressure.series.tail).sum())
-                shift += 3.0 * self.friction * largest / trial.unit
+                shift += SAFETY * self.friction * largest / trial.unit
             lost += settling * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
@@ -365,7 +369,7 @@ class OneDiskProblem:
             total_shear=shear,
             stuck=[Stuck.disk(radius, disk, misfit)],
             approach_error=normal.approach_error,
-            shear_error=lost / shear + 2.0 * shift**2 * radius.rest + 16.0 * ROUNDING,
+            shear_error=lost / shear + 2.0 * shift**2 * radius.rest + FIELD_ROUNDING,
             pressure_error=normal.pressure_error,
             traction_error=error,
             radius_error=radius_error,

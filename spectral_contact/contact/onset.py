@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import places
+from spectral_contact.contact.resolution import LEADING, places
 from spectral_contact.fields.series import PressureField, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -71,8 +71,8 @@ def _depth(parameters: Parameters) -> float:
     alpha, beta, kappa, friction = parameters
     if alpha == 0.0 < beta:
         # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
-        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + 12.0
-    return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + 30.0
+        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING
+    return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + LEADING
 
 
 def full_stick_violations(
@@ -118,4 +118,4 @@ def _crossing(function: Callable[[Array], Array], a: float, b: float) -> float:
 
     if one(a) * one(b) >= 0.0:  # one by one they have the same sign: rounding is all there is
         return float(b)
-    return float(brentq(one, a, b, xtol=1e-14))
+    return float(brentq(one, a, b))

@@ -180,7 +180,7 @@ def _stationary(slope: list[float], nearest: int) -> float:
             break
         step = -value * (x - before) / (value - value_before)
         before, value_before, x = x, value, min(max(x + step, -1.0), 1.0)
-        if abs(x - before) < 1e-9:
+        if (x - before) ** 2 < np.finfo(float).eps:
             break
         value = legendre_sum(x, slope)
     return x

@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Attempt", "Problem", "Refinement", "Resolution", "fitted", "refine"]
+__all__ = [
+    "LEAST_DEGREE",
+    "Attempt",
+    "Problem",
+    "Refinement",
+    "Resolution",
+    "fitted",
+    "refine",
+]
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -28,7 +36,7 @@ _LEAP = 8
 _DEGREE_LIMIT = 40
 _MAX_ATTEMPTS = 12
 #: The estimate sheds two degrees and must keep one.
-_LEAST_DEGREE = 2
+LEAST_DEGREE = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +76,9 @@ class Problem(Protocol[T]):
 
     def start(self) -> Resolution:
         """Return the first space to try."""
-        ...
 
     def attempt(self, resolution: Resolution) -> Attempt[T]:
         """Solve in a space."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +152,7 @@ def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     degrees = resolution.degrees
     while sum(degrees) + len(degrees) > max_unknowns:
         top = max(degrees)
-        if top <= _LEAST_DEGREE:
+        if top <= LEAST_DEGREE:
             break  # the caller sees that even this is too large
         degrees = tuple(min(n, top - 1) for n in degrees)
     return replace(resolution, degrees=degrees)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import Resolution
+from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
@@ -27,7 +27,9 @@ __all__ = [
     "CLOSED_FORM_ROUNDING",
     "DEEPEST",
     "FIELD_ROUNDING",
+    "LEADING",
     "LEAST_RATE",
+    "LEFT",
     "PANEL_WIDTH",
     "ROUNDING",
     "SAFETY",
@@ -45,6 +47,7 @@ __all__ = [
     "places",
     "series_of",
     "share_of_change",
+    "slip_degree",
     "starting_resolution",
     "table_rates",
 ]
@@ -67,6 +70,8 @@ DEEPEST = -log(np.finfo(float).eps)
 _POINTWISE = 1.6
 #: What a change does to a functional or through a linear map, times this and a power of the rate.
 SAFETY = 4.5
+#: The share of its step that a correction of a solution leaves at least.
+LEFT = 1e-2
 #: Largest error of ``logit(c**2)`` that is taken for small.
 _LINEAR = 1.0 / 3.0
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(
@@ -77,12 +82,12 @@ _LOAD_NODES: BoundedCache[LogPanels, tuple[Array, Array, int]] = BoundedCache("l
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
 PANEL_WIDTH = 2.0
+#: Depth in ``-ln y``, past the layer, from which a singular field is its leading term, to 1e-13.
+LEADING = 30.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
 _ROOT_DEPTH = 7.0
 #: The first place at which a field is looked at.
 _FIRST = 1e-3
-#: Least degree on a panel: the estimate sheds two degrees and must keep one.
-_LEAST = 2
 _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
     BoundedCache("last coefficients", 128)
 )
@@ -132,8 +137,8 @@ def _first_space(
 ) -> Resolution:
     digits = -log(tolerance)
     depth = layer + (_ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
-    panels = 4 * ceil(depth / PANEL_WIDTH / 4.0)  # few distinct meshes, so that caches are shared
-    top: Array = np.full(panels, _LEAST + ceil(0.45 * digits))
+    panels = 4 * ceil(depth / PANEL_WIDTH / 4)  # few distinct meshes, so that caches are shared
+    top: Array = np.full(panels, LEAST_DEGREE + ceil(0.45 * digits))
     x = PANEL_WIDTH * np.arange(panels)
     # half-integer powers fall too slowly to taper the few panels above a root tail
     taper = 0.0 if root_tail else rate
@@ -142,7 +147,7 @@ def _first_space(
     near = [nearness(panels, bend) for bend in (layer, *bends) if bend > 1.0]
     top = top + 0.2 * digits * np.max([np.zeros(panels), *near], axis=0)
     # what falls like exp(-x) still bends on its panel: two degrees more than its share
-    degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), _LEAST)
+    degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
     mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail)
     return Resolution(mesh, tuple(degrees.tolist()))
@@ -164,7 +169,15 @@ def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
     alike = replace(own, panels=mesh.panels, degree=mesh.degree) == mesh
     if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
         return resolution
-    return Resolution(mesh, resolution.degrees + (_LEAST,) * more)
+    return Resolution(mesh, resolution.degrees + (LEAST_DEGREE,) * more)
+
+
+def slip_degree(tolerance: float) -> int:
+    """Return the degree of panels toward the ends of a slip zone, for a relative accuracy.
+
+    The far end of a part is a singularity ln 2 before the first panel.
+    """
+    return 4 * ceil((4 - 0.7 * log(tolerance)) / 4)
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:

@@ -10,14 +10,21 @@ zero in stick by the tangential equation. Everything is for kappa = 1.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import ceil, log, pi
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, starting_resolution
+from spectral_contact.contact.resolution import (
+    DEEPEST,
+    FIELD_ROUNDING,
+    PANEL_WIDTH,
+    SAFETY,
+    slip_degree,
+    starting_resolution,
+)
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
     EDGE,
@@ -52,6 +59,9 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+#: How far past its digits, in ``-ln d``, a function settles toward the ends of a slip zone.
+_MORE = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,15 +109,14 @@ def annulus_between(
         Decay of the outer end, as in `starting_resolution`.
     """
     half = gap(inner, outer) / 2.0
-    digits = -np.log(tolerance)
+    digits = -log(tolerance)
     depths = (
-        max(np.log(half / layers[0]), 0.0) + 0.6 * digits + 3.0,
-        max(np.log(half / layers[1]), 0.0) + (digits + 3.0) / rate,
+        max(log(half / layers[0]), 0.0) + 0.6 * digits + _MORE,
+        max(log(half / layers[1]), 0.0) + (digits + _MORE) / rate,
     )
-    # the far end of the annulus is a singularity ln 2 before the first panel
-    degree = 4 * int(np.ceil((4.0 + 0.7 * digits) / 4.0))
     # few distinct depths, so that caches are shared between scenes
-    counts = (3 * int(np.ceil(d / (3.0 * PANEL_WIDTH))) for d in depths)
+    counts = (3 * ceil(d / PANEL_WIDTH / 3) for d in depths)
+    degree = slip_degree(tolerance)
     first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
     return Annulus(inner, outer, first, second)
 
@@ -124,7 +133,7 @@ class SlipFields(NamedTuple):
     largest : float
         Largest modulus.
     unresolved : float
-        What the last coefficients of the sampled series leave out, eight times it to be safe.
+        What the last coefficients of the sampled series leave out, nine times it to be safe.
     """
 
     fields: list[AnnulusSeries]
@@ -179,7 +188,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(zone.sign * values)
     largest = max(float(np.abs(v).max()) for v in samples)
-    return SlipFields(fields, samples, largest, 8.0 * unresolved)
+    return SlipFields(fields, samples, largest, 2.0 * SAFETY * unresolved)
 
 
 def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
@@ -217,7 +226,7 @@ def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> fl
 
     Seen at points graded to the inner end, where it is largest.
     """
-    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, 40.0, 41)))
+    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, DEEPEST, 41)))
     total = np.zeros(len(points.offset))
     for zone in _inside(stuck, inner):
         total += _from_stuck(zone, points)
@@ -251,7 +260,7 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     series = sampled_series(panels, values)
     last = np.abs(series.coefficients[:, -3:]).sum(axis=1).max() + np.abs(series.tail[1:]).sum()
     missing = float(last / np.abs(values).max())
-    error = drive.contact.pressure_error + 2.0 * missing + 20.0 * ROUNDING
+    error = drive.contact.pressure_error + 2.0 * missing + FIELD_ROUNDING
     return DiskSeries(EDGE, series.times(-kappa)), error
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from dataclasses import fields as fields_of
 from itertools import pairwise
 from math import inf
 from typing import TYPE_CHECKING
@@ -20,9 +21,15 @@ from spectral_contact.contact.friction_law import (
     obeys,
     stick_excess,
 )
-from spectral_contact.contact.layout import Layout, SolvedZones
+from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY
+from spectral_contact.contact.resolution import (
+    DEEPEST,
+    FIELD_ROUNDING,
+    ROUNDING,
+    SAFETY,
+    TINY,
+)
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     annulus_between,
@@ -43,8 +50,8 @@ from spectral_contact.records import Zone
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_assessment import CoupledZones
     from spectral_contact.contact.one_disk import OneDisk
+    from spectral_contact.contact.zone_assessment import ZoneSolution
 
 __all__ = ["PartialSlip", "all_slip", "everywhere", "no_slip", "one_disk_outcome", "zones_outcome"]
 
@@ -58,24 +65,21 @@ _DOUBTFUL = 0.5
 _HARDLY_KNOWN = 0.1
 #: A violation of the friction law that other zones are to blame for, not rounding.
 _BROKEN = 1e-6
-#: The logit of a stick disk that is smaller than any that is looked for: it has all its slip.
-_POINT = -74.0
+#: The logit of a stick disk whose radius is rounding: it has all the slip of a smaller one.
+_POINT = -2.0 * DEEPEST
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PartialSlip:
-    """Fields, zones and displacement for unit load, with estimates of relative errors.
-
-    Without elastic coupling everything tangential is for kappa = 1.
+class PartialSlip(ZoneNumbers):
+    """Fields, zones and displacement, held against the friction law.
 
     Attributes
     ----------
     zones : tuple of Zone
     pressure : PressureField or ZonalField
     traction, slip : ZonalField
-    approach, total_shear : float
-    approach_error, pressure_error, traction_error, shear_error : float
-    radius_error, zones_error, slip_error : float
+    slip_error : float
+        Estimate of the error, relative to the largest.
     violation : float
         By how much the friction law is broken, see `ErrorEstimates`.
     consistent : bool
@@ -92,14 +96,6 @@ class PartialSlip:
     pressure: PressureField | ZonalField
     traction: ZonalField
     slip: ZonalField
-    approach: float
-    total_shear: float
-    approach_error: float
-    pressure_error: float
-    traction_error: float
-    shear_error: float
-    radius_error: float
-    zones_error: float
     slip_error: float
     violation: float = 0.0
     consistent: bool = True
@@ -166,7 +162,7 @@ def all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> Pa
         radius_error=1.0,
         zones_error=1.0,
         loose=0.0,
-        stray=4.0 * contact.pressure_error + tolerance * 1e-3,
+        stray=SAFETY * contact.pressure_error,
         slopes=np.zeros((1, 1)),
     )
     found = _to_the_edge(drive, solved, {}, 0.0, beta, friction, tolerance)
@@ -202,7 +198,7 @@ def one_disk_outcome(
 
 
 def zones_outcome(
-    solved: CoupledZones,
+    solved: ZoneSolution,
     parameters: Parameters,
     drive: Drive | None = None,
     *,
@@ -212,7 +208,7 @@ def zones_outcome(
 
     Parameters
     ----------
-    solved : CoupledZones
+    solved : ZoneSolution
     parameters : Parameters
     drive : Drive, optional
         Of the pressure, if it was given.
@@ -298,25 +294,21 @@ def _held(
             zone.annulus, sample, largest, zone.sign * field.toward_outer.limit, allowed
         )
     )
+    numbers = {one.name: getattr(solved, one.name) for one in fields_of(ZoneNumbers)}
+    numbers["traction_error"] = error
+    numbers["zones_error"] = max(solved.zones_error, _unknown_width(slip_error, zones))
     return PartialSlip(
         zones=tuple(zones),
         pressure=pressure,
         traction=ZonalField(tuple(traction)),
         slip=ZonalField(tuple(displacement)),
-        approach=solved.approach,
-        total_shear=solved.total_shear,
-        approach_error=solved.approach_error,
-        pressure_error=solved.pressure_error,
-        traction_error=error,
-        shear_error=solved.shear_error,
-        radius_error=solved.radius_error,
-        zones_error=max(solved.zones_error, _unknown_width(slip_error, zones)),
         slip_error=slip_error,
         violation=max(excess, wrong, 0.0),
         consistent=obeys(excess, error, wrong, allowed),
         amiss=_amiss(excess, wrong, allowed),
         missing=missing,
         layout=solved.layout,
+        **numbers,
     )
 
 

@@ -49,7 +49,7 @@ def root_near(
     start: float,
     slope: float,
     error: float,
-    longest: float = 0.3,
+    longest: float = 0.5,
     least: float = LEAST_LOGIT,
 ) -> tuple[float, float]:
     """Return a rough root in logit(c**2), and the slope there; else that of a bracket.
@@ -80,7 +80,7 @@ def root_near(
             if tangent > 0.0:
                 following += bend * fresh * value
                 inverse, product = tangent, product * abs(x + step - last[0])
-        last, x, value, longest, step = (x, value, secant), x + step, fresh, 3.0, following
+        last, x, value, longest, step = (x, value, secant), x + step, fresh, 2.0, following
         if abs(step) * product < error * max(1.0, abs(x)):
             return x + step, 1.0 / inverse
     return bracketed_root(function, least)

@@ -21,13 +21,12 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.boundaries import ROUNDED
-from spectral_contact.contact.coupled_assessment import BENT
-from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.resolution import ROUNDING, series_of
+from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -94,7 +93,7 @@ def differentiated(
     Parameters
     ----------
     parameters : Parameters
-        With what `CoupledProblem` takes.
+        With what `FreeBoundaryProblem` takes.
     layout : Layout
         The zones, to as many digits as there are.
     names : sequence of str
@@ -107,7 +106,7 @@ def differentiated(
     """
     slopes = np.eye(len(layout.logits))  # they are not needed yet
     known = Layout(layout.logits, layout.states, slopes)
-    problem = CoupledProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
+    problem = FreeBoundaryProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
     problem.drives = list(drives)
     return _AtBoundaries(problem, tolerance, names).outcome()
 
@@ -115,7 +114,9 @@ def differentiated(
 class _AtBoundaries:
     """A problem at its boundaries, its state there, and the derivatives of that."""
 
-    def __init__(self, problem: CoupledProblem, tolerance: float, names: Sequence[str]) -> None:
+    def __init__(
+        self, problem: FreeBoundaryProblem, tolerance: float, names: Sequence[str]
+    ) -> None:
         self.problem, self.names = problem, names
         self.spaces = problem.spaces(tolerance)
         self._settle()
@@ -196,8 +197,8 @@ class _AtBoundaries:
     def _noise(self, logits: Array) -> Array:
         """Return by how much rounding of the conditions, in slopes and boundaries, moves these."""
         inverse, narrowest = np.abs(np.linalg.inv(self.moved[:, :-2])).T, self.problem.narrowest
-        rough = ROUNDED / narrowest * float(np.abs(_SLOPE).sum())
-        off = ROUNDED * inverse.sum(axis=1, keepdims=True)  # of the boundaries, and slopes bend
+        rough = ROUNDING / narrowest * float(np.abs(_SLOPE).sum())
+        off = ROUNDING * inverse.sum(axis=1, keepdims=True)  # of the boundaries, and slopes bend
         moved = np.abs(logits)
         return np.asarray(
             rough * inverse.sum(axis=1, keepdims=True) * moved.sum(axis=0)

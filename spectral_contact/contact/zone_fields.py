@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_parts import LEADING, ended
 from spectral_contact.contact.friction_law import DISTANCES
+from spectral_contact.contact.resolution import LEADING
+from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,
@@ -27,19 +28,19 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matr
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_assessment import CoupledZones
+    from spectral_contact.contact.zone_assessment import ZoneSolution
 
 __all__ = ["in_stick", "positive", "pressure_field", "stick_series"]
 
 Array = NDArray[np.float64]
 
 
-def positive(solved: CoupledZones) -> bool:
+def positive(solved: ZoneSolution) -> bool:
     """Return whether the pressure is: else the contact would open."""
     return bool(np.min([one(DISTANCES) for one in solved.pressures]) > 0.0)
 
 
-def in_stick(solved: CoupledZones, given: PressureField | None) -> Iterator[tuple[Array, Array]]:
+def in_stick(solved: ZoneSolution, given: PressureField | None) -> Iterator[tuple[Array, Array]]:
     """Yield q and p at `DISTANCES` from every end of a stick zone; p may be given."""
     for k, (part, shear) in enumerate(zip(solved.system.parts, solved.shears, strict=True)):
         if shear is not None:
@@ -61,7 +62,7 @@ def stick_series(
                 yield zone, DiskSeries(bounds[1], first.times(bounds[1].value))
 
 
-def pressure_field(solved: CoupledZones, parameters: Parameters) -> ZonalField:
+def pressure_field(solved: ZoneSolution, parameters: Parameters) -> ZonalField:
     """Return the pressure on all zones."""
     rim = solved.radii[0]
     series = [*solved.pressures[:-1], _to_the_edge(solved, parameters)]
@@ -72,7 +73,7 @@ def pressure_field(solved: CoupledZones, parameters: Parameters) -> ZonalField:
     return ZonalField(tuple(pieces))
 
 
-def _to_the_edge(solved: CoupledZones, parameters: Parameters) -> LogSeries:
+def _to_the_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries:
     """Return the pressure next to the edge; where it is singular it ends in its leading term."""
     series, state = solved.pressures[-1], solved.states[-1]
     if series.power == 0.0:

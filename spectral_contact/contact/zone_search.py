@@ -35,7 +35,7 @@ from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_assessment import CoupledZones
+    from spectral_contact.contact.zone_assessment import ZoneSolution
 
 __all__ = ["CoupledSearch", "DrivenSearch", "NoZonesError", "ZoneSearch"]
 
@@ -51,13 +51,13 @@ _NO_EDGE = 1e-80
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 #: One stick disk; where nothing is known of its radius slip is narrow.
-_DISK = Layout((3.0,), (0, 1))
+_DISK = Layout((2.0,), (0, 1))
 #: From where on another stick radius is looked for, and in which steps, as logits; on smooth
 #: surfaces they are 10 apart and more, measured.
-_CLEAR, _APART = 1.0, 3.0
-#: Friction that lacks as little as this lets no more slip than where full stick exceeds it: to 0.01
-#: in the logit, measured; as much is seen of the difference to where rough spaces have slip.
-_ABOUT, _SEEN = 1e-2, 0.02
+_CLEAR, _APART = 1.0, 2.0
+#: Friction that lacks less than this lets no more slip than where full stick exceeds it: to 0.01 in
+#: the logit, measured, where it lacks half as much. Rough spaces have slip to as much in the logit.
+_ABOUT = 0.02
 
 
 class NoZonesError(ArithmeticError):
@@ -224,7 +224,6 @@ class DrivenSearch(ZoneSearch):
 
     def _guesses(self) -> Iterator[Layout]:
         """Yield zones with the stick that one disk lacks, and what full stick and rings tell."""
-        alpha, beta, _, friction = self.parameters
         if self._disk is not None and self._disk.mended is not None:
             yield self._disk.mended
         from spectral_contact.contact.onset import exceeded, is_narrow
@@ -234,10 +233,10 @@ class DrivenSearch(ZoneSearch):
             yield violated
         from spectral_contact.contact.active_set import ring_layout
 
-        found = ring_layout(alpha, beta, friction, 1.0, False)
+        found = ring_layout(self.parameters, coupled=False)
         logits = tuple(one.logit for one in found.boundaries)
         if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
-            centre = 2.0 * beta * friction
+            centre = 2.0 * self.parameters.beta * self.parameters.friction
             if self._disk is not None:
                 centre = self._disk.zones[0].outer
             yield Layout((Radius(centre, 1.0 - centre).logit, *logits), (0, *found.states))
@@ -280,12 +279,12 @@ class DrivenSearch(ZoneSearch):
         if layout.states == (0, 1):
             return self._on_disk(layout.logits[0])
         begin = perf_counter()
-        zones: CoupledZones = self.record(ZONE_SEARCH, self._refined(layout), begin)
+        zones: ZoneSolution = self.record(ZONE_SEARCH, self._refined(layout), begin)
         return zones_outcome(zones, self.parameters, self.drive)
 
-    def _refined(self, layout: Layout) -> Refinement[CoupledZones]:
+    def _refined(self, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these."""
-        from spectral_contact.contact.boundaries import NoBoundariesError
+        from spectral_contact.contact.layout import NoBoundariesError
 
         if self.pointwise:
             return self._to(self.tolerance, layout)
@@ -298,12 +297,12 @@ class DrivenSearch(ZoneSearch):
         except NoBoundariesError:  # nothing better is found near by
             return loose
 
-    def _to(self, tolerance: float, layout: Layout) -> Refinement[CoupledZones]:
+    def _to(self, tolerance: float, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these, with fields to a tolerance."""
-        from spectral_contact.contact.coupled_problem import CoupledProblem
+        from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
         with np.errstate(all="ignore"):
-            problem = CoupledProblem(
+            problem = FreeBoundaryProblem(
                 self.parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
             )
             return refine(problem, tolerance, self.max_unknowns)
@@ -324,13 +323,13 @@ class CoupledSearch(ZoneSearch):
         So they are looked for where the edge sticks in full stick, or opens. Only larger ones are:
         from small disks on, which is where friction, or the load, begins, the first is reached.
         """
-        from spectral_contact.contact.coupled_problem import CoupledProblem
         from spectral_contact.contact.coupled_radii import scanned, stick_radii
+        from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
         ratio = self.stick.edge_ratio
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
             return []
-        problem = CoupledProblem(self.parameters, _DISK, self.tolerance)
+        problem = FreeBoundaryProblem(self.parameters, _DISK, self.tolerance)
         further = scanned(problem, logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
@@ -343,9 +342,8 @@ class CoupledSearch(ZoneSearch):
         violated = exceeded(self.stick, self.parameters)
         if is_narrow(violated):  # rings miss it, or its place
             yield violated
-        alpha, beta, kappa, friction = self.parameters
-        found = ring_layout(alpha, beta, friction, kappa, True)
-        if found.settled and found.positive and not found.centre_unseen:
+        found = ring_layout(self.parameters, coupled=True)
+        if found.settled and found.on_rings.positive and not found.centre_unseen:
             yield Layout(tuple(one.logit for one in found.boundaries), found.states)
         yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
 
@@ -369,19 +367,19 @@ class CoupledSearch(ZoneSearch):
         return min(lawful, key=lambda outcome: outcome.violation)
 
     def _solved(self, layout: Layout) -> PartialSlip:
-        from spectral_contact.contact.coupled_problem import (
-            find_coupled_zones,
-            solve_coupled_zones,
+        from spectral_contact.contact.zone_problem import (
+            find_zones,
+            solve_zones,
         )
 
         begin = perf_counter()
         try:
-            layout = self._narrowed(find_coupled_zones(self.parameters, layout))
+            layout = self._narrowed(find_zones(self.parameters, layout))
         except NoStickDiskError as missing:
             if missing.at_centre:
                 return self._all_slip()
             raise
-        zones = solve_coupled_zones(self.parameters, layout, self.tolerance, self.max_unknowns)
+        zones = solve_zones(self.parameters, layout, self.tolerance, self.max_unknowns)
         if not zones.best.error < 0.5:
             raise NoZonesError("no digit of the fields is known")
         solved = perf_counter()
@@ -402,7 +400,7 @@ class CoupledSearch(ZoneSearch):
         if layout.states != _DISK.states or lack >= _ABOUT:
             return layout
         near = exceeded(self.stick, self.parameters)
-        if near.states != layout.states or near.logits[0] < layout.logits[0] + _SEEN:
+        if near.states != layout.states or near.logits[0] < layout.logits[0] + _ABOUT:
             return layout
         assert layout.slopes is not None
         # conditions rise as the distance from the edge does
@@ -411,7 +409,7 @@ class CoupledSearch(ZoneSearch):
 
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""
-        from spectral_contact.contact.coupled_problem import solve_coupled_slip
+        from spectral_contact.contact.zone_problem import solve_coupled_slip
 
         begin = perf_counter()
         zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)

@@ -258,7 +258,7 @@ def points_of(panels: LogPanels, used: Used) -> Nodes:
 def _same_annulus(source: Family, target: Family, side: int, apart: float) -> bool:
     """Return whether two parts are the halves of an annulus, the source on this side."""
     facing = target.sign == side == -source.sign
-    return facing and source.reach == target.reach and apart < 3.0 * source.reach
+    return facing and source.reach == target.reach and round(apart / source.reach) == 2
 
 
 def _vanishing(matrix: Array) -> Block:
@@ -348,6 +348,9 @@ def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
 
     def made() -> Array:
-        return _onto(panels, degrees, far_values(_log_places(panels, degrees)).T)
+        # polynomials of degree 23 take more points than low degrees have
+        every = (panels.degree,) * panels.panels
+        whole = _onto(panels, every, far_values(_log_places(panels, every)).T)
+        return np.ascontiguousarray(whole[:, panels.functions(degrees)])
 
     return _GATHERED.get((panels, degrees), made)

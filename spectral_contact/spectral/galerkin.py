@@ -201,12 +201,7 @@ class GalerkinOperator:
         """Return the mass matrix of the basis functions `columns`, an increasing list."""
         if self.panels.power != 0.0:  # not square integrable: such panels serve zero compliance
             return np.zeros((len(columns), len(columns)))
-        return self.panels.mass(columns, *self.measure, self._panel_masses)
-
-    @cached_property
-    def _panel_masses(self) -> tuple[Array, Array]:
-        """Mass of the first panel with the densities 1 and ``d``."""
-        return self.panels.panel_gram(1.0), self.panels.panel_gram(2.0)
+        return self.panels.mass(columns, *self.measure)
 
     def space(self, degrees: tuple[int, ...]) -> Space:
         """Return the subspace with these degrees on the panels, the tail whole (cached)."""

@@ -208,13 +208,7 @@ class LogPanels:
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)
 
-    def mass(
-        self,
-        columns: NDArray[np.int_],
-        a: float,
-        b: float,
-        first: tuple[Array, Array] | None = None,
-    ) -> Array:
+    def mass(self, columns: NDArray[np.int_], a: float, b: float) -> Array:
         """Return ``int_0^1 phi psi (a + b d) dd`` of some of the functions, block diagonal.
 
         Parameters
@@ -222,15 +216,13 @@ class LogPanels:
         columns : ndarray of int
             The functions, increasing. They have no endpoint weight.
         a, b : float
-        first : tuple of ndarray, optional
-            `panel_gram` of 1 and of 2, if known.
 
         Returns
         -------
         ndarray, shape (len(columns), len(columns))
         """
         matrix = np.zeros((len(columns), len(columns)))
-        one, two = first or (self.panel_gram(1.0), self.panel_gram(2.0))
+        one, two = self.panel_gram(1.0), self.panel_gram(2.0)
         terms = self.degree + 1
         bounds = np.searchsorted(columns, np.arange(self.panels + 1) * terms).tolist()
         last = bounds[-1]

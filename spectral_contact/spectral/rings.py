@@ -131,7 +131,7 @@ def _assembled(logits: Array) -> RingOperators:
     f = (np.sqrt(dt)[:, :, None] * f).reshape(-1, n)
     g = ((t * np.sqrt(dt))[:, :, None] * g).reshape(-1, n)
     carried = np.tril(np.outer(thick, width / 2.0), -1)
-    carried[places, places] = thick**2 * (radius[1:] + 2.0 * radius[:-1]) / 6.0
+    carried[places, places] = thick**2 * (radius[1:] + 2.0 * radius[:-1]) / 6
     return RingOperators(logits, width / 2.0, f.T @ f / pi, g.T @ g / pi, carried)
 
 

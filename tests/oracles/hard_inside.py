@@ -9,8 +9,8 @@ from unittest import mock
 
 import numpy as np
 
-from spectral_contact.contact import coupled_problem
 from spectral_contact.contact import resolution as first_spaces
+from spectral_contact.contact import zone_problem
 from spectral_contact.spectral import factored as factors
 from spectral_contact.spectral import galerkin
 from spectral_contact.spectral.cache import clear_caches
@@ -20,7 +20,7 @@ from spectral_contact.spectral.cholesky import Cholesky
 @contextmanager
 def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
     """Make the solver start in spaces of this degree everywhere, with more panels."""
-    first_space, all_parts = first_spaces._first_space, coupled_problem.first_spaces
+    first_space, all_parts = first_spaces._first_space, zone_problem.first_spaces
 
     def larger(layer, tolerance, *options):
         space = first_space(layer, tolerance, *options)
@@ -37,7 +37,7 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
     clear_caches()
     with (
         mock.patch.object(first_spaces, "_first_space", larger),
-        mock.patch.object(coupled_problem, "first_spaces", finer),
+        mock.patch.object(zone_problem, "first_spaces", finer),
     ):
         yield
     clear_caches()

@@ -12,13 +12,13 @@ from math import log, pi, sqrt
 import numpy as np
 
 from oracles.projection_oracle import Place, basis, entries, moments, mp, rows
-from spectral_contact.contact.coupled_problem import CoupledProblem
-from spectral_contact.contact.coupled_spaces import first_spaces, with_known_slip
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
 from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import load_vector
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
+from spectral_contact.contact.zone_spaces import first_spaces, with_known_slip
 from spectral_contact.fields.series import EdgeWeight, Radius
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.parameters import Parameters
@@ -147,7 +147,7 @@ class Zones:
         drive = Drive(solve_normal(alpha, tolerance, 3000).best.value)
         logits = tuple(log(b * b / (1.0 - b * b)) for b in boundaries)
         parameters = Parameters(alpha, beta, 1.0, friction)
-        problem = CoupledProblem(parameters, Layout(logits, (0, 1, 0)), tolerance, drive=drive)
+        problem = FreeBoundaryProblem(parameters, Layout(logits, (0, 1, 0)), tolerance, drive=drive)
         radii = tuple(Radius.from_logit(one) for one in logits)
         spaces = first_spaces(alpha, beta, radii, (0, 1, 0), tolerance)
         spaces = with_known_slip(spaces, (0, 1, 0), tolerance)

@@ -15,7 +15,7 @@ import numpy as np
 from honesty_errors import compare, zones_alike
 
 from spectral_contact import NotComputedError, Scene, Solution, solve
-from spectral_contact.contact import coupled_spaces, resolution, slip_displacement
+from spectral_contact.contact import resolution, slip_displacement, zone_spaces
 from spectral_contact.precise import ReferenceSolution, reference
 from spectral_contact.records import Zone
 from spectral_contact.spectral.cache import BoundedCache
@@ -95,7 +95,7 @@ def by_reference(seed: int, number: int) -> bool:
 def other_panels() -> Iterator[None]:
     """Solve on narrower panels than the library's, of which none shares an end but the first."""
     with ExitStack() as stack:
-        for module in (resolution, slip_displacement, coupled_spaces):
+        for module in (resolution, slip_displacement, zone_spaces):
             stack.enter_context(mock.patch.object(module, "PANEL_WIDTH", TRUE_WIDTH))
         # first spaces are cached by what is asked of them, which leaves out the width
         stack.enter_context(mock.patch.object(resolution, "_FIRST_SPACES", _TRUE_SPACES))

@@ -32,6 +32,7 @@ import spectral_contact
 from spectral_contact import Scene, SpectralContactError, solve
 from spectral_contact.contact.active_set import RingLayout, ring_layout
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.parameters import Parameters
 
 RESULTS = Path(__file__).parents[1] / "results"
 SEED, COUNT = 18, 6
@@ -67,9 +68,8 @@ def layout(scene: Scene, rings: int, splits: int = 2) -> RingLayout:
     """Return the zones of a scene on rings."""
     assert scene.friction is not None
     compliances = scene.normal_compliance, scene.tangential_compliance
-    return ring_layout(
-        *compliances, scene.friction, scene.kappa, scene.coupling, rings=rings, splits=splits
-    )
+    parameters = Parameters(*compliances, scene.kappa, scene.friction)
+    return ring_layout(parameters, coupled=scene.coupling, rings=rings, splits=splits)
 
 
 def compare(scene: Scene, solution: Any, rings: int, splits: int = 2) -> Row:
@@ -77,9 +77,18 @@ def compare(scene: Scene, solution: Any, rings: int, splits: int = 2) -> Row:
     found = layout(scene, rings, splits)
     zones = [zone.kind for zone in solution.zones]
     right = zones == ["slip" if state else "stick" for state in found.states]
-    row: Row = {"rings": rings, "splits": splits, "used": len(found.pressure), "right": right}
-    row |= {"settled": found.settled, "positive": found.positive, "iterations": found.iterations}
-    row["approach"] = found.approach / solution.approach - 1.0
+    row: Row = {
+        "rings": rings,
+        "splits": splits,
+        "used": len(found.on_rings.states),
+        "right": right,
+    }
+    row |= {
+        "settled": found.settled,
+        "positive": found.on_rings.positive,
+        "iterations": found.iterations,
+    }
+    row["approach"] = found.on_rings.approach / solution.approach - 1.0
     if right:
         ends = [Radius(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]]
         pairs = zip(found.boundaries, ends, strict=True)
@@ -135,13 +144,15 @@ def onsets() -> list[Row]:
                 row: Row = {"kind": kind, "compliances": [alpha, beta], "coupled": coupled}
                 row |= {"rings": rings, "seen": [], "wrong": [], "doubt": []}
                 above = layout(replace(stick, friction=1.01 * critical), rings)
-                row["shift"] = 1.01 * (1.0 - float(above.margin.min())) - 1.0
+                row["shift"] = 1.01 * (1.0 - float(above.on_rings.reserve.min())) - 1.0
                 for gap in GAPS:
                     below = layout(replace(stick, friction=critical * (1.0 - gap)), rings)
                     above = layout(replace(stick, friction=critical * (1.0 + gap)), rings)
                     row["seen"].append(len(below.states) > 1)
                     row["wrong"].append(len(above.states) > 1)
-                    row["doubt"].append(bool(below.doubts and above.doubts))
+                    row["doubt"].append(
+                        bool(len(below.on_rings.doubts) and len(above.on_rings.doubts))
+                    )
                 rows.append(row)
     return rows
 
@@ -154,7 +165,18 @@ def thresholds() -> list[Row]:
             found = layout(scene, rings)
             row: Row = {"scene": scene.to_dict(), "rings": rings, "states": found.states}
             row["boundaries"] = [[one.value, one.from_edge] for one in found.boundaries]
-            row["doubts"] = [[d.zone, d.place.from_edge, d.margin] for d in found.doubts]
+            rings_of, doubts = found.on_rings, found.on_rings.doubts
+            zones = np.searchsorted(
+                [one.logit for one in found.boundaries], rings_of.law.rings.middles
+            )
+            row["doubts"] = [
+                [
+                    int(zones[i]),
+                    Radius.from_logit(float(rings_of.law.rings.middles[i])).from_edge,
+                    float(abs(rings_of.reserve[i])),
+                ]
+                for i in doubts
+            ]
             rows.append(row | {"settled": found.settled, "iterations": found.iterations})
     return rows
 

@@ -23,9 +23,9 @@ import numpy as np
 
 import spectral_contact
 from spectral_contact import Scene, solve
-from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_radii import PossibleRadius, scanned, stick_radii
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters
 
 RESULTS = Path(__file__).parents[1] / "results"
@@ -61,7 +61,7 @@ def radii(scene: Scene) -> list[PossibleRadius]:
     compliances = scene.normal_compliance, scene.tangential_compliance
     assert scene.friction is not None
     parameters = Parameters(*compliances, scene.kappa, scene.friction)
-    problem = CoupledProblem(parameters, Layout((0.0,), (0, 1)), 1e-3)
+    problem = FreeBoundaryProblem(parameters, Layout((0.0,), (0, 1)), 1e-3)
     return list(stick_radii(problem, scanned(problem, FIRST, STEP)))
 
 

@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from spectral_contact.contact.boundaries import (
-    differences,
-    longest,
-    through_secants,
-    zones_error,
-)
+from spectral_contact.contact.zone_assessment import zones_error
+from spectral_contact.contact.zone_newton import longest, through_secants
+from spectral_contact.contact.zone_problem import differences
 from spectral_contact.fields.series import Radius
 
 ROOT = np.array([-0.3, 1.1])

@@ -5,16 +5,16 @@ import pytest
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact import coupled_radii
-from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.coupled_radii import PossibleRadius, stick_radii
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters
 
 
 def radii(scene, logits):
     compliances = scene.normal_compliance, scene.tangential_compliance
     parameters = Parameters(*compliances, scene.kappa, scene.friction)
-    problem = CoupledProblem(parameters, Layout((0.0,), (0, 1)), 1e-3)
+    problem = FreeBoundaryProblem(parameters, Layout((0.0,), (0, 1)), 1e-3)
     return list(stick_radii(problem, logits))
 
 
@@ -75,7 +75,7 @@ def test_others_are_looked_for_where_there_may_be_some_and_named(monkeypatch, sc
 
 def test_no_more_is_looked_at_where_the_pressure_is_negative():
     scene = Scene(0.026, 0.0, 0.0, friction=0.2143, coupling=True)
-    problem = CoupledProblem(
+    problem = FreeBoundaryProblem(
         Parameters(0.0, 0.0, scene.kappa, scene.friction), Layout((0.0,), (0, 1)), 1e-3
     )
     taken = []

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from oracles.family_integrals import half_integral
 
-from spectral_contact.contact.coupled_problem import CoupledProblem
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import solve_normal
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import across, block
@@ -22,7 +22,7 @@ def zones(states, alpha=0.3):
     """Return zones under the pressure and its two changes."""
     drive = Drive(solve_normal(alpha, 1e-8, 3000).best.value)
     layout = Layout(tuple(np.linspace(-0.5, 2.0, len(states) - 1)), states)
-    problem = CoupledProblem(Parameters(alpha, 0.4, 1.0, 0.3), layout, 1e-8, drive=drive)
+    problem = FreeBoundaryProblem(Parameters(alpha, 0.4, 1.0, 0.3), layout, 1e-8, drive=drive)
     problem.drives = [drive, *drive.changes]
     return problem.system(problem.spaces(1e-8), problem.logits)
 

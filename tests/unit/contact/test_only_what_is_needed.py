@@ -29,13 +29,7 @@ ONE_DISK = FULL_STICK | {
     "stick_radius",
     "zone_search",
 }
-PROFILE = NORMAL | {
-    "contact_radius",
-    "coupled_parts",
-    "indented",
-    "on_parts",
-    "smooth_indented",
-}
+PROFILE = NORMAL | {"contact_radius", "indented", "on_parts", "smooth_indented", "zone_spaces"}
 ONSET = FULL_STICK | {"layout", "onset"}
 LAYERED = PROFILE | {
     "layered",
@@ -44,18 +38,8 @@ LAYERED = PROFILE | {
     "layered_setting",
     "layered_spaces",
 }
-RINGS = {"active_set", "ring_law"}
-ZONES = {
-    "boundaries",
-    "coupled_assessment",
-    "coupled_errors",
-    "coupled_parts",
-    "coupled_problem",
-    "coupled_spaces",
-    "coupled_state",
-    "driven",
-    "newton",
-}
+RINGS = {"active_set"}
+ZONES = {"driven", "zone_assessment", "zone_newton", "zone_problem", "zone_spaces"}
 ANY_ZONES = ONE_DISK | ZONES | {"zone_fields"}
 COUPLED_STICK = (
     NORMAL
@@ -194,7 +178,7 @@ def test_every_module_is_loaded_by_something():
     """Else what is not loaded proves nothing."""
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
     # the friction that a radius has is for lines of sweeps, slopes are for fits and sensitivities
-    others = {"given_radius", "radius_slopes", "zone_derivatives"}
+    others = {"given_radius", "zone_derivatives"}
     assert coupled > RINGS
     assert coupled | ANY_ZONES | LAYERED | others == CONTACT
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import coupled_problem, newton, one_disk, zone_search
+from spectral_contact.contact import one_disk, zone_newton, zone_problem, zone_search
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -48,15 +48,15 @@ def test_zones_that_are_not_near_by_are_given_up(monkeypatch):
     continuation = Continuation(1e-8, ("zones", "stick_radius"), 20_000)
     for friction in (0.25, 0.24, 0.23):
         continuation.solve(Scene(0.3, 0.05, 1.0, friction / 7))
-    corrections, original = [], newton.ZonesNewton._corrected
+    corrections, original = [], zone_newton.ZonesNewton._corrected
 
     def counted(self):
         corrections.append(1)
         return original(self)
 
-    monkeypatch.setattr(newton.ZonesNewton, "_corrected", counted)
+    monkeypatch.setattr(zone_newton.ZonesNewton, "_corrected", counted)
     continuation.solve(Scene(0.3, 0.05, 1.0, 0.1 / 7))  # slip reaches the edge there
-    assert 0 < len(corrections) < newton._STEPS / 2
+    assert 0 < len(corrections) < zone_newton._STEPS / 2
 
 
 def test_in_any_order():
@@ -114,9 +114,12 @@ def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):
 
 def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monkeypatch):
     systems, searches = [], []
-    solve_system, search = coupled_problem.CoupledProblem.system, zone_search.DrivenSearch._guesses
+    solve_system, search = (
+        zone_problem.FreeBoundaryProblem.system,
+        zone_search.DrivenSearch._guesses,
+    )
     monkeypatch.setattr(
-        coupled_problem.CoupledProblem, "system", lambda *a: systems.append(1) or solve_system(*a)
+        zone_problem.FreeBoundaryProblem, "system", lambda *a: systems.append(1) or solve_system(*a)
     )
     monkeypatch.setattr(
         zone_search.DrivenSearch, "_guesses", lambda *a: searches.append(1) or search(*a)

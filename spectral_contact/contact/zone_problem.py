@@ -8,31 +8,21 @@ of its boundary.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.boundaries import (
-    NoBoundariesError,
-    differences,
-)
-from spectral_contact.contact.coupled_assessment import CoupledZones, assessed
-from spectral_contact.contact.coupled_errors import shares_of, sizes_of
-from spectral_contact.contact.coupled_parts import (
-    joined,
-    parted,
-)
-from spectral_contact.contact.coupled_spaces import first_spaces, with_known_slip
-from spectral_contact.contact.coupled_state import CoupledState
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
-from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.newton import LEFT, ZonesNewton
+from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.resolution import ROUNDING, TINY
+from spectral_contact.contact.resolution import DEEPEST, LEFT, ROUNDING, TINY
 from spectral_contact.contact.stick_radius import root_near
+from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
+from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
+from spectral_contact.contact.zone_spaces import first_spaces, joined, parted, with_known_slip
 from spectral_contact.fields.series import Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
@@ -40,17 +30,19 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["CoupledProblem", "find_coupled_zones", "solve_coupled_slip", "solve_coupled_zones"]
+__all__ = ["FreeBoundaryProblem", "differences", "find_zones", "solve_coupled_slip", "solve_zones"]
 
 Array = NDArray[np.float64]
 
-#: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
-_UNFELT = -40.0
+#: The logit of a stick disk too small to be felt: rounding of the load is on it.
+_UNFELT = -DEEPEST
 #: Tolerance of the spaces and steps in which boundaries are found first, and of the spaces in which
 #: they are looked at by the way.
 _ROUGH, _PROBE = 1e-3, 1e-2
 #: What corrections leave of conditions whose differences are taken.
 _SLOPING = 1e-8
+#: Shares of a zone's width that differences are taken over, between which rounding decides.
+_LEAST_SHARE, _MOST_SHARE = 1e-3, 0.2
 #: A first guess of how fast the condition of one stick disk rises with its logit.
 _SLOPE = 0.3
 #: At the edge nothing happens in less than this of the layer.
@@ -76,7 +68,7 @@ _FRICTIONLESS = 1e-14
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
 
 
-class CoupledProblem:
+class FreeBoundaryProblem:
     """Spaces for given states of the zones; the boundaries are found anew in each of them.
 
     Parameters
@@ -155,7 +147,7 @@ class CoupledProblem:
             factors = self.factored(self.system(spaces, self.logits))
             self._slopes = self._differences(factors, spaces)
 
-    def rough(self, logits: Sequence[float]) -> CoupledState:
+    def rough(self, logits: Sequence[float]) -> ZoneState:
         """Return the contact with given boundaries, as logits, in a small space."""
         at = np.array(logits)
         system = self.system(self.spaces(_PROBE, at), at)
@@ -223,14 +215,14 @@ class CoupledProblem:
         factored: Factored,
         aim: float,
         system: Tangential | None = None,
-        begin: CoupledState | None = None,
-    ) -> CoupledState:
+        begin: ZoneState | None = None,
+    ) -> ZoneState:
         """Correct a solution at given boundaries, of the factors or near, as far as is aimed.
 
         It begins with that of boundaries near by, or from nothing.
         """
         own = system or factored.system
-        state = begin.at(own).by(factored) if begin else CoupledState.begin(own, factored)
+        state = begin.at(own).by(factored) if begin else ZoneState.begin(own, factored)
         size = inf
         for _ in range(_CORRECTIONS):
             state, change = state.corrected()
@@ -239,7 +231,7 @@ class CoupledProblem:
                 break
         return state
 
-    def size(self, state: CoupledState, change: Array) -> float:
+    def size(self, state: ZoneState, change: Array) -> float:
         """Return the largest share of a change."""
         shares = shares_of(state.system, change, sizes_of(state.system, state.solution))
         return max(float(one.max()) for one in shares)
@@ -265,7 +257,7 @@ class CoupledProblem:
 
     # outcome
 
-    def attempt(self, resolution: Resolution) -> Attempt[CoupledZones]:
+    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""
         spaces = parted(resolution, self._counts, self.parameters.alpha)
         if self.drives:  # from now on with what is known of the errors of the pressure
@@ -279,29 +271,29 @@ def _radii(logits: Array) -> tuple[Radius, ...]:
     return tuple(Radius.from_logit(float(x)) for x in logits)
 
 
-def find_coupled_zones(parameters: Parameters, layout: Layout) -> Layout:
+def find_zones(parameters: Parameters, layout: Layout) -> Layout:
     """Return the boundaries of zones like these, to some digits, with what starts their solution.
 
-    Parameters and errors are those of `solve_coupled_zones`.
+    Parameters and errors are those of `solve_zones`.
     """
-    return CoupledProblem(parameters, layout, _ROUGH).layout
+    return FreeBoundaryProblem(parameters, layout, _ROUGH).layout
 
 
-def solve_coupled_zones(
+def solve_zones(
     parameters: Parameters,
     layout: Layout,
     tolerance: float,
     max_unknowns: int,
     *,
     pointwise: bool = True,
-) -> Refinement[CoupledZones]:
+) -> Refinement[ZoneSolution]:
     """Solve the coupled contact with the zones of a layout.
 
     Parameters
     ----------
     parameters : Parameters
     layout : Layout
-        The states of the zones; the boundaries as `find_coupled_zones` returns them, or a guess.
+        The states of the zones; the boundaries as `find_zones` returns them, or a guess.
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     max_unknowns : int
@@ -320,10 +312,10 @@ def solve_coupled_zones(
     NoBoundariesError
         If there are no such boundaries.
     """
-    best: Refinement[CoupledZones] | None = None
+    best: Refinement[ZoneSolution] | None = None
     for k in range(_TRIES):
         aim = max(_FINER**k * tolerance, _TIGHTEST)
-        problem = CoupledProblem(parameters, layout, aim, pointwise=pointwise)
+        problem = FreeBoundaryProblem(parameters, layout, aim, pointwise=pointwise)
         found = refine(problem, tolerance, max_unknowns // 2)
         if best is None or found.best.error < best.best.error:
             best = found
@@ -335,13 +327,29 @@ def solve_coupled_zones(
 
 def solve_coupled_slip(
     parameters: Parameters, tolerance: float, max_unknowns: int
-) -> Refinement[CoupledZones]:
+) -> Refinement[ZoneSolution]:
     """Solve with slip everywhere but in a disk too small to be felt, whose radius is given.
 
-    Parameters are those of `solve_coupled_zones`.
+    Parameters are those of `solve_zones`.
     """
     alpha, beta, kappa, friction = parameters
     # slopes so steep that the boundary does not move
     felt = Parameters(alpha, beta, kappa, max(friction, _FRICTIONLESS))
     disk = Layout((_UNFELT,), (0, 1), np.array([[1.0 / TINY]]))
-    return solve_coupled_zones(felt, disk, tolerance, max_unknowns)
+    return solve_zones(felt, disk, tolerance, max_unknowns)
+
+
+def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:
+    """Return the slopes by central differences, a share of the narrowest zone apart.
+
+    Next to a narrow zone they fall with its width, and a small share would show rounding.
+    """
+    slopes, spacing = [], np.diff(logits)
+    for i in range(len(logits)):
+        near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
+        share = min(max(_LEAST_SHARE, float(np.cbrt(ROUNDING / near**2))), _MOST_SHARE)
+        h = share * near * np.eye(len(logits))[i]
+        slopes.append(
+            (conditions_at(logits + h) - conditions_at(logits - h)) / (2.0 * share * near)
+        )
+    return np.array(slopes).T

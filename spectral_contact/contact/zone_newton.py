@@ -3,27 +3,151 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
-from typing import TYPE_CHECKING
+from math import inf, pi
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.boundaries import NoBoundariesError, longest, through_secants
-from spectral_contact.contact.coupled_state import CoupledState
+from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.refine import Resolution
+from spectral_contact.contact.resolution import LEFT, TINY
 from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_problem import CoupledProblem
+    from spectral_contact.contact.zone_problem import FreeBoundaryProblem
+    from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["LEFT", "ZonesNewton"]
+__all__ = ["Effect", "ZoneState", "ZonesNewton", "longest", "through_secants"]
 
 Array = NDArray[np.float64]
 
-#: The share of its step that a correction leaves at least, and from which share on it is the factor
-#: or rounding that is not good enough.
-LEFT, _SLOW = 1e-2, 0.2
+
+class Effect(NamedTuple):
+    """What a change of the space does at unit load.
+
+    Attributes
+    ----------
+    change, lifts : ndarray
+        Of the solution and of its lifts.
+    mismatch : ndarray
+        Of the conditions of the boundaries.
+    approach : float
+        Of the approach, relative.
+    """
+
+    change: Array
+    lifts: Array
+    mismatch: Array
+    approach: float
+
+
+class ZoneState:
+    """The solution for unit approach with a continuous traction.
+
+    Parameters
+    ----------
+    system : System
+    factored : Factored
+        Of this system or a like one.
+    solution : ndarray, shape (unknowns,)
+    lifts : ndarray, shape (boundaries,)
+        They make the traction continuous; without tangential compliance they are zero.
+    """
+
+    def __init__(
+        self, system: Tangential, factored: Factored, solution: Array, lifts: Array
+    ) -> None:
+        self.system, self.factored = system, factored
+        self.solution, self.lifts = solution, lifts
+
+    @classmethod
+    def begin(cls, system: Tangential, factored: Factored) -> ZoneState:
+        """Return a first solution: that of a symmetric matrix, or nothing, to be corrected."""
+        solution, lifts = np.zeros(system.unknowns), np.zeros(len(system.radii))
+        if system.given:
+            solution[0] = 1.0
+        elif system.symmetric:
+            solution[: system.count] = system.load
+            solution = factored.step(solution)
+        return cls(system, factored, solution, lifts)
+
+    def at(self, system: Tangential) -> ZoneState:
+        """Return the same coefficients with other boundaries."""
+        return ZoneState(system, self.factored, self.solution, self.lifts)
+
+    def by(self, factored: Factored) -> ZoneState:
+        """Return the same, to be corrected with other factors."""
+        return ZoneState(self.system, factored, self.solution, self.lifts)
+
+    def _continuous(self, values: Array) -> tuple[Array, Array]:
+        """Return the lifts that take the jumps out of a vector, and what they make of it."""
+        jumps = self.system.jumps
+        if self.system.parameters.beta == 0.0 or not len(jumps):
+            return np.zeros(len(jumps)), values
+        responses = self.factored.responses
+        lifts = -np.linalg.solve(jumps @ responses, jumps @ values)
+        return np.asarray(lifts), np.asarray(values + responses @ lifts)
+
+    def corrected(self) -> tuple[ZoneState, Array]:
+        """Return a better solution, and by how much it is changed."""
+        missed = self.system.residual(self.solution[:, None], np.ones(1), self.lifts[:, None])
+        lifts, solution = self._continuous(self.solution + self.factored.step(missed)[:, 0])
+        better = ZoneState(self.system, self.factored, solution, self.lifts + lifts)
+        return better, solution - self.solution
+
+    def bearing(self, values: Array) -> float:
+        """Return ``int p s ds``."""
+        return float(self.system.load @ values[: self.system.count])
+
+    @cached_property
+    def approach(self) -> float:
+        """The approach of unit load."""
+        return 1.0 / (2.0 * pi * self.bearing(self.solution))
+
+    @cached_property
+    def mismatch(self) -> Array:
+        """What the conditions of the boundaries miss, relative to ``kappa R`` there."""
+        drive, balance = self.system.balances
+        return np.asarray((balance @ self.solution - self.lifts) / (drive @ self.solution))
+
+    def unbalanced(self, share: float) -> Effect:
+        """Return what would meet so much of the conditions, with a jump of the traction there.
+
+        But for the square of what the boundaries are off it is the error of the fields.
+        """
+        drive, _ = self.system.balances
+        lifts = share * self.mismatch * (drive @ self.solution)
+        return self._at_unit_load(self.factored.responses @ lifts, lifts)
+
+    def effects(self) -> list[Effect]:
+        """Return what the top two degrees of every panel contribute, and what the top one does."""
+        return [self._moved(one) for one in self.factored.change(self.solution, self.system)]
+
+    def _moved(self, change: Array) -> Effect:
+        """Return what a change at given lifts becomes with a continuous traction and unit load."""
+        lifts, change = self._continuous(change)
+        return self._at_unit_load(change, lifts)
+
+    def _at_unit_load(self, change: Array, lifts: Array) -> Effect:
+        drive, balance = self.system.balances
+        raised = -self.bearing(change) / self.bearing(self.solution)
+        return Effect(
+            change + raised * self.solution,
+            lifts + raised * self.lifts,
+            (balance @ change - lifts) / (drive @ self.solution),
+            raised,
+        )
+
+    def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array]:
+        """Return E at the nodes of the parts, of a vector that has an approach and lifts."""
+        misfit = self.system.misfit(values[:, None], np.array([approach]), lifts[:, None])
+        return [one[:, 0] for one in misfit.tangential]
+
+
+#: From which share of the last step on it is the factor or rounding that is not good enough.
+_SLOW = 0.2
 #: Corrections of a solution from nothing, which do not tell how good the factors are; and what is
 #: left by those of other boundaries, over their distance.
 _FIRST, _DRIFT = 2, 3.0
@@ -35,12 +159,17 @@ _STEPS = 40
 _SHARE, _KNOWN, _MEANT = 0.01, 0.003, 1e-11
 #: A step that is more than so much of the one before does not show that they become shorter.
 _SHRINKS = 0.5
-#: Where boundaries are near by at most so many steps in a row do not become shorter.
-_MOST_STALLED = 2
+#: Where boundaries are near by at most so many steps in a row do not become shorter. Next to the
+#: second threshold with coupling 2 refuse 6 of 24 scenes and tolerances, 4 one, 8 none.
+_MOST_STALLED = 6
 #: What is left of the fields where no correction makes conditions any better.
 _CORRECTED = 1e-13
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
+
+
+#: Steps point in different ways if their smallest singular value is so much of the largest one.
+_LEAST_ANGLE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +246,7 @@ class ZonesNewton:
 
     Parameters
     ----------
-    problem : CoupledProblem
+    problem : FreeBoundaryProblem
         Its boundaries and their slopes are kept up.
     spaces : list of Resolution
     settle : float
@@ -127,27 +256,27 @@ class ZonesNewton:
 
     Attributes
     ----------
-    state : CoupledState
+    state : ZoneState
     left : float
         What is left of the fields.
     """
 
     def __init__(
         self,
-        problem: CoupledProblem,
+        problem: FreeBoundaryProblem,
         spaces: list[Resolution],
         settle: float,
         factors: Factored | None = None,
     ) -> None:
         self._problem, self._spaces, self._settle = problem, spaces, settle
         self._factors = factors or problem.factored(problem.system(spaces, problem.logits))
-        self.state = CoupledState.begin(self._factors.system, self._factors)
+        self.state = ZoneState.begin(self._factors.system, self._factors)
         self.left, self._begin, self._before, self._stalled = 0.0, problem.logits, inf, 0
         self._pace, self._move = _Pace(problem.thinnest), _NOTHING
         self._secants: list[tuple[Array, Array]] = []
         self._least, self._best = inf, (self.state, problem.logits)
 
-    def run(self, aim: float) -> CoupledState:
+    def run(self, aim: float) -> ZoneState:
         """Correct until less than an aim is left.
 
         Raises
@@ -233,3 +362,21 @@ class ZonesNewton:
         self._factors = factored(self.state.system, exact=exact)
         self.state, self._begin = self.state.by(self._factors), self._problem.logits
         self._pace.alike = 0
+
+
+def through_secants(slopes: Array, secants: list[tuple[Array, Array]]) -> Array:
+    """Return the slopes nearest to these that give the changes by steps: Broyden's update."""
+    lengths = [np.linalg.norm(step) for step, _ in secants]
+    ways = np.array([step / n for (step, _), n in zip(secants, lengths, strict=True)]).T
+    found = np.array([change / n for (_, change), n in zip(secants, lengths, strict=True)]).T
+    unseen = found - slopes @ ways
+    return np.asarray(slopes + unseen @ np.linalg.pinv(ways, rcond=_LEAST_ANGLE))
+
+
+def longest(x: Array, step: Array) -> float:
+    """Return the factor that keeps the boundaries in order and the step moderate."""
+    factor = 2.0 / max(float(np.abs(step).max()), TINY)
+    for width, change in zip(np.diff(x), np.diff(step), strict=True):
+        if change < 0.0:
+            factor = min(factor, 0.5 * width / -change)
+    return factor

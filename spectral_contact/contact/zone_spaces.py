@@ -6,26 +6,127 @@ layers are felt at the edge, to which the pressure rises. At the rim they are fe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
-from math import ceil, log
+from itertools import accumulate, pairwise
+from math import atanh, ceil, log, pi
 
 import numpy as np
+from numpy.typing import NDArray
 
-from spectral_contact.contact.coupled_parts import LEADING, thinnest_layer, without_rounding
-from spectral_contact.contact.refine import Resolution
-from spectral_contact.contact.resolution import PANEL_WIDTH, nearness
-from spectral_contact.fields.series import CENTRE, EDGE, Radius
+from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
+from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
+from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["first_spaces", "with_known_slip"]
+__all__ = [
+    "ended",
+    "first_spaces",
+    "joined",
+    "leading_depth",
+    "parted",
+    "root_error",
+    "rounding_depth",
+    "thinnest_layer",
+    "with_known_slip",
+    "without_rounding",
+]
 
-#: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, and on the first
-#: two panels, on the disk, above its rim, where the far end is a singularity ln 2 before them, and
-#: at the edge.
-_ALL, _BEND, _TURN = 0.43, 0.15, 0.08
-_INSIDE, _AROUND, _AT_EDGE = (0.28, 0.1), (0.54, 0.1), (0.42, 0.08)
+
+Array = NDArray[np.float64]
+
+#: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
+#: in ``-ln d``, as where they end is felt for a while.
+_CLOSEST, _DEEPER = 2.2e-16, 10.0
+#: Error at an end with a root there, relative to the change of the tail: 1.9, measured.
+_ROOT = 2.5
+
+
+def leading_depth(alpha: float, beta: float, extent: float) -> float:
+    """Return the depth toward the edge past which a singular field is its leading term."""
+    return LEADING + thinnest_layer(alpha, beta, extent)
+
+
+def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
+    """Return ``-ln`` of the width of the thinnest layer in units of an extent in ``s**2``, or 0."""
+    return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
+
+
+def ended(
+    pressure: LogSeries, shear: LogSeries, parameters: Parameters, extent: float
+) -> list[LogSeries]:
+    """Return p and q/s toward an edge that sticks; what is singular ends in its leading term.
+
+    Where both are, on smooth surfaces, they oscillate: ``sqrt(y) (p + i q)`` goes over into
+    ``exp(-i theta ln y)`` with ``theta = ln(3 - 4 nu)/(2 pi)``.
+    """
+    alpha, beta, kappa, _ = parameters
+    both = [pressure, shear]
+    count = ceil(leading_depth(alpha, beta, extent) / pressure.width)
+    if count > len(pressure.coefficients):
+        return both
+    a, b = (float(one.coefficients[count - 1].sum()) for one in both)
+    smooth = alpha == 0.0 == beta
+    theta, tails = (atanh(2.0 * kappa) / pi, [(a, -b), (b, a)]) if smooth else (0.0, [(a,), (b,)])
+    return [
+        replace(one, coefficients=one.coefficients[:count], tail=np.array(tail), oscillation=theta)
+        if one.power
+        else one
+        for one, tail in zip(both, tails, strict=True)
+    ]
+
+
+def rounding_depth(end: Radius, extent: float) -> float:
+    """Return ``-ln`` of the rounding of a boundary in units of an extent in ``s**2``."""
+    return -log(_CLOSEST * min(end.square, end.rest) / extent)
+
+
+def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolution:
+    """Return a space toward a boundary without the panels that only rounding could tell of."""
+    most = ceil((_DEEPER + rounding_depth(end, extent)) / space.panels.width)
+    degrees = space.degrees[:most]
+    return Resolution(replace(space.panels, panels=len(degrees)), degrees)
+
+
+def root_error(panels: LogPanels, change: Array, at_end: float) -> float:
+    """Return the error of a field at an end where it has a root: no degree of a panel helps."""
+    return _ROOT * float(np.abs(change[-panels.tail_terms :]).sum() / abs(at_end))
+
+
+def joined(spaces: Sequence[Resolution]) -> Resolution:
+    """Return the spaces of all parts as one, for `refine`."""
+    capacity = max(one.panels.degree for one in spaces)
+    degrees = tuple(n for one in spaces for n in one.degrees)
+    return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
+
+
+def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:
+    """Return the spaces of all parts; the pressure under a smooth edge has its singularity.
+
+    Parameters
+    ----------
+    resolution : Resolution
+        As `joined` returns it.
+    counts : sequence of int
+        Numbers of panels.
+    alpha : float
+        ``alpha*``.
+    """
+    spaces, bounds = [], list(accumulate(counts, initial=0))
+    for a, b in pairwise(bounds):
+        power = -0.5 if alpha == 0.0 and b == bounds[-1] else 0.0
+        panels = replace(resolution.panels, panels=b - a, power=power)
+        spaces.append(Resolution(panels, resolution.degrees[a:b]))
+    return spaces
+
+
+#: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, as on the second
+#: panel, and on the first one, on the disk, above its rim, where the far end is a singularity ln 2
+#: before it, and at the edge.
+_ALL, _BEND, _TURN = 0.43, 0.15, 0.1
+_INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, 0.42
 #: How far before the layer a bend is where all sticks; and further degrees there: of 300 scenes and
 #: tolerances one needs a second space.
 _BEFORE, _STUCK_SPARE = 3.0, 1
@@ -34,8 +135,6 @@ _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
 #: which boundaries are only looked for, where it is the tolerance.
 _QUADRATURE, _FINEST, _ROUGHLY = 0.01, 1e-11, 1e-3
-#: Least degree on a panel: the estimate sheds two degrees and must keep one.
-_LEAST = 2
 
 
 def first_spaces(
@@ -81,8 +180,7 @@ def with_known_slip(
 ) -> list[Resolution]:
     """Return first spaces with the degrees with which a pressure that is given is right in slip."""
     accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < _ROUGHLY else tolerance
-    # the far end of a part is a singularity ln 2 before the first panel
-    degree = 4 * ceil((4.0 - 0.7 * log(accuracy)) / 4.0)
+    degree = slip_degree(accuracy)
     return [
         Resolution(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
         if states[(k + 1) // 2]
@@ -127,7 +225,7 @@ def _space(
     bends: list[tuple[float, float]],
     tolerance: float,
     rate: float,
-    first: tuple[float, float] = (0.0, 0.0),
+    first: float = 0.0,
     *,
     power: float = 0.0,
     spare: int = 0,
@@ -142,8 +240,9 @@ def _space(
     more = np.zeros(panels)
     for place, share in bends:
         more = np.maximum(more, share * nearness(panels, ceil(2.0 * place) / 2.0))
-    more[:2] = np.maximum(more[:2], first)
+    if first:
+        more[:2] = np.maximum(more[:2], (first, _TURN))
     degrees = np.ceil(1.0 + spare + digits * (_ALL * missing + more)).astype(int)
-    degrees = np.maximum(degrees, _LEAST)
+    degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     return Resolution(LogPanels(panels, PANEL_WIDTH, capacity, power), tuple(degrees.tolist()))

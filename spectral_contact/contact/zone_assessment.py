@@ -4,40 +4,129 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise, starmap
 from math import inf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.boundaries import NoBoundariesError, zones_error
-from spectral_contact.contact.coupled_errors import field_errors
-from spectral_contact.contact.coupled_state import CoupledState, Effect
-from spectral_contact.contact.layout import SolvedZones
+from spectral_contact.contact.layout import NoBoundariesError, SolvedZones
 from spectral_contact.contact.refine import Attempt, Resolution
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
     FIELD_ROUNDING,
     LEAST_RATE,
+    LEFT,
     ROUNDING,
     SAFETY,
     TRACTION_ROUNDING,
     boundary_error,
+    decay_rates,
+    expected_error,
     series_of,
+    share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
-from spectral_contact.fields.series import CENTRE, EDGE, LogSeries
+from spectral_contact.contact.zone_spaces import leading_depth, root_error, rounding_depth
+from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Annulus, Points, gap
 from spectral_contact.spectral.factored import Symmetric
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.coupled_problem import CoupledProblem
+    from spectral_contact.contact.zone_newton import Effect, ZoneState
+    from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
-__all__ = ["BENT", "CoupledZones", "assessed"]
+__all__ = [
+    "BENT",
+    "FieldErrors",
+    "ZoneSolution",
+    "assessed",
+    "field_errors",
+    "shares_of",
+    "sizes_of",
+    "zones_error",
+]
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class FieldErrors:
+    """Estimates for p and for q/s; what every panel adds, and its fall with one more degree."""
+
+    pressure: float
+    traction: float
+    indicators: Array
+    rates: Array
+
+
+def field_errors(
+    spaces: list[Resolution], system: Tangential, whole: Array, change: Array
+) -> FieldErrors:
+    """Return what the change of a solution tells of the errors of its fields."""
+    fields, count = system.fields, system.count
+    rates = [decay_rates(spaces[one.part], one.of(whole)) for one in fields]
+    shares = shares_of(system, change, sizes_of(system, whole))
+    expected = [expected_error(*pair) for pair in zip(shares, rates, strict=True)]
+    pressure, traction = _root_errors(system, change, whole)
+    for one, errors in zip(fields, expected, strict=True):
+        if one.own.stop <= count:
+            pressure = max(pressure, float(errors.max()))
+        else:
+            traction = max(traction, float(errors.max()))
+    indicators = [np.zeros(len(one.degrees)) for one in spaces]
+    slowest = [np.full(len(one.degrees), LEAST_RATE) for one in spaces]
+    for own, errors, rate in zip(fields, expected, rates, strict=True):
+        np.maximum(indicators[own.part], errors, out=indicators[own.part])
+        np.maximum(slowest[own.part], rate, out=slowest[own.part])
+    return FieldErrors(pressure, traction, np.concatenate(indicators), np.concatenate(slowest))
+
+
+def sizes_of(system: Tangential, values: Array) -> list[Array]:
+    """Return what changes of the fields are relative to, at the ends of the panels.
+
+    Where p or q/s changes sign in full stick it is the root of the sum of both squares.
+    """
+    ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
+    if system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
+        ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
+    return ends
+
+
+def shares_of(system: Tangential, change: Array, sizes: list[Array]) -> list[Array]:
+    """Return a change of the fields on every panel, relative to their sizes there."""
+    alpha, beta, _, _ = system.parameters
+    singular = {one.part for one in system.fields if one.panels.power}
+    shares = []
+    for one, size in zip(system.fields, sizes, strict=True):
+        part = system.parts[one.part]
+        reach = part.family.reach
+        leading = leading_depth(alpha, beta, reach) if one.part in singular else inf
+        known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
+        shares.append(
+            share_of_change(one.panels, one.of(change), size, leading=leading, known=known)
+        )
+    return shares
+
+
+def _root_errors(system: Tangential, change: Array, whole: Array) -> tuple[float, float]:
+    """Return the errors of p and of q/s at an edge that sticks, where one has a root there.
+
+    That is the one whose compliance is not zero if the other's is.
+    """
+    (alpha, beta, _, _), last = system.parameters, len(system.parts) - 1
+    rooted = system.parts[last].state == 0 and (alpha > 0.0) != (beta > 0.0)
+    errors = [0.0, 0.0]
+    for one in system.fields:
+        shear = one.own.start >= system.count
+        if rooted and one.part == last and shear == (beta > 0.0):
+            at_end = series_of(one.panels, one.of(whole)).at_ends()[-1]
+            errors[shear] = root_error(one.panels, one.of(change), at_end)
+    return errors[0], errors[1]
+
 
 #: What slopes change by over the width of a zone, of themselves.
 BENT = 8.0
@@ -51,7 +140,7 @@ _FINER = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CoupledZones(SolvedZones):
+class ZoneSolution(SolvedZones):
     """The solution on any zones, with the vector that it is made of.
 
     Attributes
@@ -92,16 +181,16 @@ class CoupledZones(SolvedZones):
 
 
 def assessed(
-    problem: CoupledProblem, spaces: list[Resolution], state: CoupledState, left: float
-) -> Attempt[CoupledZones]:
+    problem: FreeBoundaryProblem, spaces: list[Resolution], state: ZoneState, left: float
+) -> Attempt[ZoneSolution]:
     """Return a solution with its errors.
 
     Parameters
     ----------
-    problem : CoupledProblem
+    problem : FreeBoundaryProblem
         Whose boundaries and slopes these are.
     spaces : list of Resolution
-    state : CoupledState
+    state : ZoneState
     left : float
         What corrections leave of the fields.
 
@@ -119,7 +208,7 @@ class _Assessment:
     """The parts of `assessed`."""
 
     def __init__(
-        self, problem: CoupledProblem, spaces: list[Resolution], state: CoupledState, left: float
+        self, problem: FreeBoundaryProblem, spaces: list[Resolution], state: ZoneState, left: float
     ) -> None:
         self.problem, self.state, self.left = problem, state, left
         self.system, self.effects = state.system, state.effects()
@@ -129,12 +218,12 @@ class _Assessment:
         self.noise = _STUCK_NOISE
         if self.system.radii:
             self.noise = _GIVEN_NOISE if self.system.given else _NOISE
-        self.noise += left * 1e-2
+        self.noise += LEFT * left
 
     @cached_property
     def loose(self) -> Effect:
         """What would meet the conditions of the boundaries, twice; no lift does without a layer."""
-        return self.state.unbalanced.times(2.0 if self.system.parameters.beta > 0.0 else 0.0)
+        return self.state.unbalanced(2.0 if self.system.parameters.beta > 0.0 else 0.0)
 
     @cached_property
     def inverse(self) -> Array:
@@ -172,7 +261,7 @@ class _Assessment:
         gaps = np.concatenate([[inf], np.diff(logits), [inf]])
         return np.asarray(shifts * (1.0 + BENT * shifts / np.minimum(gaps[1:], gaps[:-1])))
 
-    def attempt(self) -> Attempt[CoupledZones]:
+    def attempt(self) -> Attempt[ZoneSolution]:
         """Return everything together."""
         state, system, fields = self.state, self.system, self.fields
         known = self.squared + self.noise + (0.0 if system.given else self.off)
@@ -184,7 +273,7 @@ class _Assessment:
         )
         stuck, stray = self._displacements()
         pressure, shear = system.split(self.whole)
-        value = CoupledZones(
+        value = ZoneSolution(
             radii=system.radii,
             states=system.states,
             approach=state.approach,
@@ -225,7 +314,7 @@ class _Assessment:
         bend = 2.0 * float((self.shifts**2 * rest).max(initial=0.0))
         return changes / abs(shear(self.whole)) + bend
 
-    def _by_energies(self, attempt: Attempt[CoupledZones]) -> Attempt[CoupledZones]:
+    def _by_energies(self, attempt: Attempt[ZoneSolution]) -> Attempt[ZoneSolution]:
         """Return full stick with the errors of approach and shear as energies of changes.
 
         That of the shear is a product with its dual: no accident makes either small.
@@ -297,3 +386,23 @@ def _largest_displacement(system: Tangential, stuck: list[Stuck]) -> float:
         for k, state in enumerate(system.states)
         if state != 0
     )
+
+
+def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:
+    """Return the largest of the boundaries' errors; infinite if a zone may not be there.
+
+    Parameters
+    ----------
+    radii : tuple of Radius
+        Boundaries, outward.
+    errors : tuple of (float, float)
+        Their relative errors from the centre and from the edge.
+    """
+    unsure = [
+        min(2.0 * at.square * own, at.rest * edge)
+        for at, (own, edge) in zip(radii, errors, strict=True)
+    ]
+    widths = starmap(gap, pairwise(radii))
+    if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
+        return inf
+    return max(map(max, errors), default=0.0)
