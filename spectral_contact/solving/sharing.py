@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
 
-__all__ = ["Shared", "ZonePath"]
+__all__ = ["Place", "Shared", "ZonePath", "extrapolated"]
 
 _T = TypeVar("_T")
 Array = NDArray[np.float64]
@@ -66,12 +66,12 @@ class ZonePath:
         if not 0.0 < abs(along) <= _FARTHEST:
             return layout if along == 0.0 else None
         times, logits = self._on_the_line(ahead, along)
-        guess = _extrapolated(times, logits)
+        guess = extrapolated(times, logits)
         if (np.diff(guess) <= 0.0).any():
             return layout
         slopes = [one.slopes for _, one in self._known[-2:] if one.slopes is not None]
         if len(times) > 1 and len(slopes) == 2 and len(layout.states) > 2:
-            layout = replace(layout, slopes=_extrapolated(times[:2], slopes[::-1]))
+            layout = replace(layout, slopes=extrapolated(times[:2], slopes[::-1]))
         return replace(layout, logits=tuple(guess.tolist()))
 
     def _on_the_line(self, ahead: Place, along: float) -> tuple[list[float], list[Array]]:
@@ -103,7 +103,7 @@ def _way(start: Place, end: Place) -> Place:
     return a, b, c
 
 
-def _extrapolated(times: list[float], values: list[Array]) -> Array:
+def extrapolated(times: list[float], values: list[Array]) -> Array:
     """Return the polynomial through values at these times, at the time 1 (Neville)."""
     values = list(values)
     for order in range(1, len(values)):
