@@ -98,6 +98,8 @@ class CoupledSearch:
         Most unknowns of a space.
     record : callable
         Takes the name of a step, its outcome and its beginning, returns the value.
+    near : Layout, optional
+        Zones with slopes, as a like scene has them: they come first.
     """
 
     parameters: Parameters
@@ -106,6 +108,7 @@ class CoupledSearch:
     tolerance: float
     max_unknowns: int
     record: Record
+    near: Layout | None = None
 
     def outcome(self) -> PartialSlip:
         """Return the first solution that obeys the friction law.
@@ -154,6 +157,8 @@ class CoupledSearch:
     def _layouts(self) -> Iterator[tuple[Layout, bool]]:
         """Guess zones, of every kind once; the last ones are far from those without coupling."""
         seen: set[tuple[int, ...]] = set()
+        if self.near is not None:
+            yield self.near, False
         for layout in self._guesses():
             if self._possible(layout) and layout.states not in seen:
                 seen.add(layout.states)
@@ -197,7 +202,8 @@ class CoupledSearch:
         parameters, most = self.parameters, self.max_unknowns
         # the search for boundaries that are not there ends at the edge, past rounding
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            layout = self._narrowed(self._found(layout, far))
+            if layout is not self.near:
+                layout = self._narrowed(self._found(layout, far))
             if len(layout.states) > 2 and self.tolerance < _PROBE:
                 rough = solve_coupled_zones(parameters, layout, _PROBE, most)
                 lawful(zones_outcome(rough.best.value, parameters))

@@ -59,6 +59,8 @@ _END, _ROUNDING = np.ones(1), 1e-15
 _FARTHER_BACK, _CORNER, _NEXT = 1e-10, 6.0, 1e-9
 #: By how much more than is missing there series are off where the history begins.
 _RINGS = 10.0
+#: Rounding of the shear: 5e-13 past the corner of a rounded flat.
+_SUMMED = 5e-13
 #: Points of the panel before the first one.
 _BEFORE = 10
 #: Slopes of ``ln P`` below which the history goes on for so much in ``u`` to the centre; how close
@@ -134,7 +136,7 @@ class Growth:
     def shear_error(self) -> float:
         """Estimate of the relative error of the shear."""
         panels = sum(one.shear_error * self._share(one) for one in self.panels)
-        return panels + 2.0 * self._of_flats("total_shear", "approach", power=0.0)
+        return panels + 2.0 * self._of_flats("total_shear", "approach", power=0.0) + _SUMMED
 
     @cached_property
     def stick_rate(self) -> float:

@@ -8,25 +8,21 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import indenter, value_of
 from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.layout import Layout
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
-from spectral_contact.solution import PARTIAL_SLIP, Solution
+from spectral_contact.solution import COUPLING, PARTIAL_SLIP, Solution
 from spectral_contact.solving.coupled_run import CoupledRun
 from spectral_contact.solving.growth import Grower
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import Place, Shared, extrapolated
+from spectral_contact.solving.sharing import Shared, StickPath
 from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
 
 __all__ = ["Stages"]
-
-Array = NDArray[np.float64]
 
 #: What the flat punches of a history are solved for.
 _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
@@ -43,46 +39,8 @@ _PAST = 1e-10
 _AT_SMOOTH_BREAK, _AT_BREAK = 1e-7, 3e-4
 #: Tolerances of the critical friction and of the radius at which slip begins.
 _CRITICAL, _ONSET = 1e-10, 1e-12
-#: Stick radii that another one is interpolated from.
-_NEIGHBOURS = 6
 #: Friction that is lacking by more than this, in a logarithm, is lacking.
 _LACKING = 5.0
-
-
-class _StickPath:
-    """Where the stick radius may be: between those of radii that are known.
-
-    Its logit goes like the logarithm of the distance from the onset of slip at first.
-    """
-
-    def __init__(self, scene: Scene) -> None:
-        self._compliance = math.log(scene.normal_compliance or scene.tangential_compliance or 1.0)
-        self._first = scene.normal_compliance > 0.0
-        self._known: dict[float, Layout] = {}
-        self.onset: float | None = None
-
-    def _along(self, place: Place) -> float | None:
-        log_radius = self._compliance - (place[0] if self._first else place[1])
-        if not self.onset:
-            return log_radius if math.isfinite(log_radius) else None
-        past = math.exp(log_radius) / self.onset - 1.0
-        return math.log(past) if past > 0.0 else None
-
-    def add(self, place: Place, layout: Layout | None) -> None:
-        """Keep what is found."""
-        along = self._along(place)
-        if along is not None and layout is not None and layout.slopes is not None:
-            self._known[along] = layout
-
-    def near(self, place: Place) -> Layout | None:
-        """Return a guess."""
-        along = self._along(place)
-        if along is None or len(self._known) < 2:
-            return None
-        near = sorted(self._known, key=lambda one: abs(one - along))[:_NEIGHBOURS]
-        logits = [np.array(self._known[one].logits) for one in near]
-        logit = extrapolated([1.0 + one - along for one in near], logits)
-        return replace(self._known[near[0]], logits=tuple(logit.tolist()))
 
 
 class Stages:
@@ -114,8 +72,11 @@ class Stages:
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
-        self._shared, self._path = Shared(), _StickPath(scene)
-        self._shared.get(PARTIAL_SLIP, (), lambda: self._path)
+        self._shared, self._path = (
+            Shared(),
+            StickPath(scene.normal_compliance, scene.tangential_compliance),
+        )
+        self._shared.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
         self._run = CoupledRun if scene.couples else Run
         self._last: tuple[Scene, Solution] | None = None
 
