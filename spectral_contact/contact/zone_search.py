@@ -314,7 +314,21 @@ class CoupledSearch(ZoneSearch):
 
     Guesses are narrow slip where full stick breaks the law, what an active set finds on rings, and
     one stick disk. Of 600 random scenes, half of them at thresholds, none needed another one.
+
+    Parameters
+    ----------
+    near : Layout, optional
+        Zones with slopes, as a like scene has them: they come first.
     """
+
+    near: Layout | None = None
+
+    def _tried(self) -> Iterator[PartialSlip]:
+        if self.near is not None:
+            outcome = self._attempted(self.near)
+            if outcome is not None:
+                yield outcome
+        yield from super()._tried()
 
     def others(self, logit: float) -> list[float]:
         """Return what other stick radii than that of a solution there may be, roughly.
@@ -374,7 +388,8 @@ class CoupledSearch(ZoneSearch):
 
         begin = perf_counter()
         try:
-            layout = self._narrowed(find_zones(self.parameters, layout))
+            if layout is not self.near:
+                layout = self._narrowed(find_zones(self.parameters, layout))
         except NoStickDiskError as missing:
             if missing.at_centre:
                 return self._all_slip()

@@ -51,7 +51,7 @@ class ContactHistory:
 
     @property
     def radii(self) -> Array:
-        """Contact radii at which flat punches were solved, ascending, and today's last."""
+        """Contact radii at which the series were made, ascending, and today's last."""
         count = self.loads.shape[1]
         t = -np.cos(np.pi * (np.arange(count) + 0.5) / count)
         logs = self.ends[:-1, None] + np.diff(self.ends)[:, None] * (1.0 + t) / 2.0

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
     from spectral_contact.contact.zone_search import CoupledSearch
+    from spectral_contact.solving.sharing import Place, StickPath
 
 __all__ = ["CoupledRun"]
 
@@ -143,10 +144,22 @@ class CoupledRun(Run):
             one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
         self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
 
+    @property
+    def _path(self) -> tuple[StickPath | None, Place]:
+        """Stick radii of the same contact at other times, if it grows, and where it is."""
+        alpha, beta, _, friction = self.parameters
+        log_a, log_b, log_f = (
+            math.log(x) if x > 0.0 else -math.inf for x in (alpha, beta, friction)
+        )
+        path: StickPath | None = self.shared.get(COUPLING, (), lambda: None)
+        return path, (log_a, log_b, log_f)
+
     def _found(self, search: CoupledSearch, unsure: float) -> PartialSlip | None:
         """Return the zones, or None next to the onset where full stick is as good."""
         from spectral_contact.contact.zone_search import NoZonesError
 
+        path, place = self._path
+        search.near = None if path is None else path.near(place)
         try:
             found = search.outcome()
         except NoZonesError as missing:
@@ -161,6 +174,8 @@ class CoupledRun(Run):
                 f"no zones were found that obey the friction law ({missing}); "
                 "pass friction=math.inf, or coupling=False",
             ) from missing
+        if path is not None:
+            path.add(place, found.layout)
         worst = max(
             found.pressure_error, found.traction_error, found.shear_error, found.approach_error
         )

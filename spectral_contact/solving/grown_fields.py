@@ -37,18 +37,25 @@ __all__ = ["GrownField", "GrownFields", "opening"]
 
 Array = NDArray[np.float64]
 
-#: Panels towards the ends of a part, their width and degree; those to the centre go to where the
-#: history begins.
-_PANELS, _WIDTH, _DEGREE = 11, 2.0, 23
+#: Width of the panels towards the ends of a part, and by how much a term gains there, which the
+#: other end decides; those to the centre go to where the history begins.
+_WIDTH, _GAIN = 2.0, 3.05
 #: The least number of those to the centre.
 _AT_CENTRE = 4
-#: Panels where there are square roots, as a smooth surface has them.
-_ROOT_PANELS = 26
-#: Quadrature over the history, graded to where it begins: points, panels, and their ratio; the
-#: same where there are square roots; what is smooth takes few points.
-_GRADED, _ROOT_GRADED, _SMOOTH = (10, 16, 0.2), (10, 36, 0.2), (16, 1, 0.0)
-#: The same for slip, which is bounded at the edge; graded to where a radius sticks, too.
+#: The fewest panels, and how many where there are square roots, as a smooth surface has them.
+_FEWEST, _ROOT_PANELS = 11, 26
+#: Quadrature over the history, graded to where it begins: the ratio of its panels, their number
+#: where there are square roots, and points; what is smooth takes few points.
+_RATIO, _ROOT_GRADED, _POINTS, _SMOOTH = 0.2, 36, 10, (16, 1, 0.0)
+#: How far into the edge, as a power of the tolerance in shares of the layer, panels go, and
+#: quadrature, where fields are bounded.
+_DEEP, _DEEP_QUADRATURE = 0.75, 0.5
+#: Quadrature of slip, which is bounded at the edge; graded to where a radius sticks, too.
 _SLIP_GRADED, _ROOT_SLIP_GRADED = (10, 6, 0.2), (10, 12, 0.2)
+#: Quadrature is graded to where it begins if that is not so far, in lengths of the panel.
+_NEAR = 0.3
+#: What series leave out, over their last terms: 1.3 for a traction with square roots.
+_SAFETY = 3.0
 #: How far apart, in a logarithm, the onset of slip and the stick radius are told apart.
 _APART = 1e-6
 #: Where the sign of the pressure is looked at, in the logarithm of the distance from the edge.
@@ -79,14 +86,23 @@ class GrownFields:
     growth : Growth
     stick : Radius
         Today's stick radius over the contact radius.
-    smooth : bool
-        Whether one of the compliances is zero, so that there are square roots.
+    layer : float
+        The least compliance, in radii; where it is zero there are square roots.
+    tolerance : float
     """
 
-    def __init__(self, growth: Growth, stick: Radius, *, smooth: bool) -> None:
-        self.history = _History(growth, graded_rule(*(_ROOT_GRADED if smooth else _GRADED)))
+    def __init__(self, growth: Growth, stick: Radius, layer: float, tolerance: float) -> None:
+        smooth, digits = layer == 0.0, -math.log(tolerance)
+        count, graded = _ROOT_PANELS, _ROOT_GRADED
+        if not smooth:
+            edge = max(-2.0 * math.log(layer), 0.0)
+            count = min(max(2 + int((edge + _DEEP * digits) / _WIDTH), _FEWEST), count)
+            deep = (edge + _DEEP_QUADRATURE * digits) / -math.log(_RATIO)
+            graded = min(1 + int(deep), graded)
+        rule = graded_rule(_POINTS, graded, _RATIO)
+        self.history = _History(growth, rule, math.ceil((digits + _WIDTH) / math.log(_GAIN)))
         self._slip_rule = _both_ends(*(_ROOT_SLIP_GRADED if smooth else _SLIP_GRADED))
-        self.stick, self._count = stick, _ROOT_PANELS if smooth else _PANELS
+        self.stick, self._count = stick, count
         self._inner = self._cuts(-math.inf, math.log(stick.value))
         self._outer = self._cuts(math.log(stick.value), 0.0)
 
@@ -169,7 +185,7 @@ class GrownFields:
                     series = _logarithmic(series)
                 halves.append(series)
                 size = _largest_radii(family) ** power
-                last = np.abs(series.coefficients[:, -2:]).max(axis=1)
+                last = _SAFETY * np.abs(series.coefficients[:, -2:]).max(axis=1)
                 lost = max(lost, float((size * last).max()))
                 largest = max(largest, float((size * np.abs(series.at_ends()[:-1])).max()))
             pieces.append(ZonePiece(high, AnnulusSeries(low, high, halves[0], halves[1], power)))
@@ -218,8 +234,8 @@ def _largest_radii(family: Family) -> Array:
 class _History:
     """A growth, and what it adds up to."""
 
-    def __init__(self, growth: Growth, rule: tuple[Array, Array]) -> None:
-        self.growth, self.rule = growth, rule
+    def __init__(self, growth: Growth, rule: tuple[Array, Array], degree: int) -> None:
+        self.growth, self.rule, self.degree = growth, rule, degree
 
     def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
         """Return the panels towards an end of a part that extends so far in ``s**2``."""
@@ -228,14 +244,14 @@ class _History:
         short = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
         at_centre = max(math.ceil(depth / _WIDTH) - short, _AT_CENTRE)
         panels = at_centre if boundary is CENTRE else count
-        return LogPanels(panels, _WIDTH, _DEGREE)
+        return LogPanels(panels, _WIDTH, self.degree)
 
     def while_stuck(self, name: str, log_r: Array, stuck: Array) -> Array:
         """Return by how much a field grew at radii since they stuck."""
         total = np.zeros(len(log_r))
         for panel in self.growth.all_panels:
             # what stuck long before has a smooth integrand
-            near = panel.low - stuck < panel.high - panel.low
+            near = panel.stretch.before(stuck) < _NEAR * panel.stretch.extent
             for rows, rule in (
                 (near & (stuck < panel.high), self.rule),
                 (~near, graded_rule(*_SMOOTH)),
@@ -257,7 +273,8 @@ class _History:
         for panel in self.growth.all_panels:
             begin, end = np.maximum(log_r, panel.low), np.minimum(stuck, panel.high)
             # far from where radii began to slip and stuck the integrand is smooth
-            near = np.minimum(begin - log_r, stuck - end) < panel.high - panel.low
+            room = _NEAR * panel.stretch.extent
+            near = (panel.stretch.before(log_r) < room) | (stuck - end < panel.high - panel.low)
             slipped = (begin < end) & panel.slips
             for rows, by in (
                 (slipped & near, rule or self.rule),
@@ -287,19 +304,25 @@ def _while_stuck(
     name: str, panel: Panel, log_r: Array, stuck: Array, rule: tuple[Array, Array]
 ) -> Array:
     """Return what the increments of one panel add to radii that stick."""
-    begin = np.maximum(stuck, panel.low)
-    extent = (panel.high - begin)[:, None]
+    stretch, begin = panel.stretch, np.maximum(stuck, panel.low)
     points, weights = rule
-    ahead = extent * points
-    u = begin[:, None] + ahead
-    t = panel.local(u).ravel()
-    start = panel.log_stick(panel.local(begin))
+    depth = stretch.depth_of(begin)[:, None]
+    extent = stretch.step(depth, (panel.high - begin)[:, None])
+    t, ahead = stretch.place(depth + extent * points), stretch.ahead(depth, extent * points)
     # how far inside the stick radius: exactly at it when they stuck
-    since = np.where(stuck < panel.low, begin + start - log_r, 0.0)
-    grown = panel.log_stick(t).reshape(u.shape) - start[:, None]
-    d = np.clip(-np.expm1(-2.0 * (since[:, None] + ahead + grown)), 0.0, 1.0)
-    values = panel.where_stuck(name, t, d.ravel()) * panel.increment(t) * np.exp(-2.0 * u.ravel())
-    return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ weights))
+    inside = ahead
+    if panel.slips:
+        start = panel.log_stick(stretch.place(depth))
+        inside = ahead + panel.log_stick(t) - start
+        inside += np.where(stuck < panel.low, begin - log_r, 0.0)[:, None]
+        inside += np.where(stuck[:, None] < panel.low, start, 0.0)
+        inside = np.maximum(inside, 0.0)
+    else:
+        inside = ahead + (begin - log_r)[:, None]
+    t = t.ravel()
+    values = panel.where_stuck(name, t, inside.ravel()) * panel.increment(t)
+    values = values.reshape(ahead.shape) * np.exp(-2.0 * (begin[:, None] + ahead))
+    return np.asarray(extent[:, 0] * (values @ weights))
 
 
 def _while_slipping(
@@ -311,16 +334,16 @@ def _while_slipping(
     power: int,
 ) -> Array:
     """Return what the increments of one panel add to radii while they slip."""
-    begin, end = span
-    extent = (end - begin)[:, None]
+    stretch, (begin, end) = panel.stretch, span
     points, weights = rule
-    ahead = extent * points
-    u = begin[:, None] + ahead
-    depth = ((begin - log_r)[:, None] + ahead).ravel()
-    t = panel.local(u).ravel()
-    values = panel.where_slipping(name, t, -np.expm1(-2.0 * depth))
-    values *= panel.increment(t) * np.exp(-power * u.ravel())
-    return np.asarray(extent[:, 0] * (values.reshape(u.shape) @ weights))
+    depth = stretch.depth_of(begin)[:, None]
+    extent = stretch.step(depth, (end - begin)[:, None])
+    t = stretch.place(depth + extent * points).ravel()
+    ahead = stretch.ahead(depth, extent * points)
+    values = panel.where_slipping(name, t, ((begin - log_r)[:, None] + ahead).ravel())
+    values = (values * panel.increment(t)).reshape(ahead.shape)
+    values *= np.exp(-power * (begin[:, None] + ahead))
+    return np.asarray(extent[:, 0] * (values @ weights))
 
 
 def _both_ends(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
@@ -332,9 +355,11 @@ def _both_ends(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
 
 def _crossed(panel: Panel, log_r: Array) -> Array:
     """Return where the stick radius is these radii."""
-    low, high = np.full(len(log_r), panel.low), np.full(len(log_r), panel.high)
+    low, high = -np.ones(len(log_r)), np.ones(len(log_r))
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2.0
-        below = middle + panel.log_stick(panel.local(middle)) < log_r
+        below = panel.stretch.log_radius(panel.stretch.depth(middle)) < log_r - panel.log_stick(
+            middle
+        )
         low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return np.asarray((low + high) / 2.0)
+    return panel.stretch.log_radius(panel.stretch.depth((low + high) / 2.0))

@@ -1,20 +1,20 @@
 r"""Friction under a growing contact, by superposition of flat punches over the contact radius.
 
 While the load grows the rates of pressure and traction are those of a flat punch of the radius
-``b`` (docs: profiles). So with flat solutions on panels in ``u = ln b``, interpolated between
-Chebyshev points, and with the load that `weights` knows,
+``b`` (docs: profiles). So with flat solutions on panels, interpolated between Chebyshev points
+(`stretch`), and with the load that `weights` knows,
 
     q(r) = int q*(r/b; alpha/b, beta/b, f) dP/b^2,      Q = int Q* dP,      c(b) = b c*.
 
 It holds as long as slip reaches the edge and ``c`` does not fall, which is checked at every radius.
-Below the radius where slip begins everything sticks; panels are graded to it.
+Below the radius where slip begins everything sticks; points are dense next to it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,8 +23,9 @@ from scipy.optimize import brentq
 
 from spectral_contact.errors import NotComputedError
 from spectral_contact.solution import Solution
-from spectral_contact.solving.growth_panel import Panel, stage_logs
-from spectral_contact.solving.nodes import COUNT, chebyshev_value
+from spectral_contact.solving.growth_panel import Panel, PowerCurve
+from spectral_contact.solving.nodes import chebyshev_value
+from spectral_contact.solving.stretch import RadiusStretch
 from spectral_contact.solving.weights import Weight, Weights
 from spectral_contact.threads import cached_property
 
@@ -34,18 +35,18 @@ Array = NDArray[np.float64]
 #: Of a contact radius: the solution of a flat punch.
 Stage = Callable[[float], Solution]
 
-#: A panel of this width in u leaves out so much at most, as measured under a parabola from 1e-6 to
-#: 5 compliances; the widest. These are first guesses: what leaves out more is halved.
-_WIDTH, _LEAVES, _WIDEST = 1.2, 1e-8, 2.6
-#: The first panel past the onset of slip at the tightest tolerance, and how it grows with it.
-_AT_ONSET, _TIGHTEST, _POWER = 3e-4, 1e-10, 0.25
-#: By how much panels grow away from where something begins: past a break, past the onset at most,
-#: and what is singular there.
-_RATIO, _MOST, _SINGULAR = 3.5, 8.0, 1e-4
-#: By how much a last panel may be longer.
-_REST = 0.3
-#: What panels may leave out, of the tolerance, as there are some tens; they are not halved below.
-_MARGIN, _SHORTEST = 0.02, 1e-4
+#: The widest panel, and what is left out with no point on it, as measured: from the first touch
+#: on, and past the onset of slip or a break, where little changes at first.
+_WIDEST, _LEAVES, _LEAVES_PAST = 4.5, 3000.0, 100.0
+#: The poles of flat solutions, over the least compliance: under full stick at 2.2 or beyond.
+_POLES = 2.0
+#: The least points of a panel: those that the estimate of what is left out takes.
+_FEWEST = 6
+#: How far past the onset of slip points are dense, relative, at the tightest tolerance, and how it
+#: grows with it.
+_AT_ONSET, _TIGHTEST, _POWER = 1e-3, 1e-10, 0.2
+#: What panels may leave out, of the tolerance, as there are a few; they are not halved below.
+_MARGIN, _SHORTEST = 0.1, 1e-4
 #: By how much a stick radius may fall, as its own error may make it.
 _FALL = 1e-8
 #: By how much more than their own errors those of the flat punches count in load and approach,
@@ -56,9 +57,15 @@ _END, _ROUNDING = np.ones(1), 1e-15
 #: From a flat part a history goes back by so much in ``u``, and its load by so much in ``ln P``;
 #: how close to it one begins.
 _FARTHER_BACK, _CORNER, _NEXT = 1e-10, 6.0, 1e-9
+#: By how much more than is missing there series are off where the history begins.
+_RINGS = 10.0
+#: Rounding of the shear: 5e-13 past the corner of a rounded flat.
+_SUMMED = 5e-13
+#: Points of the panel before the first one.
+_BEFORE = 10
 #: Slopes of ``ln P`` below which the history goes on for so much in ``u`` to the centre; how close
 #: to that of a tip it is one.
-_STEEP, _FARTHER, _LIKE_A_TIP = 2.9, 40.0, 1e-6
+_STEEP, _FARTHER, _LIKE_A_TIP = 3.1, 40.0, 1e-6
 
 
 @dataclass(frozen=True)
@@ -92,15 +99,15 @@ class Growth:
     @cached_property
     def approach(self) -> float:
         """Today's."""
-        return math.exp(float(chebyshev_value(self.panels[-1].weights.approaches, _END)[0]))
+        return math.exp(float(self.panels[-1].approaches.at(_END)[0]))
 
     @cached_property
     def work(self) -> float:
         """``int P ddelta``."""
 
         def rates(panel: Panel) -> Callable[[Array], Array]:
-            logs = panel.weights.approaches
-            return lambda t: panel.load(t) * np.exp(chebyshev_value(logs, t)) * panel.rate(logs, t)
+            sunk = panel.approaches
+            return lambda t: panel.load(t) * np.exp(sunk.at(t)) * sunk.rate(t)
 
         # before the first panel there is next to none
         return sum(one.integral(rates(one)) for one in self.panels)
@@ -121,8 +128,7 @@ class Growth:
     def weight_error(self) -> float:
         """Estimate of the relative error of load and approach, as the panels leave it."""
         panels = sum(one.shear_error * self._share(one) for one in self.panels)
-        approaches = [one.weights.approaches for one in self.panels]
-        begun = math.exp(approaches[0][0] - approaches[-1][-1])
+        begun = math.exp(float(self.panels[0].approaches.at(-_END)[0])) / self.approach
         flats = _OF_FLATS * self._of_flats("pressure", "approach", power=0.0)
         return panels + begun + flats
 
@@ -130,25 +136,27 @@ class Growth:
     def shear_error(self) -> float:
         """Estimate of the relative error of the shear."""
         panels = sum(one.shear_error * self._share(one) for one in self.panels)
-        return panels + 2.0 * self._of_flats("total_shear", "approach", power=0.0)
+        return panels + 2.0 * self._of_flats("total_shear", "approach", power=0.0) + _SUMMED
 
     @cached_property
     def stick_rate(self) -> float:
         """``dln c*/dln b`` today."""
         last = self.panels[-1]
-        return abs(float(last.rate(last.stick, _END)[0])) if last.slips else 0.0
+        return (
+            abs(last.rate_today(PowerCurve(last.stretch, np.exp(last.stick), 0.0)))
+            if last.slips
+            else 0.0
+        )
 
     @cached_property
     def load_rate(self) -> float:
         """``dln P/dln b`` today."""
-        last = self.panels[-1]
-        return float(last.rate(last.weights.loads, _END)[0])
+        return self.panels[-1].rate_today(self.panels[-1].loads)
 
     @cached_property
     def approach_rate(self) -> float:
         """``dln delta/dln b`` today."""
-        last = self.panels[-1]
-        return float(last.rate(last.weights.approaches, _END)[0])
+        return self.panels[-1].rate_today(self.panels[-1].approaches)
 
     def moved(self, name: str, value: float) -> float:
         """Return the relative error of today's radius, where load or approach has a value."""
@@ -161,14 +169,13 @@ class Growth:
     @cached_property
     def shear_rate(self) -> float:
         """``dln Q/dln b`` today."""
-        last = self.panels[-1]
-        rate = float(last.increment(_END)[0] * last.shears[-1])
+        rate = self.load_rate * self.load * float(self.panels[-1].shears[-1])
         return abs(rate / self.total_shear) if self.total_shear else 0.0
 
     @cached_property
     def error(self) -> float:
         """Estimate of the error of the traction, relative to its largest value."""
-        panels = sum(one.error * self._share(one) for one in self.panels)
+        panels = sum((one.error + one.lost) * self._share(one) for one in self.panels)
         flats = self._of_flats("traction", "pressure", power=-2.0)
         return panels + 2.0 * flats + self.begun
 
@@ -186,7 +193,7 @@ class Growth:
     def _rise(self) -> float:
         """``dln P/dln b`` at the beginning."""
         first = self.panels[0]
-        return float(first.rate(first.weights.loads, -_END)[0])
+        return float(first.loads.rate(-_END)[0] * first.stretch.bend)
 
     @property
     def _corner(self) -> bool:
@@ -201,7 +208,7 @@ class Growth:
             return 0.0
         first = self.all_panels[0]
         share = float(first.load(-_END)[0]) / self.load
-        return share * math.exp(2.0 * (self.log_radius - first.low))
+        return _RINGS * share * math.exp(2.0 * (self.log_radius - first.low))
 
     @cached_property
     def all_panels(self) -> tuple[Panel, ...]:
@@ -209,16 +216,21 @@ class Growth:
         first, corner = self.panels[0], self._corner
         if self._rise > _STEEP and not corner:
             return self.panels
+        # what is missing falls with the power of the radius that is above 2
+        farther = _FARTHER / max(1.0, 2.0 * (self._rise - 2.0))
         # a flat part has its first load before it grows at all
-        rise, farther = (_CORNER / _FARTHER_BACK, _FARTHER_BACK) if corner else (0.0, _FARTHER)
-        low, flats = first.low - farther, (first.flats[0],) * COUNT
-        back = stage_logs(low, first.low) - first.low
+        rise, farther = (_CORNER / _FARTHER_BACK, _FARTHER_BACK) if corner else (0.0, farther)
+        back = RadiusStretch(first.low - farther, first.low, count=_BEFORE)
         weights = [
-            float(chebyshev_value(logs, -_END)[0])
-            + (rise or float(first.rate(logs, -_END)[0])) * back
-            for logs in (first.weights.loads, first.weights.approaches)
+            np.exp(
+                float(curve.at(-_END)[0])
+                + (rise or float(curve.rate(-_END)[0] * first.stretch.bend))
+                * (back.logs - first.low)
+            )
+            for curve in (first.loads, first.approaches)
         ]
-        begun = Panel(low, first.low, Weights(weights[0], weights[1]), flats, first.fields)
+        flats = (first.flats[0],) * _BEFORE
+        begun = Panel(back, Weights(weights[0], weights[1]), flats, first.fields, first.powers)
         return (begun, *self.panels)
 
     def _share(self, panel: Panel) -> float:
@@ -228,10 +240,8 @@ class Growth:
         """Return what the errors of the flat punches make, weighed with ``b**power dP``."""
 
         def weights(panel: Panel) -> Callable[[Array], Array]:
-            extent = panel.high - panel.low
-            return lambda t: (
-                panel.increment(t) * np.exp(power * (panel.low + extent * (1.0 + t) / 2.0))
-            )
+            radii = panel.stretch
+            return lambda t: panel.increment(t) * np.exp(power * radii.log_radius(radii.depth(t)))
 
         sizes = [one.integral(weights(one)) for one in self.panels]
         worst = [
@@ -246,7 +256,7 @@ class Growth:
         return [
             (b := math.exp(u), b * math.exp(stick))
             for one in self.panels
-            for u, stick in zip(one.logs.tolist(), one.stick.tolist(), strict=True)
+            for u, stick in zip(one.stretch.logs.tolist(), one.stick.tolist(), strict=True)
         ]
 
     def log_stick(self, log_radius: float) -> list[float]:
@@ -254,7 +264,8 @@ class Growth:
         panels = [one for one in self.panels if one.slips and one.high >= log_radius]
         if not panels or panels[0].low > log_radius + _NEXT:
             return []
-        place = panels[0].local(np.array([log_radius]))
+        stretch = panels[0].stretch
+        place = stretch.place(stretch.depth_of(np.array([log_radius])))
         return [float(panels[0].log_stick(place)[0])]
 
     def radius_of(self, name: str, value: float) -> float | None:
@@ -264,20 +275,20 @@ class Growth:
         """
         asked = math.log(value)
         for panel in self.panels:
-            logs = getattr(panel.weights, name)
+            curve: PowerCurve = getattr(panel, name)
 
-            def off(t: float, logs: Array = logs) -> float:
-                return float(chebyshev_value(logs, np.array([t]))[0]) - asked
+            def off(t: float, curve: PowerCurve = curve) -> float:
+                return float(curve.at(np.array([t]))[0]) - asked
 
             if off(1.0) >= 0.0:
                 t = float(brentq(off, -1.0, 1.0, xtol=_ROUNDING)) if off(-1.0) < 0.0 else -1.0
-                return panel.low + (panel.high - panel.low) * (1.0 + t) / 2.0
+                return float(panel.stretch.log_radius(panel.stretch.depth(np.array([t])))[0])
         return None
 
 
 def _share(panel: Panel, log_radius: float, load: float) -> float:
     """Return what a panel contributes to load or traction at most, relative to all of it."""
-    share = math.exp(float(panel.weights.loads[-1])) / load
+    share = float(panel.weights.loads[-1]) / load
     return share * max(1.0, math.exp(2.0 * (log_radius - panel.high)))
 
 
@@ -299,7 +310,11 @@ class Grower:
     breaks : tuple of float
         Of the profile.
     at_break : float
-        Width of the first panel past one that is no end of a flat part.
+        How far past one that is no end of a flat part points are dense, relative.
+    layer : float
+        The least compliance, unless there is none: poles are beyond it.
+    powers : tuple of float
+        As of `Panel`.
     """
 
     stage: Stage
@@ -309,6 +324,8 @@ class Grower:
     tolerance: float
     breaks: tuple[float, ...]
     at_break: float
+    layer: float
+    powers: tuple[float, float]
 
     def grown(self, least: float, radius: float, load: float) -> Growth:
         """Return the history of a contact.
@@ -325,14 +342,14 @@ class Grower:
         NotComputedError
             If slip does not reach the edge at some radius, or the stick radius falls.
         """
-        todo, panels = self._ends(math.log(least), math.log(radius))[::-1], []
+        today = math.log(radius)
+        todo, panels = self._stretches(math.log(least), today)[::-1], []
         while todo:
-            low, high = todo.pop()
-            panel = self._panel(low, high)
-            off = panel.error * _share(panel, math.log(radius), load)
-            if off > _MARGIN * self.tolerance and high - low > _SHORTEST:
-                middle = (low + high) / 2.0
-                todo += [(middle, high), (low, middle)]
+            stretch = self._counted(todo.pop(), today)
+            panel = self._panel(stretch)
+            off = panel.error * _share(panel, today, load)
+            if off > _MARGIN * self.tolerance and stretch.extent > _SHORTEST:
+                todo += stretch.cut(2)[::-1]
             else:
                 self.weight.keep()
                 panels.append(panel)
@@ -343,54 +360,48 @@ class Grower:
     def until(self, growth: Growth, log_radius: float) -> Growth:
         """Return a history that ends earlier."""
         kept = [one for one in growth.panels if one.high < log_radius - _SHORTEST]
-        low = kept[-1].high if kept else growth.panels[0].low
+        cut = growth.panels[len(kept)].stretch
         self.weight.back(len(kept))
-        last = self._panel(low, log_radius)
+        last = self._panel(replace(cut, high=log_radius))
         self.weight.keep()
         return Growth((*kept, last), self.onset, self.breaks)
 
-    def _ends(self, low: float, high: float) -> list[tuple[float, float]]:
-        """Return the ends of the first panels, which grow away from where something begins."""
-        starts = {math.log(b): self.at_break for b in self.breaks if low < math.log(b) < high}
-        if self.onset and low < math.log(self.onset) < high:
+    def _stretches(self, low: float, high: float) -> list[RadiusStretch]:
+        """Return the first panels: where something begins the origin of ``x`` is next to it."""
+        bends = {math.log(b): 1.0 / self.at_break for b in self.breaks}
+        if self.onset:
             wider = max(self.tolerance / _TIGHTEST, 1.0) ** _POWER
-            starts[math.log(self.onset)] = _AT_ONSET * wider
+            bends[math.log(self.onset)] = 1.0 / (_AT_ONSET * wider)
+        bends = {u: bend for u, bend in bends.items() if low < u < high}
+        bends[low] = 1.0 / (1.0 + _POLES * self.layer * math.exp(-low))
         if self.breaks and abs(low - math.log(self.breaks[0])) < _NEXT:
-            starts[low] = low - math.log(self.breaks[0])
-        ends: list[tuple[float, float]] = []
-        for start, stop in pairwise(sorted({low, high, *starts})):
-            at_onset = start == (math.log(self.onset) if self.onset else None)
-            step, cuts = starts.get(start, math.inf), [start]
-            while (room := stop - cuts[-1]) > 0.0:
-                widest = self._widest(cuts[-1] - high)
-                # all the same, where there is room for a few
-                widest = min(step, room / math.ceil(room / widest))
-                cuts.append(stop if room < (1.0 + _REST) * widest else cuts[-1] + widest)
-                step *= self._ratio if at_onset else _RATIO
-            ends += pairwise(cuts)
-        return ends
+            bends[low] = -1.0 / math.expm1(math.log(self.breaks[0]) - low)
+        stretches: list[RadiusStretch] = []
+        for start, stop in pairwise(sorted([*bends, high])):
+            whole = RadiusStretch(start, stop, bends[start])
+            stretches += whole.cut(math.ceil(whole.extent / _WIDEST))
+        return stretches
 
-    def _widest(self, below: float) -> float:
-        """Return the width of a panel that may leave out enough, so far below today in ``u``."""
+    def _counted(self, stretch: RadiusStretch, today: float) -> RadiusStretch:
+        """Return a stretch with as many points as leave out little enough."""
         # loads grow at least like the third power of the radius, where flat punches differ
-        allowed = _MARGIN * self.tolerance * math.exp(-min(below, 0.0)) / _LEAVES
-        return float(min(_WIDTH * allowed ** (1.0 / COUNT), _WIDEST))
+        allowed = _MARGIN * self.tolerance * math.exp(today - stretch.high)
+        gained = math.asinh(2.0 * math.pi / stretch.extent)
+        past = any(math.log(b) < stretch.low + _NEXT for b in (self.onset, *self.breaks[1:]) if b)
+        digits = math.log((_LEAVES_PAST if past else _LEAVES) / allowed)
+        return replace(stretch, count=max(math.ceil(digits / gained), _FEWEST))
 
-    @property
-    def _ratio(self) -> float:
-        """Return by how much panels may grow away from the onset of slip."""
-        rho: float = max(_SINGULAR / (_MARGIN * self.tolerance), 1.0) ** (1.0 / COUNT)
-        beyond = (rho + 1.0 / rho) / 2.0 - 1.0
-        return min(1.0 + 2.0 / beyond, _MOST) if beyond > 0.0 else _MOST
-
-    def _panel(self, low: float, high: float) -> Panel:
-        flats: tuple[Solution, ...] = ()
-        for b in np.exp(stage_logs(low, high)).tolist():
-            flats = (*flats, self.stage(b))
-            if [zone.kind for zone in flats[-1].zones] not in (["stick"], ["stick", "slip"]):
+    def _panel(self, stretch: RadiusStretch) -> Panel:
+        radii, found = np.exp(stretch.logs).tolist(), {}
+        # every other radius first, so that stick radii are known on both sides
+        for k in sorted(range(len(radii)), key=lambda k: -(k & -k) if k else -len(radii)):
+            b = radii[k]
+            found[k] = self.stage(b)
+            if [zone.kind for zone in found[k].zones] not in (["stick"], ["stick", "slip"]):
                 told = f"at the contact radius {b:.6g} slip does not simply reach the edge"
                 raise NotComputedError("traction", f"{told}: it takes increments of the load")
-        return Panel(low, high, self.weight.on(low, high, flats), flats, self.fields)
+        flats = tuple(found[k] for k in range(len(radii)))
+        return Panel(stretch, self.weight.on(stretch, flats), flats, self.fields, self.powers)
 
 
 def _check(growth: Growth) -> None:

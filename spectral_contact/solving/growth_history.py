@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import Panel
-from spectral_contact.solving.nodes import NODES, chebyshev_series, chebyshev_value, left_out
+from spectral_contact.solving.nodes import chebyshev_series, chebyshev_value, left_out
+from spectral_contact.solving.stretch import RadiusStretch
 from spectral_contact.spectral.jacobi import gauss_rule
 
 __all__ = ["history_of"]
@@ -18,10 +22,31 @@ Array = NDArray[np.float64]
 #: Below the range of doubles.
 _TINY = 1e-300
 _ENDS: Array = np.array([-1.0, 1.0])
-#: Points of a rule up to a node.
-_POINTS = 20
+#: Points of a piece, and of a rule up to one.
+_COUNT, _POINTS = 16, 20
+#: How wide pieces are at most, in ``x`` and in the logarithm of the radius.
+_WIDE, _WIDE_IN_LOG = 1.1, 1.6
 #: What is known of flat punches, and by how much more their errors count in what adds up.
 _OF_FLATS, _FLATS_COUNT = ("pressure", "approach", "total_shear", "stick_radius"), 3.0
+
+
+@dataclass(frozen=True)
+class _HistoryPiece:
+    """A piece of a panel, in the logarithm of the radius."""
+
+    panel: Panel
+    radii: RadiusStretch
+
+    def places(self, u: Array) -> Array:
+        """Return the places on the panel in [-1, 1]."""
+        stretch = self.panel.stretch
+        return stretch.place(stretch.depth_of(u))
+
+    def rates(self, u: Array) -> Array:
+        """Return ``dQ/du``."""
+        t = self.places(u)
+        bends = self.panel.stretch.bends(self.panel.stretch.depth(t))
+        return chebyshev_value(self.panel.shears, t) * self.panel.increment(t) * bends
 
 
 def history_of(growth: Growth, known: float | None) -> ContactHistory:
@@ -34,64 +59,88 @@ def history_of(growth: Growth, known: float | None) -> ContactHistory:
         Estimate of the errors of load and approach of normal contact, at all radii; None if they
         come from the history.
     """
-    panels = growth.panels
+    pieces = [
+        _HistoryPiece(panel, radii)
+        for panel in growth.panels
+        for part in panel.stretch.cut(math.ceil(panel.stretch.extent / _WIDE))
+        for radii in _in_logs(part)
+    ]
+    nodes = [(one.panel, one.places(one.radii.logs)) for one in pieces]
     rows = {
-        "loads": [one.weights.loads for one in panels],
-        "approaches": [one.weights.approaches for one in panels],
-        "shears": _shears(panels),
-        "sticks": [one.stick for one in panels],
+        "loads": [panel.loads.at(t) for panel, t in nodes],
+        "approaches": [panel.approaches.at(t) for panel, t in nodes],
+        "shears": _shears(growth, pieces),
+        "sticks": [panel.log_stick(t) for panel, t in nodes],
     }
-    ends = np.array([*(one.low for one in panels), growth.log_radius])
+    ends = np.array([*(one.radii.low for one in pieces), growth.log_radius])
     series = {name: np.array(list(map(chebyshev_series, of))) for name, of in rows.items()}
-    return ContactHistory(ends, **series, errors=_errors(panels, rows, known))
+    return ContactHistory(ends, **series, errors=_errors(pieces, rows, known))
 
 
-def _shears(panels: tuple[Panel, ...]) -> list[Array]:
-    """Return ``Q/P`` at the nodes of the panels; before the first it is constant."""
-    first, (g, w) = panels[0], gauss_rule(_POINTS)
+def _in_logs(part: RadiusStretch) -> list[RadiusStretch]:
+    """Return parts of a stretch that are not too wide, in the logarithm of the radius."""
+    whole = RadiusStretch(part.low, part.high, count=_COUNT)
+    cut = whole.cut(math.ceil(whole.extent / _WIDE_IN_LOG))
+    return [RadiusStretch(one.low, one.high, count=_COUNT) for one in cut]
+
+
+def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
+    """Return ``Q/P`` at the nodes of the pieces; before the first it is constant."""
+    first, (g, w) = growth.panels[0], gauss_rule(_POINTS)
     shear, ratios = first.flats[0].total_shear * float(first.load(_ENDS[:1])[0]), []
-    for one in panels:
-        extent = (1.0 + np.append(NODES, 1.0)) / 2.0
-        t = (extent[:, None] * (1.0 + g) - 1.0).ravel()
-        rates = (chebyshev_value(one.shears, t) * one.increment(t)).reshape(len(extent), -1)
-        shears = shear + (one.high - one.low) / 2.0 * extent * (rates @ w)
-        ratios.append(shears[:-1] / np.exp(one.weights.loads))
+    for one in pieces:
+        low, logs = one.radii.low, one.radii.logs
+        extent = np.append(logs, one.radii.high) - low
+        rates = one.rates((low + extent[:, None] * (1.0 + g) / 2.0).ravel())
+        shears = shear + extent / 2.0 * (rates.reshape(len(extent), -1) @ w)
+        ratios.append(shears[:-1] / one.panel.load(one.places(logs)))
         shear = float(shears[-1])
     return ratios
 
 
-def _errors(panels: tuple[Panel, ...], rows: dict[str, list[Array]], known: float | None) -> Array:
-    """Return estimates of relative errors on the panels, in the order of `ContactHistory`."""
-    own = {name: np.array([left_out(values) for values in of]) for name, of in rows.items()}
-    own["shears"] /= np.array([max(np.abs(values).min(), _TINY) for values in rows["shears"]])
-    # the last terms of one panel may be small by chance; between nodes under cones 1.1 times that
-    around = {name: np.pad(values, 1, mode="edge") for name, values in own.items()}
-    own = {name: 2.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in around.items()}
+def _errors(
+    pieces: list[_HistoryPiece], rows: dict[str, list[Array]], known: float | None
+) -> Array:
+    """Return estimates of relative errors on the pieces, in the order of `ContactHistory`."""
+    panels, own = [one.panel for one in pieces], _left_out(pieces, rows)
     if known is not None:
         known += max(one.weights.at_nodes for one in panels)
     flats = {name: np.array([_worst(one, name) for one in panels]) for name in _OF_FLATS}
     grown = {name: np.maximum.accumulate(values) for name, values in flats.items()}
     # on a smooth surface shear is in proportion to the load from the first touch on
-    alike = all(one is panels[0].flats[0] for one in panels[0].flats)
-    shear = own["shears"] + _carried(panels, rows["loads"], 0.0 if alike else 1.0)
+    shear = own["shears"] + _carried(pieces, rows["loads"], 0.0 if panels[0].alike else 1.0)
     shear += _FLATS_COUNT * (grown["total_shear"] + grown["approach"])
     load, approach = np.full((2, len(panels)), known or 0.0)
     if known is None:
-        history = _carried(panels, rows["approaches"], 1.0)
+        history = _carried(pieces, rows["approaches"], 1.0)
         history += _FLATS_COUNT * (grown["pressure"] + grown["approach"])
         load, approach = load + history, approach + history
     load, approach = load + own["loads"], approach + own["approaches"]
     return np.stack([load, approach, shear + load, own["sticks"] + flats["stick_radius"]], axis=1)
 
 
-def _carried(panels: tuple[Panel, ...], logs: list[Array], begun: float) -> Array:
+def _left_out(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict[str, Array]:
+    """Return what the series of the pieces and of their panels leave out."""
+    panels = [one.panel for one in pieces]
+    own = {name: np.array([left_out(values) for values in of]) for name, of in rows.items()}
+    own["loads"] += [one.loads.left_out for one in panels]
+    own["approaches"] += [one.approaches.left_out for one in panels]
+    own["sticks"] += [left_out(one.stick) if one.slips else 0.0 for one in panels]
+    own["shears"] += [one.shear_error * float(np.abs(one.shears).max()) for one in panels]
+    own["shears"] /= np.array([max(np.abs(values).min(), _TINY) for values in rows["shears"]])
+    # the last terms of one piece may be small by chance; between nodes under cones 1.1 times that
+    around = {name: np.pad(values, 1, mode="edge") for name, values in own.items()}
+    return {name: 2.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in around.items()}
+
+
+def _carried(pieces: list[_HistoryPiece], logs: list[Array], begun: float) -> Array:
     """Return what panels before leave out, and a share of the beginning, over the value of each."""
     found = []
     lost = begun * float(np.exp(chebyshev_value(logs[0], _ENDS[:1])[0]))
-    for one, values in zip(panels, logs, strict=True):
+    for one, values in zip(pieces, logs, strict=True):
         low, high = np.exp(chebyshev_value(values, _ENDS))
         found.append(lost / low)
-        lost += one.shear_error * high
+        lost += one.panel.shear_error * (high - low)
     return np.array(found)
 
 

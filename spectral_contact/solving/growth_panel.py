@@ -11,19 +11,14 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.solution import Solution
-from spectral_contact.solving.nodes import (
-    COUNT,
-    NODES,
-    chebyshev_value,
-    interpolation_weights,
-    left_out,
-    slope,
-)
+from spectral_contact.solving.flat_fields import FieldTable
+from spectral_contact.solving.nodes import chebyshev_nodes, chebyshev_value, left_out, slope
+from spectral_contact.solving.stretch import RadiusStretch
 from spectral_contact.solving.weights import Weights
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.threads import cached_property
 
-__all__ = ["Panel", "stage_logs"]
+__all__ = ["Panel", "PowerCurve"]
 
 Array = NDArray[np.float64]
 
@@ -31,6 +26,8 @@ Array = NDArray[np.float64]
 _LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
 #: The same where it slips, over ``1 - s**2`` from the edge to the stick radius.
 _SLIPPING_LOOKS: Array = np.array([0.01, 0.2, 0.5, 0.8])
+#: Panels of fields towards the edge and the stick radius, deep enough for an inverse root.
+_DEEP = 30
 #: Below the range of doubles.
 _TINY = 1e-300
 #: Fields go with the rate of the load, which an interpolant has less well: 2.4 times so in one of
@@ -39,40 +36,93 @@ _OF_RATE = 4.0
 
 
 @dataclass(frozen=True)
+class PowerCurve:
+    """What grows like a power of the radius at first, through its values.
+
+    Attributes
+    ----------
+    stretch : RadiusStretch
+    values : ndarray
+        At its points.
+    power : float
+    """
+
+    stretch: RadiusStretch
+    values: Array
+    power: float
+
+    @cached_property
+    def _rest(self) -> Array:
+        return np.log(self.values / np.exp(self.stretch.logs) ** self.power)
+
+    @property
+    def left_out(self) -> float:
+        """What is left out between the points, relative."""
+        return left_out(self._rest)
+
+    def at(self, t: Array) -> Array:
+        """Return the logarithm at places in [-1, 1]."""
+        u = self.stretch.log_radius(self.stretch.depth(t))
+        return chebyshev_value(self._rest, t) + self.power * u
+
+    def rate(self, t: Array) -> Array:
+        """Return the derivative of the logarithm in ``x``."""
+        bends = self.stretch.bends(self.stretch.depth(t))
+        return slope(self._rest, t) * 2.0 / self.stretch.extent + self.power / bends
+
+
+@dataclass(frozen=True)
 class Panel:
     """Stages at Chebyshev points between two radii.
 
     Attributes
     ----------
-    low, high : float
-        Logarithms of the radii.
+    stretch : RadiusStretch
+        The radii.
     weights : Weights
         Loads and approaches.
     flats : tuple of Solution
     fields : tuple of str
         Those that are superposed.
+    powers : tuple of float
+        Of the radius, that load and approach go like at the tip of a profile.
     """
 
-    low: float
-    high: float
+    stretch: RadiusStretch
     weights: Weights
     flats: tuple[Solution, ...]
     fields: tuple[str, ...]
-
-    def local(self, u: Array) -> Array:
-        """Return the places in [-1, 1]."""
-        share = (u - self.low) / (self.high - self.low)
-        return np.asarray(np.clip(2.0 * share - 1.0, -1.0, 1.0), dtype=np.float64)
+    powers: tuple[float, float]
 
     @property
-    def logs(self) -> Array:
-        """``ln b`` of the stages."""
-        return stage_logs(self.low, self.high)
+    def low(self) -> float:
+        """Logarithm of the radius it begins at."""
+        return self.stretch.low
+
+    @property
+    def high(self) -> float:
+        """Logarithm of the radius it ends at."""
+        return self.stretch.high
+
+    @cached_property
+    def loads(self) -> PowerCurve:
+        """``P``."""
+        return PowerCurve(self.stretch, self.weights.loads, self.powers[0])
+
+    @cached_property
+    def approaches(self) -> PowerCurve:
+        """``delta``."""
+        return PowerCurve(self.stretch, self.weights.approaches, self.powers[1])
 
     @cached_property
     def slips(self) -> bool:
         """Whether there is slip; next to its onset it may be too narrow to be found."""
         return any(len(one.zones) > 1 for one in self.flats)
+
+    @cached_property
+    def alike(self) -> bool:
+        """Whether all stages are the same, as on a smooth surface."""
+        return all(one is self.flats[0] for one in self.flats)
 
     @cached_property
     def stick(self) -> Array:
@@ -86,82 +136,108 @@ class Panel:
 
     def load(self, t: Array) -> Array:
         """Return ``P``."""
-        return np.asarray(np.exp(chebyshev_value(self.weights.loads, t)))
+        return np.asarray(np.exp(self.loads.at(t)))
 
     def increment(self, t: Array) -> Array:
-        """Return ``dP/du``."""
-        return self.load(t) * self.rate(self.weights.loads, t)
+        """Return ``dP/dx``."""
+        return self.load(t) * self.loads.rate(t)
 
-    def rate(self, values: Array, t: Array) -> Array:
-        """Return the derivative in ``u`` of what has these values in the stages."""
-        return slope(values, t) * 2.0 / (self.high - self.low)
+    def rate_today(self, curve: PowerCurve) -> float:
+        """Return the derivative in ``u`` of a logarithm at the end of the panel."""
+        end = np.ones(1)
+        return float((curve.rate(end) * self.stretch.bends(self.stretch.depth(end)))[0])
 
     def log_stick(self, t: Array) -> Array:
         """Return ``ln c*``."""
         return chebyshev_value(self.stick, t)
 
     def integral(self, rates: Callable[[Array], Array]) -> float:
-        """Return an integral over ``u`` of what is given at places in [-1, 1]."""
-        g, w = gauss_rule(2 * COUNT)
-        return (self.high - self.low) / 2.0 * float(w @ rates(g))
+        """Return an integral over ``x`` of what is given at places in [-1, 1]."""
+        g, w = gauss_rule(2 * self.stretch.count)
+        return self.stretch.extent / 2.0 * float(w @ rates(g))
 
-    def where_stuck(self, name: str, t: Array, d: Array) -> Array:
-        """Return a flat punch's field where it sticks, at ``1 - (s/c*)**2 = d``."""
-        inside = np.sqrt(1.0 - d)
+    def where_stuck(self, name: str, t: Array, depth: Array) -> Array:
+        """Return a flat punch's field where it sticks, at ``ln(c*/s) = depth``."""
+        odd = np.exp(-depth) if name == "traction" else 1.0
+        with np.errstate(divide="ignore"):
+            return self._stuck(name)(t, -np.log(-np.expm1(-2.0 * depth))) * odd
 
-        def value(one: Solution) -> Array:
-            c = _stick_radius(one)
-            return _field(one, name, c.value * inside, c.from_edge + c.value * d / (1.0 + inside))
-
-        return self._interpolated(value, t)
-
-    def where_slipping(self, name: str, t: Array, y: Array) -> Array:
-        """Return a flat punch's field where it slips, at ``1 - s**2 = y``."""
-        width = -np.expm1(2.0 * self.log_stick(t))
+    def where_slipping(self, name: str, t: Array, depth: Array) -> Array:
+        """Return a flat punch's field where it slips, at ``ln(1/s) = depth``."""
+        y, width = -np.expm1(-2.0 * depth), -np.expm1(2.0 * self.log_stick(t))
         return self._at_share(name, t, y / np.maximum(width, np.maximum(y, _TINY)))
+
+    def _stuck(self, name: str) -> FieldTable:
+        """Return a field in the stuck disk over ``-ln d``, ``d = 1 - (s/c*)**2``.
+
+        The traction is odd in ``s``.
+        """
+
+        def values(one: Solution, x: Array) -> Array:
+            c, d, inside = _stick_radius(one), np.exp(-x), np.sqrt(-np.expm1(-x))
+            found = _field(one, name, c.value * inside, c.from_edge + c.value * d / (1.0 + inside))
+            return found / inside if name == "traction" else found
+
+        return self._table(f"stuck {name}", values, 0.0, _DEEP)
 
     def _at_share(self, name: str, t: Array, share: Array) -> Array:
         """Return a field at places between the edge and the stick radius, as ``1 - s**2`` goes.
 
-        All stages are seen in their slip zones, in which fields are smooth.
+        All stages are seen in their slip zones, in which fields are smooth but for the ends.
         """
 
-        def value(one: Solution) -> Array:
-            y = share * _stick_radius(one).rest
+        def values(one: Solution, x: Array) -> Array:
+            y = _stick_radius(one).rest / (1.0 + np.exp(x))
             s = np.sqrt(1.0 - y)
             return _field(one, name, s, y / (1.0 + s))
 
-        return self._interpolated(value, t)
+        with np.errstate(divide="ignore"):
+            x = np.log1p(-share) - np.log(share)
+        return self._table(f"slipping {name}", values, -_DEEP, _DEEP + _DEEP // 2)(t, x)
 
-    def _interpolated(self, value: Callable[[Solution], Array], t: Array) -> Array:
-        first = self.flats[0]
-        if all(one is first for one in self.flats):  # as on a smooth surface
-            return value(first)
-        found = np.zeros(len(t))
-        for weight, one in zip(interpolation_weights(t).T, self.flats, strict=True):
-            found += weight * value(one)
-        return found
+    def _table(
+        self, key: str, values: Callable[[Solution, Array], Array], low: float, panels: int
+    ) -> FieldTable:
+        if key not in self._tables:
+            flats = self.flats[:1] if self.alike else self.flats
+            self._tables[key] = FieldTable(
+                lambda x: np.array([values(one, x) for one in flats]), low, panels
+            )
+        return self._tables[key]
+
+    @cached_property
+    def _tables(self) -> dict[str, FieldTable]:
+        return {}
 
     @cached_property
     def shear_error(self) -> float:
         """How much the interpolants of load and shear leave out, relative to the largest shear."""
         size = max(float(np.abs(self.shears).max()), _TINY)
-        of_loads = max(self.weights.error, left_out(self.weights.loads))
+        of_loads = max(self.weights.error, self.loads.left_out)
         return float(max(of_loads, left_out(self.shears) / size))
 
     @cached_property
     def error(self) -> float:
-        """The same of everything, relative to the largest of what is interpolated."""
+        """The same of everything, relative to the largest of what is interpolated.
+
+        What `lost` says is not in it: shorter panels do not help.
+        """
         of_stick = left_out(self.stick) if self.slips else 0.0
-        of_rate = _OF_RATE * self.shear_error
-        return max(of_rate, of_stick, *(self._field_error(one) for one in self.fields))
+        of_rate = max(_OF_RATE * self.loads.left_out, _OF_RATE * self.weights.error)
+        return max(
+            of_rate, self.shear_error, of_stick, *(self._field_error(one) for one in self.fields)
+        )
+
+    @property
+    def lost(self) -> float:
+        """What series in the place leave out, relative: what is known of the flat punches."""
+        tables = [one for key, one in self._tables.items() if not key.endswith("slip")]
+        return max((one.lost for one in tables), default=0.0)
 
     @cached_property
     def slips_by(self) -> Array:
         """The slip of the stages at some places, (stages, places)."""
-        looks = _SLIPPING_LOOKS
-        every = [self._at_share("slip", np.full(len(looks), t), looks) for t in NODES.tolist()]
-        return np.array(every)
+        return self._at_nodes(lambda t, d: self._at_share("slip", t, d), _SLIPPING_LOOKS)
 
     @cached_property
     def slip_error(self) -> float:
@@ -176,23 +252,27 @@ class Panel:
         moved = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), _TINY)
         left = max(left_out(column) for column in self.slips_by.T)
         gained = self.integral(
-            lambda t: self.increment(t) * np.exp((self.low - self.high) * (1.0 + t) / 2.0)
+            lambda t: (
+                self.increment(t)
+                * np.exp(self.low - self.stretch.log_radius(self.stretch.depth(t)))
+            )
         )
         # by parts: what the load lacks counts against all of it
-        lacking = 2.0 * left_out(self.weights.loads) * float(self.load(np.ones(1))[0])
+        lacking = 2.0 * self.loads.left_out * float(self.load(np.ones(1))[0])
         of_fields = gained * (left + (of_flats + largest * moved).max())
         return float(of_fields + lacking * largest.max()) * math.exp(-self.low)
 
     def _field_error(self, name: str) -> float:
-        d = 1.0 - _LOOKS**2
-        values = np.array([self.where_stuck(name, np.full(len(d), t), d) for t in NODES.tolist()])
+        table = self._stuck(name)
+        values = self._at_nodes(table, -np.log1p(-(_LOOKS**2)))
         size = max(float(np.abs(values).max()), _TINY)
-        return max(left_out(column) for column in values.T) / size
+        return max(left_out(column) / size for column in values.T)
 
-
-def stage_logs(low: float, high: float) -> Array:
-    """Return the logarithms of the radii of the stages between two."""
-    return np.asarray(low + (high - low) * (1.0 + NODES) / 2.0)
+    def _at_nodes(self, field: Callable[[Array, Array], Array], places: Array) -> Array:
+        """Return the field of the stages at some places, (stages, places)."""
+        nodes = chebyshev_nodes(self.stretch.count)
+        t = np.repeat(nodes, len(places))
+        return field(t, np.tile(places, len(nodes))).reshape(-1, len(places))
 
 
 def _stick_radius(flat: Solution) -> Radius:

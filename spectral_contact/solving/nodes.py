@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -11,8 +12,7 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 
 __all__ = [
-    "COUNT",
-    "NODES",
+    "chebyshev_nodes",
     "chebyshev_series",
     "chebyshev_value",
     "interpolation_weights",
@@ -24,18 +24,26 @@ Array = NDArray[np.float64]
 
 #: Of 19 random contacts the loads under spheres were up to 1.5 times farther off than this says.
 _SAFETY = 3.0
-#: Points on a panel.
-COUNT = 10
-NODES: Array = chebyshev_interpolation(COUNT)[0][::-1]
-_FIT: Array = chebyshev_interpolation(COUNT)[1][:, ::-1]
-_BARYCENTRIC: Array = np.array(
-    [(-1.0) ** j * math.sin(math.pi * (2 * j + 1) / (2 * COUNT)) for j in range(COUNT)]
-)
+
+
+@cache
+def _points(count: int) -> tuple[Array, Array]:
+    """Return the nodes, ascending, and the matrix from values there to Chebyshev coefficients."""
+    nodes, fit = chebyshev_interpolation(count)
+    found = np.ascontiguousarray(nodes[::-1]), np.ascontiguousarray(fit[:, ::-1])
+    for one in found:
+        one.setflags(write=False)
+    return found
+
+
+def chebyshev_nodes(count: int) -> Array:
+    """Return as many Chebyshev points, ascending."""
+    return _points(count)[0]
 
 
 def chebyshev_series(values: Array) -> Array:
     """Return the Chebyshev coefficients of what passes through values at the nodes."""
-    return np.asarray(_FIT @ values)
+    return np.asarray(_points(len(values))[1] @ values)
 
 
 def chebyshev_value(values: Array, t: Array) -> Array:
@@ -48,20 +56,22 @@ def slope(values: Array, t: Array) -> Array:
     return np.asarray(chebyshev.chebval(t, chebyshev.chebder(chebyshev_series(values))))
 
 
-def interpolation_weights(t: Array) -> Array:
+def interpolation_weights(t: Array, count: int) -> Array:
     """Return the weights of the values in the interpolant, (places, nodes)."""
-    away = t[:, None] - NODES
+    nodes = chebyshev_nodes(count)
+    away = t[:, None] - nodes
     away[away == 0.0] = 1e-300
-    weights = _BARYCENTRIC / away
+    odd = np.arange(1, 2 * count, 2)
+    weights = np.sin(math.pi * odd / (2 * count)) * (-1.0) ** np.arange(count) / away
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
 def left_out(values: Array) -> float:
-    """Return the estimate of what an interpolant leaves out: its last two terms, decaying on.
+    """Return the estimate of what an interpolant leaves out: its last term, decaying on.
 
     Next to something singular they hardly decay, and what they leave out adds up.
     """
-    terms = np.abs(_FIT @ values)
+    terms = np.abs(chebyshev_series(values))
     last, before = float(terms[-2:].max()), float(terms[-4:-2].max())
     rate = min(last / before, 1.0) if before > 0.0 else 1.0
-    return _SAFETY * last * rate * (1.0 + rate * COUNT / 2.0)
+    return _SAFETY * last * math.sqrt(rate) * (1.0 + rate * len(values) / 2.0)

@@ -319,7 +319,9 @@ class ProfileRun(Run):
     def _superposed(self, growth: Growth, today: Solution) -> GrownFields:
         from spectral_contact.solving.grown_fields import GrownFields
 
-        return GrownFields(growth, _stick_radius(today), smooth=self._smooth)
+        compliances = self.scene.normal_compliance, self.scene.tangential_compliance
+        layer = min(compliances) / math.exp(growth.log_radius)
+        return GrownFields(growth, _stick_radius(today), layer, self.rtol)
 
     def _without_coupling(self) -> tuple[float, float]:
         """Return radius and load of normal contact: not far away, and a little more than needed."""
@@ -365,10 +367,6 @@ class ProfileRun(Run):
         # panels that are fine enough for the traction are for the slip
         names = ("pressure", "traction") if self.scene.couples else ("traction",)
         return (*names, "slip") if "slip" in asked else names
-
-    @property
-    def _smooth(self) -> bool:
-        return 0.0 in (self.scene.normal_compliance, self.scene.tangential_compliance)
 
 
 def _stick_radius(today: Solution) -> Radius:

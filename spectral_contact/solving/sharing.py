@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
@@ -12,12 +13,14 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
 
-__all__ = ["Shared", "ZonePath", "extrapolated"]
+__all__ = ["Place", "Shared", "StickPath", "ZonePath", "extrapolated"]
 
 _T = TypeVar("_T")
 Array = NDArray[np.float64]
 Place: TypeAlias = tuple[float, float, float]
 
+#: Stick radii that another one is interpolated from.
+_NEIGHBOURS = 6
 #: Scenes that are extrapolated from, and how far in a logarithm.
 _POINTS, _FARTHEST = 6, 1.0
 
@@ -95,6 +98,46 @@ class ZonePath:
             return
         alike = [known for known in self._known if known[1].states == layout.states]
         self._known = [*alike, (place, layout)][-_POINTS:]
+
+
+class StickPath:
+    """Where the stick radius may be: between those of radii that are known.
+
+    Its logit goes like the logarithm of the distance from the onset of slip at first.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        Compliances at a contact radius of 1.
+    """
+
+    def __init__(self, alpha: float, beta: float) -> None:
+        self._compliance, self._first = math.log(alpha or beta or 1.0), alpha > 0.0
+        self._known: dict[float, Layout] = {}
+        self.onset: float | None = None
+
+    def _along(self, place: Place) -> float | None:
+        log_radius = self._compliance - (place[0] if self._first else place[1])
+        if not self.onset:
+            return log_radius if math.isfinite(log_radius) else None
+        past = math.exp(log_radius) / self.onset - 1.0
+        return math.log(past) if past > 0.0 else None
+
+    def add(self, place: Place, layout: Layout | None) -> None:
+        """Keep what is found."""
+        along = self._along(place)
+        if along is not None and layout is not None and layout.slopes is not None:
+            self._known[along] = layout
+
+    def near(self, place: Place) -> Layout | None:
+        """Return a guess."""
+        along = self._along(place)
+        if along is None or len(self._known) < 2:
+            return None
+        near = sorted(self._known, key=lambda one: abs(one - along))[:_NEIGHBOURS]
+        logits = [np.array(self._known[one].logits) for one in near]
+        logit = extrapolated([1.0 + one - along for one in near], logits)
+        return replace(self._known[near[0]], logits=tuple(logit.tolist()))
 
 
 def _way(start: Place, end: Place) -> Place:

@@ -7,18 +7,19 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import indenter, value_of
 from spectral_contact.contact.indented import Indentation
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
-from spectral_contact.solution import Solution
+from spectral_contact.solution import COUPLING, PARTIAL_SLIP, Solution
 from spectral_contact.solving.coupled_run import CoupledRun
 from spectral_contact.solving.growth import Grower
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import Shared
+from spectral_contact.solving.sharing import Shared, StickPath
 from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
 
 __all__ = ["Stages"]
@@ -29,6 +30,8 @@ _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approa
 _TIGHTER, _TIGHTEST = 0.1, 1e-12
 #: Share of the tolerance of the load or traction that is not looked for in the history.
 _NEGLIGIBLE = 0.01
+#: By how much longer a step to smaller radii is than the last one, at the least and at most.
+_LEAST_STRIDE, _STRIDE = 0.1, 4.0
 #: How far past a flat part the history begins, with what is carried there.
 _PAST = 1e-10
 #: Width of the first panel past a break, where the load goes on like the power 3/2 of the distance,
@@ -69,7 +72,11 @@ class Stages:
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
-        self._shared = Shared()
+        self._shared, self._path = (
+            Shared(),
+            StickPath(scene.normal_compliance, scene.tangential_compliance),
+        )
+        self._shared.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
         self._run = CoupledRun if scene.couples else Run
         self._last: tuple[Scene, Solution] | None = None
 
@@ -113,25 +120,48 @@ class Stages:
 
     def grower(self, least: float, radius: float) -> Grower:
         """Return what follows the contact between two radii."""
-        onset = self._onset(least, radius)
+        onset = self._path.onset = self._onset(least, radius)
+        compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         # with coupling what a panel adds is the rest of all others, which a short one drowns in
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
         at_break = _AT_SMOOTH_BREAK if smooth else _AT_BREAK
-        weight = self.weight(least)
-        breaks = self.profile.breaks
-        return Grower(self.flat, weight, onset, self._fields, self.rtol, breaks, at_break)
+        layer = min(one for one in (*compliances, math.inf) if one > 0.0)
+        return Grower(
+            stage=self.flat,
+            weight=self.weight(least),
+            onset=onset,
+            fields=self._fields,
+            tolerance=self.rtol,
+            breaks=self.profile.breaks,
+            at_break=at_break,
+            layer=layer if layer < math.inf else 0.0,
+            powers=self._powers(least),
+        )
+
+    def _powers(self, least: float) -> tuple[float, float]:
+        """Return the powers of the radius that load and approach begin with at a tip."""
+        if self.profile.flat_part > 0.0:
+            return 0.0, 0.0
+        b, past = np.array([least]), np.zeros(1)
+        power = least * float((self.profile._rate(b, past) / self.profile._transform(b))[0])
+        return power + (2.0 if self.scene.normal_compliance > 0.0 else 1.0), power
 
     def least(self, radius: float, load: float) -> float:
         """Return a radius at which load and traction are negligible; just past a flat part."""
         if self.profile.flat_part > 0.0:
             return self.profile.flat_part * (1.0 + _PAST)
-        share, at = 1.0, radius
-        while share > _NEGLIGIBLE * self.rtol:
-            at /= 2.0
-            share = self.contact(at).load / load * (radius / at) ** 2
-            if share * (radius / at) > 1.0 and at < 1e-9 * radius:
+        wanted = math.log(_NEGLIGIBLE * self.rtol)
+        share, step, at = 0.0, -math.log(2.0), math.log(radius)
+        while share > wanted:
+            at += step
+            b = math.exp(at)
+            before, share = share, math.log(self.contact(b).load / load * (radius / b) ** 2)
+            if share + math.log(radius / b) > 0.0 and b < 1e-9 * radius:
                 break
-        return at
+            # shares fall like powers of the radius, the faster the smaller it is
+            if share < before:
+                step *= min(max((share - wanted) / (before - share), _LEAST_STRIDE), _STRIDE)
+        return math.exp(at)
 
     def _onset(self, least: float, radius: float) -> float | None:
         """Return the radius at which slip begins; 0 if it is always there, None if never."""

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -28,13 +29,9 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles import Profile
 from spectral_contact.solution import Solution
-from spectral_contact.solving.nodes import (
-    COUNT,
-    NODES,
-    interpolation_weights,
-    left_out,
-)
+from spectral_contact.solving.nodes import interpolation_weights, left_out
 from spectral_contact.solving.outside import outside_displacement, reached
+from spectral_contact.solving.stretch import RadiusStretch
 from spectral_contact.spectral.jacobi import gauss_rule, graded_rule
 
 __all__ = ["CoupledWeight", "NormalWeight", "SmoothWeight", "Weight", "Weights"]
@@ -49,10 +46,10 @@ _FAR = 1.0
 _NEXT = 1e-14
 #: Below the range of doubles.
 _TINY = 1e-300
-#: Where the equation is collocated, by least squares: the end of a panel is one of the places. With
-#: as many places as unknowns errors grow from panel to panel where the pressure oscillates.
-_PLACES = 16
-_RADAU: Array = np.append(roots_jacobi(_PLACES - 1, 1.0, 0.0)[0], 1.0)
+#: The equation is collocated, by least squares, at so many places for each unknown: the end of a
+#: panel is one of them. With as many as unknowns errors grow from panel to panel where the pressure
+#: oscillates.
+_PLACES = 1.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +59,7 @@ class Weights:
     Attributes
     ----------
     loads, approaches : ndarray
-        Logarithms, at the nodes.
+        At the nodes.
     error : float
         What the panel leaves out, relative.
     at_nodes : float
@@ -78,8 +75,8 @@ class Weights:
 class Weight(Protocol):
     """Where loads come from, panel by panel from the first touch on."""
 
-    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
-        """Return the weights of a panel in ``ln b``, next to the last one kept."""
+    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
+        """Return the weights of a panel, next to the last one kept."""
 
     def keep(self) -> None:
         """Take the panel that was looked at last as part of the history."""
@@ -100,11 +97,10 @@ class NormalWeight:
     def __init__(self, contact: Callable[[float], Indentation]) -> None:
         self._contact = contact
 
-    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
         """Return the weights of a panel."""
-        radii = np.exp(low + (high - low) * (1.0 + NODES) / 2.0)
-        contacts = [self._contact(b) for b in radii.tolist()]
-        loads, approaches = np.log([(one.load, one.approach) for one in contacts]).T
+        contacts = [self._contact(b) for b in np.exp(stretch.logs).tolist()]
+        loads, approaches = np.array([(one.load, one.approach) for one in contacts]).T
         known = max(max(one.load_error, one.approach_error) for one in contacts)
         return Weights(loads, approaches, at_nodes=known)
 
@@ -131,17 +127,17 @@ class SmoothWeight:
         self._rule = (1.0 + g) / 2.0, w / 2.0
         self._loads, self._end = [first], first
 
-    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
         """Return the weights of a panel."""
         points, weights = self._rule
-        extent = (high - low) * (1.0 + np.append(NODES, 1.0)) / 2.0
-        within = low + extent[:, None] * points
-        carried = [self._carried(u) for u in (np.array(low), within, low + extent)]
-        gained = carried[2] - carried[0] - extent * (carried[1] @ weights)
-        loads = self._loads[-1] + gained
+        ends = np.append(stretch.logs, stretch.high)
+        depths = stretch.depth_of(ends)[:, None] * points
+        within = self._carried(stretch.log_radius(depths)) / stretch.bends(depths)
+        gained = self._carried(ends) - self._carried(np.array(stretch.low))
+        loads = self._loads[-1] + gained - stretch.depth_of(ends) * (within @ weights)
         self._end = float(loads[-1])
-        approaches = self.profile._transform(np.exp(low + extent[:-1])) / 2.0
-        return Weights(np.log(loads[:-1]), np.log(approaches))
+        approaches = self.profile._transform(np.exp(stretch.logs)) / 2.0
+        return Weights(loads[:-1], approaches)
 
     def keep(self) -> None:
         """Take the panel that was looked at last as part of the history."""
@@ -171,7 +167,7 @@ class _Span:
 
     Attributes
     ----------
-    low, high : float
+    stretch : RadiusStretch
     rates : ndarray
     around : list of LogSeries
         The surface around its punches.
@@ -181,16 +177,15 @@ class _Span:
         Its places, as they are seen from far away or not.
     """
 
-    low: float
-    high: float
+    stretch: RadiusStretch
     rates: Array
     around: list[LogSeries]
     at_break: bool
     seen: dict[bool, _PanelPlaces] = field(default_factory=dict)
 
-    def shares(self, u: Array) -> Array:
-        """Return the weights of the punches at places in ``u``, (places, punches)."""
-        return interpolation_weights(2.0 * (u - self.low) / (self.high - self.low) - 1.0)
+    def shares(self, depth: Array) -> Array:
+        """Return the weights of the punches at depths, (places, punches)."""
+        return interpolation_weights(self.stretch.place(depth), self.stretch.count)
 
     def kernel(self, shares: Array, ahead: Array) -> Array:
         """Return ``1 - omega`` from places with these shares to radii that are so far ahead."""
@@ -222,7 +217,10 @@ class CoupledWeight:
         self._behind, self._first = self._begun()
         self._first *= self._height(low) / self._from_first(low)
         approach = float(self._first.sum())
-        load = float((np.exp(low - self._behind) * self._first).sum()) / first.approach
+        # the approach of smaller punches, for unit load, is that of the layer and that of the body
+        radii, layer = np.exp(-self._behind), first.scene.normal_compliance / math.pi
+        soft = (first.approach - layer) * radii + layer
+        load = math.exp(low) * float((radii**2 / soft * self._first).sum())
         self._panels: list[_Span] = []
         #: load and approach at the ends of the panels, and where they begin
         self._ends = [(load, approach)]
@@ -230,18 +228,19 @@ class CoupledWeight:
         self._looked: _Span | None = None
         self._end = load, approach
 
-    def on(self, low: float, high: float, flats: tuple[Solution, ...]) -> Weights:
+    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
         """Return the weights of a panel."""
-        at_break = bool(np.abs(self._breaks - low).min(initial=1.0) < _NEXT)
+        at_break = bool(np.abs(self._breaks - stretch.low).min(initial=1.0) < _NEXT)
         around = [self._surface(one) for one in flats]
-        panel = _Span(low, high, np.zeros(COUNT), around, at_break)
+        panel = _Span(stretch, np.zeros(stretch.count), around, at_break)
         points, weights = self._both if panel.at_break else self._graded
         rows, right = [], []
-        for r in low + (high - low) * (1.0 + _RADAU) / 2.0:
-            ahead = (r - low) * points
-            shares = panel.shares(r - ahead)
+        for depth in stretch.depth(_radau(math.ceil(_PLACES * stretch.count))):
+            r = float(stretch.log_radius(depth)[0])
+            ahead = -stretch.ahead(depth, -depth * points)
+            shares = panel.shares(depth * (1.0 - points))
             growth = weights * panel.kernel(shares, ahead) * self._sinking(r - ahead)
-            rows.append((r - low) * (growth @ shares))
+            rows.append(depth * (growth / stretch.bends(depth * (1.0 - points)) @ shares))
             before = sum(self._from_panel(one, r) for one in self._panels)
             right.append(self._height(r) - self._from_first(r) - before)
         rates = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0]
@@ -256,25 +255,27 @@ class CoupledWeight:
 
     def _weights(self, panel: _Span, flats: tuple[Solution, ...]) -> Weights:
         """Return load and approach at the nodes, by integrals from the beginning of the panel."""
-        ends = np.append(NODES, 1.0)[:, None]
-        extent = (panel.high - panel.low) * (1.0 + ends) / 2.0
+        stretch = panel.stretch
+        extent = stretch.depth_of(np.append(stretch.logs, stretch.high))[:, None]
         points, weights = self._graded if panel.at_break else self._smooth
-        u = (panel.low + extent * points).ravel()
-        shares = panel.shares(u)
-        growth = (shares @ panel.rates) * self._sinking(u)
-        stiffness = np.exp(u) / (shares @ np.array([one.approach for one in flats]))
+        depth = (extent * points).ravel()
+        u, shares = stretch.log_radius(depth), panel.shares(depth)
+        growth = (shares @ panel.rates) * self._sinking(u) / stretch.bends(depth)
+        # in a layer that is thick for small radii what is smooth is not the approach
+        softness = np.exp(stretch.logs) * np.array([one.approach for one in flats])
+        stiffness = np.exp(2.0 * u) / (shares @ softness)
         sizes, (load, approach) = extent * weights, self._ends[-1]
-        approaches = approach + (growth.reshape(COUNT + 1, -1) * sizes).sum(axis=1)
-        loads = load + ((growth * stiffness).reshape(COUNT + 1, -1) * sizes).sum(axis=1)
+        approaches = approach + (growth.reshape(len(extent), -1) * sizes).sum(axis=1)
+        loads = load + ((growth * stiffness).reshape(len(extent), -1) * sizes).sum(axis=1)
         self._end = float(loads[-1]), float(approaches[-1])
         if not min(loads.min(), approaches.min()) > 0.0:
-            told = f"at the contact radius {math.exp(panel.high):.6g} the load would not grow"
+            told = f"at the contact radius {math.exp(stretch.high):.6g} the load would not grow"
             raise NotComputedError("load", told)
         # fields next to the edge know a short panel by the root of what it adds
         added = 1.0 - min(load / self._end[0], approach / self._end[1])
         error = left_out(panel.rates) / max(float(np.abs(panel.rates).max()), _TINY)
         error *= math.sqrt(max(added, 0.0))
-        return Weights(np.log(loads[:-1]), np.log(approaches[:-1]), error)
+        return Weights(loads[:-1], approaches[:-1], error)
 
     def keep(self) -> None:
         """Take the panel that was looked at last as part of the history."""
@@ -293,19 +294,20 @@ class CoupledWeight:
 
     def _from_panel(self, panel: _Span, r: float) -> float:
         """Return what a panel of the history adds to the height at a radius."""
-        far = not panel.at_break and r - panel.high > _FAR
+        stretch = panel.stretch
+        far = not panel.at_break and r - stretch.high > _FAR
         seen = panel.seen.get(far)
         if seen is None:
             points, weights = self._smooth if far else self._graded
             if panel.at_break:
                 points, weights = self._both
-            extent = panel.high - panel.low
-            shares = panel.shares(panel.high - extent * points)
-            growth = (shares @ panel.rates) * self._sinking(panel.high - extent * points)
-            seen = panel.seen[far] = _PanelPlaces(
-                extent * points, shares, extent * weights * growth
-            )
-        return float(seen.growth @ panel.kernel(seen.shares, r - panel.high + seen.behind))
+            extent = stretch.extent
+            depth = extent * (1.0 - points)
+            behind, shares = -stretch.ahead(np.array(extent), -extent * points), panel.shares(depth)
+            growth = (shares @ panel.rates) * self._sinking(stretch.high - behind)
+            growth *= extent * weights / stretch.bends(depth)
+            seen = panel.seen[far] = _PanelPlaces(behind, shares, growth)
+        return float(seen.growth @ panel.kernel(seen.shares, r - stretch.high + seen.behind))
 
     def _height(self, log_r: float) -> float:
         return float(self.profile._height(np.exp(np.asarray(log_r))))
@@ -329,3 +331,9 @@ class CoupledWeight:
             at = self._breaks[np.maximum(last, 0)]
             past = np.where(last >= 0, np.exp(2.0 * at) * np.expm1(2.0 * (u - at)), 0.0)
         return np.asarray(b * self.profile._rate(b, past))
+
+
+@cache
+def _radau(count: int) -> Array:
+    """Return the Radau points with the upper end."""
+    return np.append(roots_jacobi(count - 1, 1.0, 0.0)[0], 1.0)

@@ -40,7 +40,7 @@ def displacement(solution, from_edge):
 @pytest.mark.parametrize("r", [0.7, 0.4])
 def test_slip_is_by_how_much_the_surface_has_moved_since_it_came_into_contact(r):
     """Where it slips, and where it has stuck after it slipped: two contacts, the equation (4.2)."""
-    now, then = (solved(PARABOLA, 0.2, 0.1, 0.1, radius=a) for a in (1.0, r))
+    now, then = (solved(PARABOLA, 0.2, 0.1, 0.1, 1e-6, radius=a) for a in (1.0, r))
     moved = displacement(now, 1.0 - r) - displacement(then, 1e-12)
     largest = np.abs(now.slip(PLACES)).max()
     assert float(now.slip(r)) == pytest.approx(moved, abs=1e-7 * largest)
