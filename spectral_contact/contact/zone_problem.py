@@ -44,7 +44,7 @@ _SLOPING = 1e-8
 #: Shares of a zone's width that differences are taken over, between which rounding decides.
 _LEAST_SHARE, _MOST_SHARE = 1e-3, 0.2
 #: A first guess of how fast the condition of one stick disk rises with its logit.
-_SLOPE = 0.5
+_SLOPE = 0.3
 #: At the edge nothing happens in less than this of the layer.
 _NARROWEST = 1e-12
 #: A step as short as this is not taken.
