@@ -18,7 +18,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.resolution import DEEPEST, LEFT, ROUNDING, TINY
+from spectral_contact.contact.resolution import LEFT, ROUNDING, TINY
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
@@ -34,8 +34,8 @@ __all__ = ["FreeBoundaryProblem", "differences", "find_zones", "solve_coupled_sl
 
 Array = NDArray[np.float64]
 
-#: The logit of a stick disk too small to be felt: rounding of the load is on it.
-_UNFELT = -DEEPEST
+#: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
+_UNFELT = -40.0
 #: Tolerance of the spaces and steps in which boundaries are found first, and of the spaces in which
 #: they are looked at by the way.
 _ROUGH, _PROBE = 1e-3, 1e-2
