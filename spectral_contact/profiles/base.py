@@ -40,6 +40,11 @@ class Profile(ABC):
         return inf
 
     @property
+    def _pole(self) -> float:
+        """Radius at which the half-integral is infinite."""
+        return inf
+
+    @property
     def pointed(self) -> bool:
         """Whether the height is no smooth function of the radius squared at the centre."""
         return False

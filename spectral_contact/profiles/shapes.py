@@ -143,6 +143,11 @@ class Sphere(Profile):
         """Radius of the equator."""
         return self.radius
 
+    @property
+    def _pole(self) -> float:
+        """Radius of the equator."""
+        return self.radius
+
     def _height(self, r: Array) -> Array:
         """Return the height at radii; NaN beyond the equator."""
         inside = r <= self.radius

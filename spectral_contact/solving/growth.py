@@ -45,6 +45,8 @@ _FEWEST = 6
 #: How far past the onset of slip points are dense, relative, at the tightest tolerance, and how it
 #: grows with it.
 _AT_ONSET, _TIGHTEST, _POWER = 1e-3, 1e-10, 0.2
+#: How long panels are next to the end of a profile, in their distance from it.
+_BESIDE = 2.0
 #: What panels may leave out, of the tolerance, as there are a few; they are not halved below.
 _MARGIN, _SHORTEST = 0.1, 1e-4
 #: By how much a stick radius may fall, as its own error may make it.
@@ -315,6 +317,8 @@ class Grower:
         The least compliance, unless there is none: poles are beyond it.
     powers : tuple of float
         As of `Panel`.
+    end : float
+        Logarithm of the radius at which the profile ends in a pole of its load, or infinite.
     """
 
     stage: Stage
@@ -326,6 +330,7 @@ class Grower:
     at_break: float
     layer: float
     powers: tuple[float, float]
+    end: float
 
     def grown(self, least: float, radius: float, load: float) -> Growth:
         """Return the history of a contact.
@@ -359,7 +364,11 @@ class Grower:
 
     def until(self, growth: Growth, log_radius: float) -> Growth:
         """Return a history that ends earlier."""
-        kept = [one for one in growth.panels if one.high < log_radius - _SHORTEST]
+        kept = [
+            one
+            for one in growth.panels
+            if one.high < log_radius - _SHORTEST * min(one.stretch.extent, 1.0)
+        ]
         cut = growth.panels[len(kept)].stretch
         self.weight.back(len(kept))
         last = self._panel(replace(cut, high=log_radius))
@@ -380,13 +389,24 @@ class Grower:
         for start, stop in pairwise(sorted([*bends, high])):
             whole = RadiusStretch(start, stop, bends[start])
             stretches += whole.cut(math.ceil(whole.extent / _WIDEST))
-        return stretches
+        return [piece for whole in stretches for piece in self._toward_the_end(whole)]
+
+    def _toward_the_end(self, stretch: RadiusStretch) -> list[RadiusStretch]:
+        """Cut a stretch toward the end of the profile, at which the load grows without bounds."""
+        tops = [stretch.high]
+        while (cut := tops[-1] - _BESIDE * (self.end - tops[-1])) > stretch.low:
+            tops.append(cut)
+        lows = np.array([stretch.low, *tops[:0:-1]])
+        bends = stretch.bends(stretch.depth_of(lows)).tolist()
+        each = zip(lows.tolist(), tops[::-1], bends, strict=True)
+        return [RadiusStretch(*one) for one in each]
 
     def _counted(self, stretch: RadiusStretch, today: float) -> RadiusStretch:
         """Return a stretch with as many points as leave out little enough."""
         # loads grow at least like the third power of the radius, where flat punches differ
         allowed = _MARGIN * self.tolerance * math.exp(today - stretch.high)
-        gained = math.asinh(2.0 * math.pi / stretch.extent)
+        room = 2.0 * (self.end - stretch.high) / stretch.extent
+        gained = min(math.asinh(2.0 * math.pi / stretch.extent), math.acosh(1.0 + room))
         past = any(math.log(b) < stretch.low + _NEXT for b in (self.onset, *self.breaks[1:]) if b)
         digits = math.log((_LEAVES_PAST if past else _LEAVES) / allowed)
         return replace(stretch, count=max(math.ceil(digits / gained), _FEWEST))

@@ -136,6 +136,7 @@ class Stages:
             at_break=at_break,
             layer=layer if layer < math.inf else 0.0,
             powers=self._powers(least),
+            end=math.log(self.profile._pole),
         )
 
     def _powers(self, least: float) -> tuple[float, float]:

@@ -268,7 +268,10 @@ class CoupledWeight:
         approaches = approach + (growth.reshape(len(extent), -1) * sizes).sum(axis=1)
         loads = load + ((growth * stiffness).reshape(len(extent), -1) * sizes).sum(axis=1)
         self._end = float(loads[-1]), float(approaches[-1])
-        if not min(loads.min(), approaches.min()) > 0.0:
+        grown = [
+            np.diff(one, prepend=begun) for one, begun in ((loads, load), (approaches, approach))
+        ]
+        if not np.min(grown) > 0.0:
             told = f"at the contact radius {math.exp(stretch.high):.6g} the load would not grow"
             raise NotComputedError("load", told)
         # fields next to the edge know a short panel by the root of what it adds
