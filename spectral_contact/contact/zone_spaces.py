@@ -125,7 +125,7 @@ def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[
 #: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, as on the second
 #: panel, and on the first one, on the disk, above its rim, where the far end is a singularity ln 2
 #: before it, and at the edge.
-_ALL, _BEND, _TURN = 0.43, 0.15, 0.1
+_ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, 0.42
 #: How far before the layer a bend is where all sticks; and further degrees there: of 300 scenes and
 #: tolerances one needs a second space.

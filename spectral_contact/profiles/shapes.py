@@ -405,9 +405,9 @@ def _risen(root: Array, b: float) -> Array:
 
 def _past(x: Array) -> Array:
     """Return ``x - arctan(x)`` without cancellation."""
-    small = np.abs(x) < 0.25
+    small = np.abs(x) < 1.0
     square = np.where(small, x, 0.0) ** 2
-    series = np.zeros(np.shape(x))
-    for n in range(13, 0, -1):
-        series = 1.0 / (2 * n + 1) - square * series
-    return np.where(small, x * square * series, x - np.arctan(x))
+    rest = np.zeros(np.shape(x))
+    for n in range(22, 0, -1):  # arctan(x) = x/(1 + rest), Gauss's continued fraction
+        rest = n**2 * square / (2 * n + 1 + rest)
+    return np.where(small, x * rest / (1.0 + rest), x - np.arctan(x))
