@@ -216,3 +216,14 @@ def test_the_plan_runs_the_history_for_what_needs_it_only():
     assert states == {"normal contact": "run", "growing contact": "skipped"}
     assert plan(scene, ["zones"]).steps[1].state.value == "run"
     assert solve(scene, 1e-6, ["load"]).load > 0.0
+
+
+@pytest.mark.parametrize("short", [1e-2, 1e-7])
+def test_a_smooth_sphere_next_to_its_equator_shears_like_every_profile(short):
+    """Where the load has a pole as a function of the radius."""
+    flat = solve(Scene(0.3, friction=0.5), 1e-10)
+    scene = Scene(0.3, friction=0.5, profile=profiles.Sphere(1.3), contact_radius=1.3 * (1 - short))
+    solution = solve(scene, 1e-6, ("load", "total_shear", "stick_radius"))
+    shear = solution.load * flat.total_shear
+    assert abs(solution.total_shear / shear - 1.0) <= solution.error.total_shear + 1e-9
+    assert solution.stick_radius == pytest.approx(flat.stick_radius, rel=1e-9)

@@ -209,3 +209,15 @@ def test_in_full_stick_on_a_smooth_surface_a_contact_cannot_grow_from_a_flat_par
     scene = Scene(0.2, friction=math.inf, coupling=True, profile=rounded, load=1.0)
     with pytest.raises(NotComputedError, match=r"at the contact radius 0\.5.* would not grow"):
         solve(scene, 1e-3, ["load"])
+
+
+def test_next_to_an_equator_a_contact_is_refused_where_the_flat_punch_pulls():
+    sphere = profiles.Sphere(1.3)
+    with pytest.raises(NotComputedError, match=r"at the contact radius 1\.287 .* would sink more"):
+        solved(sphere, 0.0, 0.0, math.inf, contact_radius=1.287)
+    # in a layer it does not pull
+    near = solved(sphere, 0.2, 0.2, math.inf, contact_radius=1.3 * (1.0 - 1e-4))
+    better = solved(sphere, 0.2, 0.2, math.inf, 1e-6, contact_radius=1.3 * (1.0 - 1e-4))
+    for name in ("load", "approach", "total_shear"):
+        error = abs(getattr(near, name) / getattr(better, name) - 1.0)
+        assert error <= getattr(near.error, name) + getattr(better.error, name)

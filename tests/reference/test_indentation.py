@@ -133,6 +133,18 @@ def test_the_pressure_of_a_smooth_sphere_next_to_its_equator(short):
     assert solution.error.pressure < 1e-5
 
 
+@pytest.mark.parametrize("past", [1e-8, 0.0455, 0.3])
+def test_the_approach_of_a_rounded_flat_has_all_digits_past_its_corner(past):
+    b, a = 0.28, 0.28 * (1.0 + past)
+    scene = Scene(0.3, profile=profiles.RoundedFlat(b, 0.2), contact_radius=a)
+    solution = solve(scene, RTOL, ("approach",))
+    with mp.workdps(40):
+        root = mp.sqrt((mp.mpf(a) - b) * (mp.mpf(a) + b))
+        truth = a * (root - b * mp.acos(b / mp.mpf(a))) / mp.mpf(0.2)
+        error = float(abs(solution.approach / truth - 1))
+    assert error <= solution.error.approach < 1e-14
+
+
 def test_a_thin_layer_tends_to_hertz_as_its_series_says():
     """The shift of the approach is of the order of alpha ln(1/alpha), and so is all else."""
     shifts = []
