@@ -201,7 +201,7 @@ def main(seconds: float) -> None:
         "scenes": len(rows),
         "rows": rows,
     }
-    (RESULTS / "honesty_thresholds.json").write_text(json.dumps(record, indent=1) + "\n")
+    (RESULTS / "honesty_thresholds.json").write_text(json.dumps(record, separators=(",", ":")) + "\n")
     (RESULTS / "honesty_thresholds.md").write_text(table(rows))
     print(table(rows))
 
