@@ -201,7 +201,8 @@ def main(seconds: float) -> None:
         "scenes": len(rows),
         "rows": rows,
     }
-    (RESULTS / "honesty_thresholds.json").write_text(json.dumps(record, separators=(",", ":")) + "\n")
+    text = json.dumps(record, separators=(",", ":"))
+    (RESULTS / "honesty_thresholds.json").write_text(f"{text}\n")
     (RESULTS / "honesty_thresholds.md").write_text(table(rows))
     print(table(rows))
 
