@@ -45,14 +45,13 @@ class FieldTable:
         x = np.clip((x - self._low) / _WIDTH, 0.0, self._panels)
         own = np.minimum(x.astype(np.intp), self._panels - 1)
         order = np.argsort(own, kind="stable")
-        local = np.clip(2.0 * (x - own) - 1.0, -1.0, 1.0)[order]
-        near, radii = _rows(local, _TERMS), _rows(t[order], self._table.shape[1])
+        local = np.clip(2.0 * (x - own) - 1.0, -1.0, 1.0)
         ends = np.searchsorted(own[order], np.arange(self._panels + 1))
         sums = np.empty(len(x))
         for k in np.flatnonzero(np.diff(ends)):
-            here = slice(ends[k], ends[k + 1])
-            terms = self._table[k] @ near[:, here]
-            sums[order[here]] = np.einsum("ij,ij->j", terms, radii[:, here])
+            here = order[ends[k] : ends[k + 1]]
+            terms = self._table[k] @ _rows(local[here], _TERMS)
+            sums[here] = np.einsum("ij,ij->j", terms, _rows(t[here], self._table.shape[1]))
         return sums
 
 
@@ -63,10 +62,9 @@ def _fit(count: int) -> Array:
 
 def _rows(t: Array, count: int) -> Array:
     """Return the first Chebyshev polynomials as rows."""
-    rows = np.ones((count, len(t)))
-    if count > 1:
-        rows[1] = t
+    rows, twice = np.empty((count, len(t))), 2.0 * t
+    rows[0], rows[1:2] = 1.0, t
     for n in range(2, count):
-        np.multiply(2.0 * t, rows[n - 1], out=rows[n])
+        np.multiply(twice, rows[n - 1], out=rows[n])
         rows[n] -= rows[n - 2]
     return rows
