@@ -154,7 +154,7 @@ def just_slipping(critical, share):
 def test_slip_begins_inside_at_the_critical_friction():
     critical = full_stick().critical_friction
     widths = []
-    for share, rtol in ((4e-3, 1e-5), (1e-3, 1e-5), (1e-10, 1e-12)):
+    for share, rtol in ((4e-3, 1e-5), (1e-3, 1e-5), (1e-9, 1e-12)):
         solution = slipping(just_slipping(critical, share), rtol)
         assert solution.converged
         assert solution.error.zones < 1e-6
