@@ -25,10 +25,7 @@ from spectral_contact.contact.on_parts import (
     series_on_parts,
 )
 from spectral_contact.contact.refine import Attempt, Refinement, Resolution, fitted, refine
-from spectral_contact.contact.resolution import (
-    FIELD_ROUNDING,
-    ROUNDING,
-)
+from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING
 from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.fields.series import LogSeries, PressureField, Radius, ZonalField
 from spectral_contact.profiles import Profile
@@ -79,7 +76,7 @@ class Indentation:
     flat : PressureField or ZonalField or None
         ``a dp/ddelta`` at the radius ``a``: the pressure of a flat punch.
     approach_error, load_error, work_error, stiffness_error : float
-        Estimates of relative errors.
+        Estimates of relative errors; 0 of a `glance`.
     pressure_error : float
         The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
     overclosure : float
@@ -96,11 +93,11 @@ class Indentation:
     growth: float
     pressure: PressureField | ZonalField | None
     flat: PressureField | ZonalField | None
-    approach_error: float
-    load_error: float
-    work_error: float
-    stiffness_error: float
-    pressure_error: float
+    approach_error: float = 0.0
+    load_error: float = 0.0
+    work_error: float = 0.0
+    stiffness_error: float = 0.0
+    pressure_error: float = 0.0
     overclosure: float = 0.0
     normal: NormalContact | None = None
 
@@ -211,11 +208,6 @@ class _IndentationProblem(PartedProblem):
             self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
             self.parts.field(series) if self.pointwise else None,
             self.parts.field(series_on_parts(used, solved.flat)) if self.pointwise else None,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
         )
 
     @property

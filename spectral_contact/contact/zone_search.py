@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from math import exp, inf
+from math import exp, inf, log
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +33,7 @@ from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
@@ -118,6 +119,13 @@ class ZoneSearch(ABC):
                     yield outcome
                     layout = outcome.mended
 
+    @cached_property
+    def _exceeded(self) -> Layout:
+        """Slip where full stick exceeds friction, and stick elsewhere."""
+        from spectral_contact.contact.onset import exceeded
+
+        return exceeded(self.stick, self.parameters)
+
     def _attempted(self, layout: Layout) -> PartialSlip | None:
         """Return the solution on zones like these, if there is one."""
         try:
@@ -179,11 +187,13 @@ class DrivenSearch(ZoneSearch):
 
     @property
     def _smooth(self) -> bool:
-        """Whether p is infinite at the edge and q is not.
-
-        It sticks there for ``y < (f beta/kappa)**2``, as long as that is a number.
-        """
+        """Whether p is infinite at the edge and q is not."""
         return self.parameters.alpha == 0.0 < self.parameters.beta
+
+    @property
+    def _smooth_edge(self) -> float:
+        """The width in ``y`` over which a smooth edge sticks, but for a factor of about 1."""
+        return (self.parameters.friction * self.parameters.beta) ** 2
 
     def _handed_on(self) -> PartialSlip | None:
         """Return the solution on the zones of a like scene if the friction law holds on them."""
@@ -206,7 +216,7 @@ class DrivenSearch(ZoneSearch):
     def _one_disk_alone(self) -> PartialSlip | None:
         """Return one stick disk where it is enough, or what is known to be there instead."""
         _, beta, _, friction = self.parameters
-        if self._smooth and (friction * beta) ** 2 >= _NO_EDGE:
+        if self._smooth and self._smooth_edge >= _NO_EDGE:
             return None
         near = None
         if self.near is not None and self.near.states == (0, 1) and self.near.slopes is not None:
@@ -226,22 +236,23 @@ class DrivenSearch(ZoneSearch):
         """Yield zones with the stick that one disk lacks, and what full stick and rings tell."""
         if self._disk is not None and self._disk.mended is not None:
             yield self._disk.mended
-        from spectral_contact.contact.onset import exceeded, is_narrow
+        from spectral_contact.contact.onset import is_narrow
 
-        violated = exceeded(self.stick, self.parameters)
+        violated = self._exceeded
         if is_narrow(violated):  # rings miss it
             yield violated
         from spectral_contact.contact.active_set import ring_layout
 
         found = ring_layout(self.parameters, coupled=False)
-        logits = tuple(one.logit for one in found.boundaries)
+        logits, states = [one.logit for one in found.boundaries], found.states
         if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
             centre = 2.0 * self.parameters.beta * self.parameters.friction
             if self._disk is not None:
                 centre = self._disk.zones[0].outer
-            yield Layout((Radius(centre, 1.0 - centre).logit, *logits), (0, *found.states))
-        elif found.states[-1] == 0 or not self._smooth:  # a smooth edge sticks, if below rings
-            yield Layout(logits, found.states)
+            logits, states = [Radius(centre, 1.0 - centre).logit, *logits], (0, *states)
+        if self._smooth and states[-1] != 0:  # the edge sticks, below all rings
+            logits, states = [*logits, -log(self._smooth_edge)], (*states, 0)
+        yield Layout(tuple(logits), states)
         yield violated  # rings have a pressure of their own
 
     def _possible(self, layout: Layout) -> bool:
@@ -351,9 +362,9 @@ class CoupledSearch(ZoneSearch):
     def _guesses(self) -> Iterator[Layout]:
         """Yield narrow slip by full stick, zones on rings, and one disk."""
         from spectral_contact.contact.active_set import ring_layout
-        from spectral_contact.contact.onset import exceeded, is_narrow
+        from spectral_contact.contact.onset import is_narrow
 
-        violated = exceeded(self.stick, self.parameters)
+        violated = self._exceeded
         if is_narrow(violated):  # rings miss it, or its place
             yield violated
         found = ring_layout(self.parameters, coupled=True)
@@ -381,10 +392,7 @@ class CoupledSearch(ZoneSearch):
         return min(lawful, key=lambda outcome: outcome.violation)
 
     def _solved(self, layout: Layout) -> PartialSlip:
-        from spectral_contact.contact.zone_problem import (
-            find_zones,
-            solve_zones,
-        )
+        from spectral_contact.contact.zone_problem import find_zones, solve_zones
 
         begin = perf_counter()
         try:
@@ -409,12 +417,10 @@ class CoupledSearch(ZoneSearch):
 
         Next to the onset all slips where full stick exceeds friction, and hardly anything more.
         """
-        from spectral_contact.contact.onset import exceeded
-
         lack = 1.0 - self.parameters.friction / self.stick.critical
         if layout.states != _DISK.states or lack >= _ABOUT:
             return layout
-        near = exceeded(self.stick, self.parameters)
+        near = self._exceeded
         if near.states != layout.states or near.logits[0] < layout.logits[0] + _ABOUT:
             return layout
         assert layout.slopes is not None

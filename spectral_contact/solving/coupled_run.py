@@ -21,6 +21,7 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.planning import closer_tolerance
 from spectral_contact.solving.run import Run
+from spectral_contact.solving.sharing import place_of
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
     from spectral_contact.contact.zone_search import CoupledSearch
-    from spectral_contact.solving.sharing import Place, StickPath
+    from spectral_contact.solving.sharing import StickPath
 
 __all__ = ["CoupledRun"]
 
@@ -144,21 +145,13 @@ class CoupledRun(Run):
             one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
         self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
 
-    @property
-    def _path(self) -> tuple[StickPath | None, Place]:
-        """Stick radii of the same contact at other times, if it grows, and where it is."""
-        alpha, beta, _, friction = self.parameters
-        log_a, log_b, log_f = (
-            math.log(x) if x > 0.0 else -math.inf for x in (alpha, beta, friction)
-        )
-        path: StickPath | None = self.shared.get(COUPLING, (), lambda: None)
-        return path, (log_a, log_b, log_f)
-
     def _found(self, search: CoupledSearch, unsure: float) -> PartialSlip | None:
         """Return the zones, or None next to the onset where full stick is as good."""
         from spectral_contact.contact.zone_search import NoZonesError
 
-        path, place = self._path
+        # stick radii of the same contact at other times, if it grows
+        path: StickPath | None = self.shared.get(COUPLING, (), lambda: None)
+        place = place_of(self.parameters)
         search.near = None if path is None else path.near(place)
         try:
             found = search.outcome()

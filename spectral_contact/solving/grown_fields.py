@@ -358,8 +358,6 @@ def _crossed(panel: Panel, log_r: Array) -> Array:
     low, high = -np.ones(len(log_r)), np.ones(len(log_r))
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2.0
-        below = panel.stretch.log_radius(panel.stretch.depth(middle)) < log_r - panel.log_stick(
-            middle
-        )
+        below = panel.stretch.log_radius_at(middle) < log_r - panel.log_stick(middle)
         low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return panel.stretch.log_radius(panel.stretch.depth((low + high) / 2.0))
+    return panel.stretch.log_radius_at((low + high) / 2.0)

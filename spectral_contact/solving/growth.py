@@ -144,11 +144,8 @@ class Growth:
     def stick_rate(self) -> float:
         """``dln c*/dln b`` today."""
         last = self.panels[-1]
-        return (
-            abs(last.rate_today(PowerCurve(last.stretch, np.exp(last.stick), 0.0)))
-            if last.slips
-            else 0.0
-        )
+        sticks = PowerCurve(last.stretch, np.exp(last.stick), 0.0)
+        return abs(last.rate_today(sticks)) if last.slips else 0.0
 
     @cached_property
     def load_rate(self) -> float:
@@ -243,7 +240,7 @@ class Growth:
 
         def weights(panel: Panel) -> Callable[[Array], Array]:
             radii = panel.stretch
-            return lambda t: panel.increment(t) * np.exp(power * radii.log_radius(radii.depth(t)))
+            return lambda t: panel.increment(t) * np.exp(power * radii.log_radius_at(t))
 
         sizes = [one.integral(weights(one)) for one in self.panels]
         worst = [
@@ -266,8 +263,7 @@ class Growth:
         panels = [one for one in self.panels if one.slips and one.high >= log_radius]
         if not panels or panels[0].low > log_radius + _NEXT:
             return []
-        stretch = panels[0].stretch
-        place = stretch.place(stretch.depth_of(np.array([log_radius])))
+        place = panels[0].stretch.place_of(np.array([log_radius]))
         return [float(panels[0].log_stick(place)[0])]
 
     def radius_of(self, name: str, value: float) -> float | None:
@@ -284,7 +280,7 @@ class Growth:
 
             if off(1.0) >= 0.0:
                 t = float(brentq(off, -1.0, 1.0, xtol=_ROUNDING)) if off(-1.0) < 0.0 else -1.0
-                return float(panel.stretch.log_radius(panel.stretch.depth(np.array([t])))[0])
+                return float(panel.stretch.log_radius_at(np.array([t]))[0])
         return None
 
 
@@ -396,10 +392,7 @@ class Grower:
         tops = [stretch.high]
         while (cut := tops[-1] - _BESIDE * (self.end - tops[-1])) > stretch.low:
             tops.append(cut)
-        lows = np.array([stretch.low, *tops[:0:-1]])
-        bends = stretch.bends(stretch.depth_of(lows)).tolist()
-        each = zip(lows.tolist(), tops[::-1], bends, strict=True)
-        return [RadiusStretch(*one) for one in each]
+        return stretch.cut_at(stretch.depth_of(np.array([stretch.low, *tops[:0:-1]])))
 
     def _counted(self, stretch: RadiusStretch, today: float) -> RadiusStretch:
         """Return a stretch with as many points as leave out little enough."""

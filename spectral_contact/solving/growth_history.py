@@ -39,13 +39,12 @@ class _HistoryPiece:
 
     def places(self, u: Array) -> Array:
         """Return the places on the panel in [-1, 1]."""
-        stretch = self.panel.stretch
-        return stretch.place(stretch.depth_of(u))
+        return self.panel.stretch.place_of(u)
 
     def rates(self, u: Array) -> Array:
         """Return ``dQ/du``."""
         t = self.places(u)
-        bends = self.panel.stretch.bends(self.panel.stretch.depth(t))
+        bends = self.panel.stretch.bends_at(t)
         return chebyshev_value(self.panel.shears, t) * self.panel.increment(t) * bends
 
 

@@ -62,12 +62,12 @@ class PowerCurve:
 
     def at(self, t: Array) -> Array:
         """Return the logarithm at places in [-1, 1]."""
-        u = self.stretch.log_radius(self.stretch.depth(t))
+        u = self.stretch.log_radius_at(t)
         return chebyshev_value(self._rest, t) + self.power * u
 
     def rate(self, t: Array) -> Array:
         """Return the derivative of the logarithm in ``x``."""
-        bends = self.stretch.bends(self.stretch.depth(t))
+        bends = self.stretch.bends_at(t)
         return slope(self._rest, t) * 2.0 / self.stretch.extent + self.power / bends
 
 
@@ -145,7 +145,7 @@ class Panel:
     def rate_today(self, curve: PowerCurve) -> float:
         """Return the derivative in ``u`` of a logarithm at the end of the panel."""
         end = np.ones(1)
-        return float((curve.rate(end) * self.stretch.bends(self.stretch.depth(end)))[0])
+        return float((curve.rate(end) * self.stretch.bends_at(end))[0])
 
     def log_stick(self, t: Array) -> Array:
         """Return ``ln c*``."""
@@ -178,7 +178,7 @@ class Panel:
             found = _field(one, name, c.value * inside, c.from_edge + c.value * d / (1.0 + inside))
             return found / inside if name == "traction" else found
 
-        return self._table(f"stuck {name}", values, 0.0, _DEEP)
+        return self._table(name, values, 0.0, _DEEP)
 
     def _at_share(self, name: str, t: Array, share: Array) -> Array:
         """Return a field at places between the edge and the stick radius, as ``1 - s**2`` goes.
@@ -193,11 +193,13 @@ class Panel:
 
         with np.errstate(divide="ignore"):
             x = np.log1p(-share) - np.log(share)
-        return self._table(f"slipping {name}", values, -_DEEP, _DEEP + _DEEP // 2)(t, x)
+        return self._table(name, values, -_DEEP, _DEEP + _DEEP // 2)(t, x)
 
     def _table(
-        self, key: str, values: Callable[[Solution, Array], Array], low: float, panels: int
+        self, name: str, values: Callable[[Solution, Array], Array], low: float, panels: int
     ) -> FieldTable:
+        """Return a field as a series from there on, made once."""
+        key = name, low
         if key not in self._tables:
             flats = self.flats[:1] if self.alike else self.flats
             self._tables[key] = FieldTable(
@@ -206,7 +208,7 @@ class Panel:
         return self._tables[key]
 
     @cached_property
-    def _tables(self) -> dict[str, FieldTable]:
+    def _tables(self) -> dict[tuple[str, float], FieldTable]:
         return {}
 
     @cached_property
@@ -223,15 +225,13 @@ class Panel:
         What `lost` says is not in it: shorter panels do not help.
         """
         of_stick = left_out(self.stick) if self.slips else 0.0
-        of_rate = max(_OF_RATE * self.loads.left_out, _OF_RATE * self.weights.error)
-        return max(
-            of_rate, self.shear_error, of_stick, *(self._field_error(one) for one in self.fields)
-        )
+        of_rate = _OF_RATE * max(self.loads.left_out, self.weights.error)
+        return max(of_rate, self.shear_error, of_stick, *map(self._field_error, self.fields))
 
     @property
     def lost(self) -> float:
         """What series in the place leave out, relative: what is known of the flat punches."""
-        tables = [one for key, one in self._tables.items() if not key.endswith("slip")]
+        tables = [one for (name, _), one in self._tables.items() if name != "slip"]
         return max((one.lost for one in tables), default=0.0)
 
     @cached_property
@@ -252,10 +252,7 @@ class Panel:
         moved = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), _TINY)
         left = max(left_out(column) for column in self.slips_by.T)
         gained = self.integral(
-            lambda t: (
-                self.increment(t)
-                * np.exp(self.low - self.stretch.log_radius(self.stretch.depth(t)))
-            )
+            lambda t: self.increment(t) * np.exp(self.low - self.stretch.log_radius_at(t))
         )
         # by parts: what the load lacks counts against all of it
         lacking = 2.0 * self.loads.left_out * float(self.load(np.ones(1))[0])

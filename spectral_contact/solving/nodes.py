@@ -58,12 +58,17 @@ def slope(values: Array, t: Array) -> Array:
 
 def interpolation_weights(t: Array, count: int) -> Array:
     """Return the weights of the values in the interpolant, (places, nodes)."""
-    nodes = chebyshev_nodes(count)
-    away = t[:, None] - nodes
+    away = t[:, None] - chebyshev_nodes(count)
     away[away == 0.0] = 1e-300
-    odd = np.arange(1, 2 * count, 2)
-    weights = np.sin(math.pi * odd / (2 * count)) * (-1.0) ** np.arange(count) / away
+    weights = _barycentric(count) / away
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+
+
+@cache
+def _barycentric(count: int) -> Array:
+    """Return the weights of the nodes in the barycentric formula."""
+    odd = np.arange(1, 2 * count, 2)
+    return np.asarray(np.sin(math.pi * odd / (2 * count)) * (-1.0) ** np.arange(count))
 
 
 def left_out(values: Array) -> float:

@@ -31,11 +31,10 @@ __all__ = ["asked_quantities", "checked_tolerance", "closer_tolerance", "plan"]
 
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
-#: Integral quantities, which may be asked for at 1e-13; and the tightest tolerance of fields.
-_INTEGRAL, _TIGHTEST = (
-    frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES}),
-    1e-12,
-)
+#: Integral quantities, which may be asked for at 1e-13.
+_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
+#: The tightest tolerance of fields.
+_TIGHTEST = 1e-12
 #: Zones that are not known are looked for at so much of the tolerance, where there is something to
 #: gain.
 _CLOSER, _LOOSE = 1e-3, 1e-11

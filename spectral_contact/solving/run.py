@@ -30,7 +30,7 @@ from spectral_contact.solution import (
     Work,
     Zone,
 )
-from spectral_contact.solving.sharing import Shared, ZonePath
+from spectral_contact.solving.sharing import Shared, ZonePath, place_of
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
@@ -376,9 +376,7 @@ class Run:
         from spectral_contact.contact.zone_search import DrivenSearch
 
         parameters = self.parameters
-        path = self.shared.get(PARTIAL_SLIP, (), ZonePath)
-        moving = parameters.alpha, parameters.beta, parameters.friction
-        alpha, beta, along = (math.log(x) if x > 0.0 else -math.inf for x in moving)
+        path, place = self.shared.get(PARTIAL_SLIP, (), ZonePath), place_of(parameters)
         solved = DrivenSearch(
             parameters,
             stick,
@@ -386,10 +384,10 @@ class Run:
             self.max_unknowns,
             self.record,
             drive,
-            near=path.near((alpha, beta, along)),
+            near=path.near(place),
             pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
         ).outcome()
-        path.add((alpha, beta, along), solved.layout)
+        path.add(place, solved.layout)
         self.take(solved, self.scene.kappa)
 
     def take(self, solved: PartialSlip, scale: float) -> None:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
+    from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["Place", "Shared", "StickPath", "ZonePath", "extrapolated"]
+__all__ = ["Place", "Shared", "StickPath", "ZonePath", "extrapolated", "place_of"]
 
 _T = TypeVar("_T")
 Array = NDArray[np.float64]
@@ -45,6 +46,15 @@ class Shared:
             known = self._steps[step] = key, make()
         outcome: _T = known[1]
         return outcome
+
+
+def place_of(parameters: Parameters) -> Place:
+    """Return where a scene is on a path: ``(ln alpha, ln beta, ln f)``."""
+    alpha, beta, _, friction = parameters
+    log_alpha, log_beta, log_friction = (
+        math.log(x) if x > 0.0 else -math.inf for x in (alpha, beta, friction)
+    )
+    return log_alpha, log_beta, log_friction
 
 
 class ZonePath:

@@ -76,10 +76,8 @@ class Stages:
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
-        self._shared, self._path = (
-            Shared(),
-            StickPath(scene.normal_compliance, scene.tangential_compliance),
-        )
+        self._shared = Shared()
+        self._path = StickPath(scene.normal_compliance, scene.tangential_compliance)
         self._shared.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
         self._run = CoupledRun if scene.couples else Run
         self._last: tuple[Scene, Solution] | None = None
@@ -130,12 +128,7 @@ class Stages:
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
         at_break = _AT_SMOOTH_BREAK if smooth else _AT_BREAK
         layer = min(one for one in (*compliances, math.inf) if one > 0.0)
-        pulls = (self.scene.couples and self.flat(radius).values.get("opening")) or 0.0
-        if 1.0 - radius / self.profile._pole < min(_PULLED * pulls, 1.0):
-            told = (
-                f"at the contact radius {radius:.6g} the surface next to the edge would sink more"
-            )
-            raise NotComputedError("load", f"{told} than the punch")
+        self._check_pole(radius)
         return Grower(
             stage=self.flat,
             weight=self.weight(least),
@@ -148,6 +141,15 @@ class Stages:
             powers=self._powers(least),
             end=math.log(self.profile._pole),
         )
+
+    def _check_pole(self, radius: float) -> None:
+        """Raise if a contact with coupling is so close to where its profile is vertical."""
+        room = 1.0 - radius / self.profile._pole
+        # without a pole no flat punch has to be solved
+        pulls = room < 1.0 and self.scene.couples and self.flat(radius).values.get("opening")
+        if pulls and room < min(_PULLED * pulls, 1.0):
+            told = f"at the contact radius {radius:.6g} the surface next to the edge"
+            raise NotComputedError("load", f"{told} would sink more than the punch")
 
     def _powers(self, least: float) -> tuple[float, float]:
         """Return the powers of the radius that load and approach begin with at a tip."""

@@ -51,7 +51,7 @@ class RadiusStretch:
     @cached_property
     def logs(self) -> Array:
         """``u`` of the points."""
-        return self.log_radius(self.depth(chebyshev_nodes(self.count)))
+        return self.log_radius_at(chebyshev_nodes(self.count))
 
     def depth(self, t: Array) -> Array:
         """Return the depths of places in [-1, 1]."""
@@ -65,6 +65,10 @@ class RadiusStretch:
         """Return the depths of radii that are not below the stretch."""
         return np.asarray(np.log1p(self.bend * np.expm1(np.maximum(u - self.low, 0.0))))
 
+    def place_of(self, u: Array) -> Array:
+        """Return the places in [-1, 1] of radii."""
+        return self.place(self.depth_of(u))
+
     def before(self, u: Array) -> Array:
         """Return how far in ``x`` radii are below the stretch; infinite below the origin."""
         left = 1.0 + self.bend * np.expm1(np.minimum(u - self.low, 0.0))
@@ -75,9 +79,17 @@ class RadiusStretch:
         """Return ``u``."""
         return np.asarray(self.low + self.ahead(np.zeros(1), depth))
 
+    def log_radius_at(self, t: Array) -> Array:
+        """Return ``u`` at places in [-1, 1]."""
+        return self.log_radius(self.depth(t))
+
     def bends(self, depth: Array) -> Array:
         """Return ``dx/du``."""
         return np.asarray(self.bend * np.exp(-depth) - np.expm1(-depth))
+
+    def bends_at(self, t: Array) -> Array:
+        """Return ``dx/du`` at places in [-1, 1]."""
+        return self.bends(self.depth(t))
 
     def ahead(self, depth: Array, step: Array) -> Array:
         """Return by how much ``u`` grows with ``x`` from there, to rounding of the step."""
@@ -89,7 +101,10 @@ class RadiusStretch:
 
     def cut(self, pieces: int) -> list[RadiusStretch]:
         """Return pieces that are as long as each other."""
-        depths = self.extent * np.arange(pieces) / pieces
+        return self.cut_at(self.extent * np.arange(pieces) / pieces)
+
+    def cut_at(self, depths: Array) -> list[RadiusStretch]:
+        """Return the pieces that begin at these depths, the first of which is 0."""
         ends = [*self.log_radius(depths).tolist(), self.high]
         bends = self.bends(depths).tolist()
         return [RadiusStretch(*one) for one in zip(ends[:-1], ends[1:], bends, strict=True)]

@@ -49,6 +49,15 @@ Array = NDArray[np.float64]
 
 #: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
 EXTRA = 12
+#: Tail polynomials in the distance (degree 0, 1, 2), where logarithms follow the constant.
+TAIL_TERMS = 3
+#: Tail polynomials in the square root of the distance, where half-integer powers follow.
+ROOT_TERMS = 9
+#: Those beyond the terms of a tail.
+TAIL_EXTRA = 9
+#: Places in ``x`` that are the same to rounding.
+_SAME = 2e-14
+_TINY = float(np.finfo(float).tiny)
 
 
 class Charges:
@@ -89,17 +98,6 @@ _CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
 def charges_on(width: float, degrees: tuple[int, ...]) -> Charges:
     """Return functions up to these degrees on panels as charges (cached)."""
     return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
-
-
-#: Tail polynomials in the distance (degree 0, 1, 2), where logarithms follow the constant.
-TAIL_TERMS = 3
-#: Tail polynomials in the square root of the distance, where half-integer powers follow.
-ROOT_TERMS = 9
-#: Those beyond the terms of a tail.
-TAIL_EXTRA = 9
-#: Places in ``x`` that are the same to rounding.
-_SAME = 2e-14
-_TINY = float(np.finfo(float).tiny)
 
 
 def _smooth(u: Array) -> Array:

@@ -36,6 +36,7 @@ from spectral_contact.threads import cached_property
 
 __all__ = ["AT_END", "Field", "Misfit", "Part", "Tangential", "zone_parts"]
 
+Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
 
@@ -93,8 +94,6 @@ def zone_parts(
             parts.append(Part(zone, state, number, family, shear, used))
     return parts
 
-
-Array = NDArray[np.float64]
 
 #: Values of the functions of a tail at its end.
 AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)

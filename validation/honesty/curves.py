@@ -9,6 +9,7 @@ estimate that an error takes.
 import sys
 
 import numpy as np
+from honesty_table import largest_share, spread
 from profiles import drawn
 
 from spectral_contact import Scene, solve
@@ -16,16 +17,6 @@ from spectral_contact.sweeps import sweep
 
 NUMBERS = ("contact_radius", "load", "approach", "stiffness", "indentation_work")
 CHECKED = 8
-
-
-def spread(rng: np.random.Generator, highest: float) -> np.ndarray:
-    """Return the loads or approaches of a curve."""
-    count, kind = int(rng.integers(24, 160)), rng.integers(3)
-    if kind == 0:
-        return np.linspace(highest / count, highest, count)
-    if kind == 1:
-        return np.geomspace(highest * 10.0 ** -rng.uniform(0.3, 4.0), highest, count)
-    return np.sort(rng.uniform(0.05 * highest, highest, count))
 
 
 def main(curves: int, seed: int) -> int:
@@ -39,17 +30,14 @@ def main(curves: int, seed: int) -> int:
         given = str(rng.choice(["load", "approach"]))
         base = Scene(0.3, alpha, profile=profile, contact_radius=radius)
         highest = float(getattr(solve(base, 1e-6, [given], strict=False), given))
-        line = spread(rng, highest)
+        line = spread(rng, highest, 4.0)
         found = sweep(base, **{given: line}, quantities=NUMBERS, rtol=rtol)
-        share = 0.0
+        share, names = 0.0, [one for one in NUMBERS if one != given]
         for i in rng.choice(len(line), CHECKED, replace=False):
             one = Scene(0.3, alpha, profile=profile, **{given: float(line[i])})
             truth = solve(one, 1e-12, NUMBERS, strict=False)
-            for name in (one for one in NUMBERS if one != given):
-                true, value = getattr(truth, name), float(found[name][i])
-                allowed = float(found[f"{name}_error"][i]) + getattr(truth.error, name) + 1e-15
-                share = max(share, abs(value / true - 1.0) / allowed)
-                values += 1
+            share = max(share, largest_share(found, i, truth, names))
+            values += len(names)
         label = f"{profile.brief} | {alpha:.1e} | {rtol:.0e} | {len(line)}"
         print(f"| {label} | {share:.2f} |", flush=True)
         worst = max(worst, share)

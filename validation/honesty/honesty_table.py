@@ -2,16 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-__all__ = ["decade", "table"]
+from spectral_contact import Solution
+
+__all__ = ["decade", "largest_share", "spread", "table"]
 
 
 def decade(rng: np.random.Generator, low: float, high: float) -> float:
     """Return a number whose decimal logarithm is uniform between two."""
     return float(10.0 ** rng.uniform(low, high))
+
+
+def spread(rng: np.random.Generator, highest: float, decades: float) -> np.ndarray:
+    """Return some dozen numbers up to one: equidistant, in equal ratios or random."""
+    count, kind = int(rng.integers(24, 160)), rng.integers(3)
+    if kind == 0:
+        return np.linspace(highest / count, highest, count)
+    if kind == 1:
+        return np.geomspace(highest * 10.0 ** -rng.uniform(0.3, decades), highest, count)
+    return np.sort(rng.uniform(0.05 * highest, highest, count))
+
+
+def largest_share(found: Mapping[str, Any], i: int, truth: Solution, names: Sequence[str]) -> float:
+    """Return the largest error over its estimate in a scene of a sweep, against its solution."""
+    shares = []
+    for name in names:
+        true, value = getattr(truth, name), float(found[name][i])
+        allowed = float(found[f"{name}_error"][i]) + getattr(truth.error, name) + 1e-15
+        shares.append(abs(value - true) / (abs(true) or 1.0) / allowed)
+    return max(shares)
 
 
 def table(

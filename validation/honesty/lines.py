@@ -10,22 +10,13 @@ import math
 import sys
 
 import numpy as np
+from honesty_table import largest_share, spread
 
 from spectral_contact import Scene, solve
 from spectral_contact.sweeps import sweep
 
 NUMBERS = ("stick_radius", "total_shear")
 CHECKED = 8
-
-
-def frictions(rng: np.random.Generator, highest: float) -> np.ndarray:
-    """Return those of a line."""
-    count, kind = int(rng.integers(24, 160)), rng.integers(3)
-    if kind == 0:
-        return np.linspace(highest / count, highest, count)
-    if kind == 1:
-        return np.geomspace(highest * 10.0 ** -rng.uniform(0.3, 2.5), highest, count)
-    return np.sort(rng.uniform(0.05 * highest, highest, count))
 
 
 def main(lines: int, seed: int) -> int:
@@ -36,17 +27,14 @@ def main(lines: int, seed: int) -> int:
         alpha, beta = 10.0 ** rng.uniform(-5.0, 2.0, 2) * (rng.random(2) > 0.1)
         base = Scene(rng.uniform(-0.3, 0.45), float(alpha), float(beta), math.inf)
         critical = solve(base, 1e-8, ["critical_friction"]).critical_friction
-        line = frictions(rng, min(critical, 3.0) * 10.0 ** rng.uniform(-0.7, 0.2))
+        line = spread(rng, min(critical, 3.0) * 10.0 ** rng.uniform(-0.7, 0.2), 2.5)
         found = sweep(base, friction=line, quantities=NUMBERS)
         share = 0.0
         for i in rng.choice(len(line), CHECKED, replace=False):
             scene = base.replace(friction=float(line[i]))
             truth = solve(scene, 1e-12, NUMBERS, strict=False)
-            for name in NUMBERS:
-                true, value = getattr(truth, name), float(found[name][i])
-                allowed = float(found[f"{name}_error"][i]) + getattr(truth.error, name) + 1e-15
-                share = max(share, abs(value - true) / (true or 1.0) / allowed)
-                values += 1
+            share = max(share, largest_share(found, i, truth, NUMBERS))
+            values += len(NUMBERS)
         print(f"| {alpha:.1e} | {beta:.1e} | {len(line)} | {share:.2f} |", flush=True)
         worst = max(worst, share)
     print(f"\n{values} values of {lines} lines: at most {worst:.2f} of the estimate.")

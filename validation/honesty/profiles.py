@@ -124,11 +124,6 @@ class SmoothTruth:
 
     profile: profiles.Profile
     radius: float
-    approach_error: float = 0.0
-    load_error: float = 0.0
-    work_error: float = 0.0
-    stiffness_error: float = 0.0
-    pressure_error: float = 0.0
 
     def half(self, t: mp.mpf) -> mp.mpf:
         """Return ``H(t)``."""
@@ -235,7 +230,10 @@ def _compared(found: Indentation, truth: Indentation | SmoothTruth, off: float) 
     size = np.maximum(np.abs(exact), truth.load / (pi * truth.radius**2))
     errors["pressure"] = float((np.abs(found.pressure(s, from_edge) - exact) / size).max())
     # the truth is not exact, and what was asked for has no error but a rounding
-    room = {n: getattr(found, f"{n}_error") + getattr(truth, f"{n}_error") for n in NAMES[1:]}
+    room = {
+        name: getattr(found, f"{name}_error") + getattr(truth, f"{name}_error", 0.0)
+        for name in NAMES[1:]
+    }
     room["radius"] = off + ROUNDING
     return {name: error / room[name] for name, error in errors.items()}
 

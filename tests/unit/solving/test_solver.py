@@ -386,6 +386,18 @@ def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
         assert error <= loose.error.zones + tight.error.zones
 
 
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-12])
+def test_smooth_edge_sticks_where_the_stick_disk_is_below_all_rings(rtol):
+    """Neither end of slip is seen on rings, 1e-13 from the centre and 5e-28 from the edge."""
+    scene = Scene(
+        0.1165826621357795, tangential_compliance=1.336e-12, friction=0.004837097754977478
+    )
+    solution = solve(scene, rtol)
+    assert solution.converged
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert solution.zones[1].outer_from_edge == pytest.approx(4.5e-28, rel=0.01)
+
+
 # -- conventions ---------------------------------------------------------------------------------
 
 
