@@ -36,8 +36,8 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_325, 6_500),
-    Gate("lines in all", 49_521, 23_000),
+    Gate("lines of the core", 13_324, 6_500),
+    Gate("lines in all", 49_500, 23_000),
     Gate("float literals of the core", 175, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
@@ -45,7 +45,7 @@ GATES = (
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 23, 12),
+    Gate("longest chain of imports", 21, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

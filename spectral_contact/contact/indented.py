@@ -24,13 +24,14 @@ from spectral_contact.contact.on_parts import (
     pointwise_errors,
     series_on_parts,
 )
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, fitted, refine
+from spectral_contact.contact.refine import Attempt, Refinement, fitted, refine
 from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING
 from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.fields.series import LogSeries, PressureField, Radius, ZonalField
 from spectral_contact.profiles import Profile
-from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
+from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.parted import PressureSpace, pressure_space
+from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change, Regularised
 
 __all__ = [

@@ -20,10 +20,10 @@ from spectral_contact.contact.indented import Indentation
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
 from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm, central_value
 from spectral_contact.contact.on_parts import PartedProblem, first_space
-from spectral_contact.contact.refine import Attempt, Resolution
+from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 
 __all__ = ["CellProblem", "LayeredProblem", "at_centre"]
 

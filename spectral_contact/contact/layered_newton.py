@@ -15,7 +15,7 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
 
 __all__ = ["LayeredFields", "LayeredNewton", "LayeredSetting", "Totals", "balanced"]

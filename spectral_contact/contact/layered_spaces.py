@@ -9,18 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.contact.on_parts import (
-    Used,
-    edge_value,
-    pointwise_errors,
-    series_on_parts,
-)
+from spectral_contact.contact.on_parts import Used, edge_value, pointwise_errors, series_on_parts
 from spectral_contact.contact.resolution import expected_error, series_of, table_rates
 from spectral_contact.fields.series import PressureField, ZonalField
-from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
+from spectral_contact.spectral.parted import PressureSpace, pressure_space
+from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change
 

@@ -10,7 +10,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import (
     expected_error,
     panel_table,
@@ -21,8 +20,8 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.contact.zone_spaces import joined
 from spectral_contact.fields.series import CENTRE, LogSeries, Radius
-from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
 
 __all__ = [

@@ -10,14 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
 from spectral_contact.fields.series import LogSeries, Radius
-from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import (
-    legendre_projection_matrix,
-)
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import TAIL_TERMS, legendre_projection_matrix
+from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.galerkin import Change, Factored

@@ -14,12 +14,11 @@ from math import atanh, ceil, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
 from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import gap
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import gap
 
 __all__ = [
     "ended",

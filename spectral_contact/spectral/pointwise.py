@@ -7,11 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.jacobi import (
-    gauss_rule,
-    legendre_expansion_matrix,
-    legendre_values,
-)
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["Sampling"]

@@ -31,8 +31,9 @@ from spectral_contact.contact.layered_setting import (
     setting_at_approach,
     setting_at_radius,
 )
-from spectral_contact.contact.refine import Resolution, refine
+from spectral_contact.contact.refine import refine
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.panels import Resolution
 
 RESULTS = Path(__file__).parents[1] / "results"
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])

@@ -9,11 +9,11 @@ from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import across, block
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import Family
 
 STATES = [(0, 1), (0, 1, 0), (0, 1, 0, -1)]
 
