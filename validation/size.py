@@ -37,7 +37,7 @@ class Gate:
 
 GATES = (
     Gate("lines of the core", 13_324, 6_500),
-    Gate("lines in all", 49_500, 23_000),
+    Gate("lines in all", 49_493, 23_000),
     Gate("float literals of the core", 175, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),

@@ -13,13 +13,7 @@ from numpy.typing import NDArray
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 
-__all__ = [
-    "Attempt",
-    "Problem",
-    "Refinement",
-    "fitted",
-    "refine",
-]
+__all__ = ["Attempt", "Problem", "Refinement", "fitted", "refine"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, log, pi
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
     DEEPEST,
     FIELD_ROUNDING,
@@ -40,6 +39,9 @@ from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap, sampled_series
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
 
 __all__ = [
     "SlipFields",

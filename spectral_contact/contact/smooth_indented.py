@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.annulus import transforms
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule

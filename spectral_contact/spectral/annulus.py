@@ -251,8 +251,7 @@ class Annulus:
         return transforms(self.toward_inner), transforms(self.toward_outer)
 
     def _split(self, coefficients: Array) -> tuple[Array, Array]:
-        size = self.toward_inner.size
-        return coefficients[:size], coefficients[size:]
+        return coefficients[: self.toward_inner.size], coefficients[self.toward_inner.size :]
 
     @property
     def _scale(self) -> float:

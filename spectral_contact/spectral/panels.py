@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from spectral_contact.spectral.jacobi import (
     tail_values,
 )
 
-__all__ = ["LEAST_DEGREE", "LogPanels", "Nodes", "PanelNodes", "Resolution"]
+__all__ = ["LEAST_DEGREE", "LogPanels", "Nodes", "PanelNodes", "Resolution", "Used"]
 
 Array = NDArray[np.float64]
 
@@ -255,3 +255,7 @@ class Resolution:
 
     panels: LogPanels
     degrees: tuple[int, ...]
+
+
+#: The panels of a part, and the degrees on them.
+Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]

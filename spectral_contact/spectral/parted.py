@@ -21,7 +21,7 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.moments import unit_masses
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Used
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.regularised import Factorable, NodalSpace, Regularised
 from spectral_contact.spectral.seen import Seen
@@ -30,7 +30,6 @@ from spectral_contact.threads import cached_property
 __all__ = ["DiskSpace", "PartedSpace", "PressureSpace", "pressure_space"]
 
 Array = NDArray[np.float64]
-Used = tuple[LogPanels, tuple[int, ...]]
 
 _SPACES: BoundedCache[tuple[Parts, tuple[Used, ...]], PressureSpace] = BoundedCache(
     "spaces in parts", 8
