@@ -78,7 +78,7 @@ def main() -> None:
     """Time, print and store."""
     dense = np.random.default_rng(0).standard_normal((1000, 1000))
     unit = median(seconds(partial(np.linalg.solve, dense, dense[0])) for _ in range(5))
-    head = "| | α** | β** | rtol | unknowns, own | system | own [U] | system [U] | ratio |"
+    head = "| | α* | β* | rtol | unknowns, own | system | own [U] | system [U] | ratio |"
     lines = [head, "|---" * 9 + "|"]
     for name in ("full stick", "one disk"):
         for compliances in COMPLIANCES:
