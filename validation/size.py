@@ -57,9 +57,9 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core, flat punches", 9_851, 6_500),
-    Gate("lines of the core with all else", 13_327, 6_500),
-    Gate("lines in all", 49_523, 23_000),
+    Gate("lines of the core, flat punches", 9_982, 6_500),
+    Gate("lines of the core with all else", 13_326, 6_500),
+    Gate("lines in all", 49_495, 23_000),
     Gate("float literals of the core, flat punches", 119, 90),
     Gate("float literals of the core with all else", 175, 90),
     Gate("functions above 15", 0, 0),
@@ -68,7 +68,7 @@ GATES = (
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 23, 12),
+    Gate("longest chain of imports", 21, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

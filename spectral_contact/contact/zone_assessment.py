@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError, SolvedZones
-from spectral_contact.contact.refine import Attempt, Resolution
+from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
     FIELD_ROUNDING,
@@ -30,8 +30,10 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, root_error, rounding_depth
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import Annulus, Points, gap
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.factored import Symmetric
+from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.parts import Points, gap
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 

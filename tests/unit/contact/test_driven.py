@@ -14,11 +14,11 @@ from spectral_contact.contact.one_disk import solve_one_disk
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import across, block
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import Family
 
 STATES = [(0, 1), (0, 1, 0), (0, 1, 0, -1)]
 
