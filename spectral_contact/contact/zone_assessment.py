@@ -93,7 +93,7 @@ def sizes_of(system: Tangential, values: Array) -> list[Array]:
     Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
     ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
-    if system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
+    if len(ends) == 2 and system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
         ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
     return ends
 
@@ -301,7 +301,7 @@ class _Assessment:
         # no degree lowers what rounding leaves
         fields.indicators[fields.indicators <= self.left] = 0.0
         attempt = Attempt(value, max(errors), fields.indicators, fields.rates, system.unknowns)
-        return self._by_energies(attempt) if system.symmetric else attempt
+        return self._by_energies(attempt) if system.symmetric and not system.given else attempt
 
     def _sheared(self) -> float:
         """Return the relative error of the shear by changes, and by how far boundaries are off."""
