@@ -15,8 +15,8 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.parted import Parts
 from spectral_contact.spectral.regularised import Change
+from spectral_contact.spectral.spaces import Parts
 
 __all__ = ["LayeredFields", "LayeredNewton", "LayeredSetting", "Totals", "balanced"]
 
@@ -154,7 +154,7 @@ class LayeredNewton:
 
     def __init__(self, setting: LayeredSetting, form: Form) -> None:
         self.setting, self.form, space = setting, form, form.space
-        self.functions = space.functions
+        self.functions = space
         self.sampling = form.sampling
         self._rows = np.zeros((len(self.functions.index), self.sampling.size))
         self._rows[:, self.functions.index] = self.functions.gram

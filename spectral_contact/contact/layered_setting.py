@@ -21,7 +21,7 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.shapes import Flat
 from spectral_contact.spectral.cells import DiskCells
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.spaces import Parts
 
 __all__ = ["has_edge", "setting_at_approach", "setting_at_radius"]
 

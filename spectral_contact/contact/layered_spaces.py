@@ -20,9 +20,9 @@ from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
 from spectral_contact.spectral.pointwise import Sampling
-from spectral_contact.spectral.regularised import Change
+from spectral_contact.spectral.regularised import Change, NodalSpace
+from spectral_contact.spectral.spaces import Parts, disk_space
 
 __all__ = ["CellForm", "Form", "PanelForm", "central_value"]
 
@@ -35,7 +35,7 @@ class Form(Protocol):
 
     Attributes
     ----------
-    space : PressureSpace
+    space : Space
     sampling : Sampling
     z : ndarray
         ``s**2`` at the sampling points.
@@ -45,7 +45,7 @@ class Form(Protocol):
         How many panels are of the piece at the centre.
     """
 
-    space: PressureSpace
+    space: NodalSpace
     sampling: Sampling
     z: Array
     tail_extent: float
@@ -85,7 +85,7 @@ class PanelForm:
 
     def __init__(self, parts: Parts, used: tuple[Used, ...]) -> None:
         self._parts, self._used = parts, used
-        self.space: PressureSpace = pressure_space(parts, used)
+        self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
         self.z: Array = np.concatenate(
@@ -130,7 +130,7 @@ class PanelForm:
             By what factor one more degree lowers the change.
         """
         [(panels, _)] = self._used
-        functions = self.space.functions
+        functions = self.space
         last = np.zeros_like(pressure)
         last[functions.index[functions.kept_but_one :]] = 1.0
         whole, moved, lesser = (
@@ -178,7 +178,7 @@ class CellForm:
 
     def __init__(self, cells: DiskCells, degrees: tuple[int, ...]) -> None:
         self._cells, self._degrees = cells, degrees
-        self.space: PressureSpace = cell_space(cells, degrees)
+        self.space: NodalSpace = cell_space(cells, degrees)
         self.sampling = Sampling(polynomials=degrees)
         self.z: Array = cells.from_centre(self.sampling.places())
         self.tail_extent, self.central = cells.lengths[-1], 1

@@ -21,8 +21,8 @@ from spectral_contact.contact.resolution import (
     starting_resolution,
 )
 from spectral_contact.fields.series import EdgeWeight, PressureField
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "by_compliance", "solve_normal"]
 
@@ -92,13 +92,12 @@ class _NormalProblem:
 
     def attempt(self, resolution: Resolution) -> Attempt[NormalContact]:
         panels, compliance, weight = resolution.panels, self.compliance, self.weight
-        disk = disk_operators(panels)
-        space = disk.normal.space(resolution.degrees)
+        space = unit_space(panels, resolution.degrees)
         if weight is None:
             target: Array | float = 2.0
             load, known = None, 0.0
         else:
-            target = weight.deficit(disk.nodes.d)
+            target = weight.deficit(space.y)
             load = load_vector(panels, lambda d: 0.5 * weight(d))
             known = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
         factored = space.factor(compliance)
@@ -186,7 +185,7 @@ def by_compliance(solved: Refinement[NormalContact]) -> NormalContact:
     For unit approach ``(alpha + N) dp/dalpha = -p``.
     """
     contact, panels = solved.best.value, solved.resolution.panels
-    space = disk_operators(panels).normal.space(solved.resolution.degrees)
+    space = unit_space(panels, solved.resolution.degrees)
     known, weight = np.zeros(panels.size), contact.pressure.weight
     known[space.index] = space.mass @ contact.coefficients[space.index]
     if weight is not None:

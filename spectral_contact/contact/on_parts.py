@@ -22,8 +22,8 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.zone_spaces import joined
 from spectral_contact.fields.series import CENTRE, LogSeries, Radius
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts
 from spectral_contact.spectral.regularised import Change
+from spectral_contact.spectral.spaces import Parts
 
 __all__ = [
     "PartedProblem",

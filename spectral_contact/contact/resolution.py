@@ -20,7 +20,7 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.panels import LogPanels
 
 if TYPE_CHECKING:
-    from spectral_contact.spectral.galerkin import Change, Factored
+    from spectral_contact.spectral.regularised import Change, Regularised
 
 __all__ = [
     "CENTRE_ROUNDS",
@@ -243,7 +243,7 @@ def expected_error(change: Array, rates: Array) -> Array:
 
 
 def functional_error(
-    factored: Factored, functional: Array, change: Change, rates: Array, resolution: Resolution
+    factored: Regularised, functional: Array, change: Change, rates: Array, resolution: Resolution
 ) -> float:
     """Return the estimate of the error of a linear functional of a Galerkin solution.
 
@@ -252,7 +252,7 @@ def functional_error(
 
     Parameters
     ----------
-    factored : Factored
+    factored : Regularised
     functional : ndarray, shape (size,)
         Values of the functional on the basis.
     change : Change

@@ -23,7 +23,7 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.spaces import Parts
 from spectral_contact.threads import cached_property
 
 __all__ = ["KnownContact", "SmoothPressure", "smooth_contact"]
