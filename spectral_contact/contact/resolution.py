@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from math import ceil, inf, log
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
-from spectral_contact.fields.series import LogSeries, Radius
-from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.fields.series import LogSeries, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import (
-    legendre_projection_matrix,
-)
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import TAIL_TERMS, legendre_projection_matrix
+from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.regularised import Change, Regularised
@@ -35,10 +31,12 @@ __all__ = [
     "SAFETY",
     "TINY",
     "TRACTION_ROUNDING",
+    "NormalContact",
     "boundary_error",
     "decay_rates",
     "expected_error",
     "functional_error",
+    "joined",
     "load_vector",
     "nearness",
     "on_mesh",
@@ -93,6 +91,46 @@ _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], 
 )
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class NormalContact:
+    """Solution of the normal problem for unit load.
+
+    Attributes
+    ----------
+    compliance : float
+        ``alpha*``.
+    approach : float
+        ``delta*``.
+    pressure : PressureField
+        ``p*``.
+    panels : LogPanels or None
+        Where the series lives; None on a smooth surface, which needs none.
+    coefficients : ndarray
+        Its coefficients, for the transforms of the tangential problem.
+    approach_error, pressure_error : float
+        Estimates of the relative errors; of the pressure, pointwise.
+    change : NormalContact or None
+        What the top two degrees of every panel contribute, as a contact of its own: everything
+        tangential is linear in the pressure, so this shows how its error propagates.
+    lesser : NormalContact or None
+        The same of the top degree alone: where signs make the first small by accident, they do
+        not make this one.
+    rate : float
+        By what factor one more degree lowers the change.
+    """
+
+    compliance: float
+    approach: float
+    pressure: PressureField
+    panels: LogPanels | None
+    coefficients: Array
+    approach_error: float
+    pressure_error: float
+    change: NormalContact | None = None
+    lesser: NormalContact | None = None
+    rate: float = 0.0
 
 
 def starting_resolution(
@@ -178,6 +216,13 @@ def slip_degree(tolerance: float) -> int:
     The far end of a part is a singularity ln 2 before the first panel.
     """
     return 4 * ceil((4 - 0.7 * log(tolerance)) / 4)
+
+
+def joined(spaces: Sequence[Resolution]) -> Resolution:
+    """Return the spaces of all parts as one, for `refine`."""
+    capacity = max(one.panels.degree for one in spaces)
+    degrees = tuple(n for one in spaces for n in one.degrees)
+    return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.fixed import Fixed, FixedRule, Ints, root_rule
-from spectral_contact.spectral.abel import TAIL_TERMS
+from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
 

@@ -4,13 +4,14 @@ It knows panels, half-order integrals and the two kernels; it knows no scene, fr
 ratio. The modules have more than what is exported here.
 """
 
-from spectral_contact.spectral.annulus import Annulus, Family, Points
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.cache import cache_sizes, clear_caches
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_values,
 )
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Family, Points
 from spectral_contact.spectral.regularised import Regularised
 from spectral_contact.spectral.spaces import Space, unit_space
 

@@ -17,7 +17,6 @@ centre is an end of one where a punch has a tip. Half-integrals between parts ar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 from math import pi
 
@@ -25,88 +24,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
-from spectral_contact.fields.series import (
-    CENTRE,
-    EDGE,
-    AnnulusSeries,
-    DiskSeries,
-    LogSeries,
-    PressureField,
-    Radius,
-    ZonalField,
-    ZonePiece,
-)
-from spectral_contact.spectral.annulus import Family, gap
+from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.moments import unit_masses
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Used
+from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
-__all__ = ["WHOLE", "Parts", "Space", "disk_space", "unit_space"]
+__all__ = ["WHOLE", "Space", "disk_space", "unit_space"]
 
 Array = NDArray[np.float64]
-Used = tuple[LogPanels, tuple[int, ...]]
 
 _SPACES: BoundedCache[tuple[Parts, tuple[Used, ...], bool], Space] = BoundedCache("spaces", 96)
 _ORDERS: BoundedCache[tuple[Used, ...], _Order] = BoundedCache("orders of functions", 96)
-
-
-class Parts:
-    """How a disk is cut: radii of the breaks, and whether panels are graded to the centre, too.
-
-    Parameters
-    ----------
-    breaks : tuple of Radius
-        From the centre outward.
-    pointed : bool
-    turns : tuple of Radius
-        Those of the breaks at which the profile itself is smooth.
-    """
-
-    def __init__(
-        self, breaks: tuple[Radius, ...], pointed: bool, turns: tuple[Radius, ...] = ()
-    ) -> None:
-        self.breaks, self.pointed, self.turns = breaks, pointed, turns
-        bounds = (CENTRE, *breaks, EDGE)
-        #: boundary, side of it that the part is on, and extent in s**2, of every part
-        self.ends: list[tuple[Radius, int, float]] = []
-        #: the last break of the profile before every part, or the centre
-        self.inner: list[Radius] = []
-        last = CENTRE
-        for inner, outer in pairwise(bounds):
-            halves = [(outer, -1)] if inner is CENTRE and not pointed else [(inner, 1), (outer, -1)]
-            extent = gap(inner, outer) / len(halves)
-            self.ends += [(boundary, sign, extent) for boundary, sign in halves]
-            last = last if inner in turns else inner
-            self.inner += [last] * len(halves)
-
-    def __hash__(self) -> int:
-        return hash((self.breaks, self.pointed, self.turns))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Parts):
-            return NotImplemented
-        own = self.breaks, self.pointed, self.turns
-        return own == (other.breaks, other.pointed, other.turns)
-
-    def field(self, series: Sequence[LogSeries]) -> PressureField | ZonalField:
-        """Return the pressure with these series on the parts."""
-        if len(self.ends) == 1:
-            return PressureField(None, series[0])
-        bounds, each = (CENTRE, *self.breaks, EDGE), iter(series)
-        pieces = []
-        for inner, outer in pairwise(bounds):
-            if inner is CENTRE and not self.pointed:
-                on_disk = DiskSeries(outer, next(each), power=0)
-                pieces.append(ZonePiece(outer, on_disk))
-            else:
-                halves = next(each), next(each)
-                pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
-        return ZonalField(tuple(pieces))
 
 
 #: A disk in one part.

@@ -16,8 +16,7 @@ from oracles.projection_cases import TAIL, interior_slip, lift_case
 from oracles.projection_oracle import Piece, basis, entries, kernels, mp, rows
 from oracles.whole_spaces import ordered, whole_space
 
-from spectral_contact.contact.refine import Resolution
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 
 TRUTHS = Kept("galerkin_entries", every=16)
 
