@@ -40,7 +40,6 @@ from spectral_contact.spectral.graded import (
 )
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.threads import cached_property
 
 __all__ = ["Block", "across", "block", "disk_gram", "points_of"]
 
@@ -56,12 +55,13 @@ _FAR = 0.99
 #: Those places, as distances from its boundary.
 _PLACES: Array = (1.0 + FAR_NODES) / 2.0
 
-_OWN: BoundedCache[tuple[LogPanels, Degrees, Used], _Own] = BoundedCache("own integrals", 48)
+# slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
+_OWN: BoundedCache[tuple[LogPanels, Degrees, Used, str], Block] = BoundedCache("own integrals", 256)
 _HALVES: BoundedCache[tuple[LogPanels, Degrees, LogPanels, Used, bool], Block] = BoundedCache(
-    "halves", 32
+    "halves", 128
 )
-_GATHERED: BoundedCache[tuple[LogPanels, Degrees], Array] = BoundedCache("gathered parts", 32)
-_GRAMS: BoundedCache[tuple[LogPanels, Degrees, bool], Array] = BoundedCache("disk Gram", 24)
+_GATHERED: BoundedCache[tuple[LogPanels, Degrees], Array] = BoundedCache("gathered parts", 128)
+_GRAMS: BoundedCache[tuple[LogPanels, Degrees, bool], Array] = BoundedCache("disk Gram", 48)
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,29 +111,24 @@ class Block:
         return sums if self.gathered is None else self.gathered.T @ sums
 
 
-class _Own:
-    """Integrals of the functions of a part, of unit extent, at its own nodes."""
+def _own(panels: LogPanels, degrees: Degrees, used: Used, d: Array, way: str) -> Block:
+    """Return the integrals of the functions of a part, of unit extent, at its own nodes (cached).
 
-    def __init__(self, panels: LogPanels, degrees: Degrees, d: Array) -> None:
-        self._form = panels.panels, panels.width, panels.degree
-        self._power, self._d = panels.power, d
-        self._columns = panels.functions(degrees)
+    Of what lies `toward` the boundary, which vanishes there, or `beyond` the nodes, where the
+    boundary is the edge or `away` from it.
+    """
+    form, functions = (panels.panels, panels.width, panels.degree), panels.functions(degrees)
 
-    @cached_property
-    def toward(self) -> Block:
-        """What lies between the nodes and the boundary, which vanishes there."""
-        return _vanishing(deeper(self._d, *self._form, self._power)[:, self._columns])
+    def made() -> Block:
+        if way == "toward":
+            return _vanishing(deeper(d, *form, panels.power)[:, functions])
+        if way == "beyond":
+            return _vanishing(outer(d, *form, panels.power)[:, functions])
+        whole = _own(panels, degrees, used, d, "beyond").whole
+        at = beyond(np.zeros(1), *form)[0, functions]
+        return Block(at, rise(d, *form)[:, functions], whole, False)
 
-    @cached_property
-    def beyond(self) -> Block:
-        """What lies beyond the nodes, for a boundary that is the edge."""
-        return _vanishing(outer(self._d, *self._form, self._power)[:, self._columns])
-
-    @cached_property
-    def away(self) -> Block:
-        """The same for other boundaries."""
-        at = beyond(np.zeros(1), *self._form)[0, self._columns]
-        return Block(at, rise(self._d, *self._form)[:, self._columns], self.beyond.whole, False)
+    return _OWN.get((panels, degrees, used, way), made)
 
 
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
@@ -151,16 +146,11 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
         nodes = graded_nodes(panels, degrees)
         t = np.sqrt(nodes.rest)
         weights = nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t)
-        own = _own(panels, degrees, degrees, nodes).toward.whole
+        own = _own(panels, degrees, degrees, nodes.d, "toward").whole
         root = np.sqrt(weights)[:, None] * own
         return np.asarray(root.T @ root)
 
     return _GRAMS.get((panels, degrees, shear), made)
-
-
-def _own(panels: LogPanels, degrees: Degrees, used: Used, nodes: Nodes) -> _Own:
-    key = panels, degrees, used
-    return _OWN.get(key, lambda: _Own(panels, degrees, nodes.d))
 
 
 def block(
@@ -200,11 +190,9 @@ def block(
     """
     nodes = points_of(target.panels, used)
     if (source.boundary, source.sign) == (target.boundary, target.sign):
-        own = _own(source.panels, degrees, used, nodes)
-        if side != source.sign:
-            kept = own.toward
-        else:
-            kept = own.beyond if target.boundary.from_edge == 0.0 else own.away
+        onward = "beyond" if target.boundary.from_edge == 0.0 else "away"
+        way = onward if side == source.sign else "toward"
+        kept = _own(source.panels, degrees, used, nodes.d, way)
     else:
         apart = side * gap(target.boundary, source.boundary)
         if apart < 0.0 or (apart == 0.0 and side != source.sign):

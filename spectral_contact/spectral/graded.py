@@ -48,7 +48,7 @@ _CENTRAL = 40
 
 
 _NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes | SmoothNodes] = BoundedCache(
-    "graded nodes", 48
+    "graded nodes", 128
 )
 
 

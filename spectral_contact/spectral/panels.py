@@ -29,7 +29,7 @@ SAMPLES = 20
 
 
 _FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_]] = BoundedCache(
-    "functions in use", 256
+    "functions in use", 1024
 )
 
 
