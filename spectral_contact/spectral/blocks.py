@@ -14,7 +14,9 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from spectral_contact.spectral.abel import (
     beyond,
@@ -38,6 +40,7 @@ from spectral_contact.spectral.graded import (
     graded_nodes,
     root_sums,
 )
+from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
 
@@ -54,6 +57,9 @@ _NEAR = 0.5
 _FAR = 0.99
 #: Those places, as distances from its boundary.
 _PLACES: Array = (1.0 + FAR_NODES) / 2.0
+#: Places, in [-1, 1], that stand for all panels but the first as seen from seven times their extent
+#: or farther: the error is 27**-12.
+_DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
 
 # slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
 _OWN: BoundedCache[tuple[LogPanels, Degrees, Used, str], Block] = BoundedCache("own integrals", 256)
@@ -267,18 +273,27 @@ def _facing(
 
 
 def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
-    """Return what one half of an annulus contributes to the other, both of unit extent."""
-    form = panels.panels, panels.width, panels.degree, panels.power
-    used = panels.functions(degrees)
-    whole = deeper(2.0 - d, *form)[:, used]
-    if edge:
-        return _vanishing(whole)
-    at, near = deeper(np.array([2.0]), *form)[0, used], d <= _NEAR
-    more = whole - at
+    """Return what one half of an annulus contributes to the other, both of unit extent.
+
+    Few places stand for all panels of it but the first, at whose far end the halves meet.
+    """
+    count, form = degrees[0] + 1, (1, panels.width, panels.degree, panels.power)
     # as near as 1.5 a panel takes more points than a low degree has
-    every = (panels.degree,) * panels.panels
-    more[near] = -far_fall(-d[near], panels.width, every, panels.power)[:, used]
-    return Block(at, more, whole, False)
+    every, reach = (panels.degree,) * panels.panels, np.exp(-panels.width)
+    fit = chebvander(2.0 * _log_places(panels, every) / reach - 1.0, len(_DEEP_NODES) - 1)
+    rest = _onto(panels, every, (fit @ _DEEP_FIT).T)[:, panels.functions(degrees)[count:]]
+    gathered = block_diag(np.eye(count), rest)
+    at_end = 2.0 - reach * (1.0 + _DEEP_NODES) / 2.0
+    root, whole = np.sqrt(at_end), np.sqrt(at_end - d[:, None])
+    first = deeper(2.0 - d, *form)[:, :count]
+    seen = np.hstack([first, 1.0 / whole])
+    if edge:
+        return Block(np.zeros(gathered.shape[1]), seen, seen, False, gathered=gathered)
+    at = deeper(np.array([2.0]), *form)[0, :count]
+    first, near = first - at, d <= _NEAR
+    first[near] = -far_fall(-d[near], panels.width, every[:1], panels.power)[:, :count]
+    more = np.hstack([first, d[:, None] / (whole * root * (whole + root))])
+    return Block(np.hstack([at, 1.0 / root]) @ gathered, more, seen, False, gathered=gathered)
 
 
 def _apart(

@@ -127,7 +127,8 @@ class GradedNodes:
         parts = [values[:start]]
         for count, block in self._from_samples:
             stop = start + count * SAMPLES
-            own = block @ values[start:stop].reshape(count, SAMPLES, columns)
+            one = block.astype(values.dtype, copy=False)
+            own = one @ values[start:stop].reshape(count, SAMPLES, columns)
             parts.append(own.reshape(count * len(block), columns))
             start = stop
         return np.concatenate([*parts, values[start:]])
@@ -138,7 +139,8 @@ class GradedNodes:
         parts = [values[:start]]
         for count, block in self._from_samples:
             stop = start + count * len(block)
-            own = block.T @ values[start:stop].reshape(count, len(block), columns)
+            one = block.T.astype(values.dtype, copy=False)
+            own = one @ values[start:stop].reshape(count, len(block), columns)
             parts.append(own.reshape(count * SAMPLES, columns))
             start = stop
         return np.concatenate([*parts, values[start:]])

@@ -284,7 +284,7 @@ class PartedSpace(NodalSpace):
         columns = self._order.columns
         weights = np.split(self.weights / pi, self._ends)
         for seen, own in zip(self._seen, weights, strict=True):
-            for k, j, sums in seen.gram(own):
+            for k, j, sums in seen.products(seen, own, whole=True):
                 gram[columns[k], columns[j]] += sums
         place = self._order.place
         return gram.take(place, axis=0).take(place, axis=1)
