@@ -36,8 +36,8 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_313, 6_500),
-    Gate("lines in all", 49_509, 23_000),
+    Gate("lines of the core", 13_308, 6_500),
+    Gate("lines in all", 49_504, 23_000),
     Gate("float literals of the core", 175, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),

@@ -161,7 +161,7 @@ class Driven(Tangential):
         known = {k: one @ values[: self.count] for k, one in self._slipping.items()}
         for k, own in (self.traction(values) | known).items():
             part = self.parts[k]
-            seen = block(part.shear, part.degrees, target, target.panels, 1)
+            seen = block(part.shear, part.degrees, target, target.panels, 1, differences=False)
             if seen is not None:
                 total -= seen.whole @ seen.onto(own)
         return np.asarray(total)

@@ -30,7 +30,7 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["FreeBoundaryProblem", "differences", "find_zones", "solve_coupled_slip", "solve_zones"]
+__all__ = ["FreeBoundaryProblem", "differences", "solve_coupled_slip", "solve_zones"]
 
 Array = NDArray[np.float64]
 
@@ -173,8 +173,11 @@ class FreeBoundaryProblem:
         halfway = np.sqrt(self.tolerance)
         known = self.drives and self.near  # to digits that are as good
         if len(self.slopes) and halfway < _FINER * _ROUGH and not known:
-            rough = self.spaces(halfway)
-            ZonesNewton(self, rough, max(self.tolerance, _ENOUGH)).run(halfway)
+            settle = max(self.tolerance, _ENOUGH)
+            state = ZonesNewton(self, self.spaces(halfway), settle).run(halfway)
+            last = np.linalg.solve(self.slopes, state.mismatch)
+            if float(np.abs(last).max()) < settle:  # it saves a system in the first space
+                self.logits = self.logits - last
         spaces = self.spaces(self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
         return joined(spaces)
@@ -264,14 +267,6 @@ def _radii(logits: Array) -> tuple[Radius, ...]:
     return tuple(Radius.from_logit(float(x)) for x in logits)
 
 
-def find_zones(parameters: Parameters, layout: Layout) -> Layout:
-    """Return the boundaries of zones like these, to some digits, with what starts their solution.
-
-    Parameters and errors are those of `solve_zones`.
-    """
-    return FreeBoundaryProblem(parameters, layout, _ROUGH).layout
-
-
 def solve_zones(
     parameters: Parameters,
     layout: Layout,
@@ -286,7 +281,7 @@ def solve_zones(
     ----------
     parameters : Parameters
     layout : Layout
-        The states of the zones; the boundaries as `find_zones` returns them, or a guess.
+        The states of the zones; the boundaries as a problem has them as `layout`, or a guess.
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     max_unknowns : int

@@ -392,12 +392,12 @@ class CoupledSearch(ZoneSearch):
         return min(lawful, key=lambda outcome: outcome.violation)
 
     def _solved(self, layout: Layout) -> PartialSlip:
-        from spectral_contact.contact.zone_problem import find_zones, solve_zones
+        from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
 
-        begin = perf_counter()
+        begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)
         try:
             if layout is not self.near:
-                layout = self._narrowed(find_zones(self.parameters, layout))
+                layout = self._narrowed(FreeBoundaryProblem(*problem).layout)
         except NoStickDiskError as missing:
             if missing.at_centre:
                 return self._all_slip()

@@ -269,10 +269,10 @@ class System(Tangential):
         inner = np.zeros((len(target.sampling().offset), values.shape[1]))
         total = np.zeros_like(inner)
         for k, part in enumerate(self.parts):
-            seen = block(part.family, part.degrees, target, target.panels, -1)
+            seen = block(part.family, part.degrees, target, target.panels, -1, differences=False)
             if seen is not None:
                 inner += seen.whole @ seen.onto(pressure[k])
-            seen = block(part.shear, self._finer[k], target, target.panels, 1)
+            seen = block(part.shear, self._finer[k], target, target.panels, 1, differences=False)
             if seen is not None:
                 total -= seen.whole @ seen.onto(traction[k])
         root = np.sqrt(target.sampling().z)[:, None]
