@@ -24,6 +24,27 @@ PLAIN = (0.0, 0.5, 1.0, 2.0)
 MOST_COMPLEX = 15
 #: How many of the worst are named.
 NAMED = 5
+#: Modules of the core that came with profiles, nonlinear layers and sensitivities. The goals are
+#: those of flat punches, without them.
+CAME_WITH = {
+    "profiles": (
+        "contact.contact_radius",
+        "contact.indented",
+        "contact.on_parts",
+        "contact.smooth_indented",
+        "spectral.parted",
+    ),
+    "layers": (
+        "contact.layered",
+        "contact.layered_contact",
+        "contact.layered_newton",
+        "contact.layered_setting",
+        "contact.layered_spaces",
+        "spectral.cells",
+        "spectral.pointwise",
+    ),
+    "sensitivities": ("contact.given_radius", "contact.zone_derivatives"),
+}
 
 
 @dataclass(frozen=True)
@@ -36,16 +57,18 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core", 13_308, 6_500),
-    Gate("lines in all", 49_504, 23_000),
-    Gate("float literals of the core", 175, 90),
+    Gate("lines of the core, flat punches", 9_965, 6_500),
+    Gate("lines of the core with all else", 13_309, 6_500),
+    Gate("lines in all", 49_478, 23_000),
+    Gate("float literals of the core, flat punches", 119, 90),
+    Gate("float literals of the core with all else", 175, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 23, 12),
+    Gate("longest chain of imports", 21, 12),
     Gate("lines of import contracts", 90, 90),
 )
 
@@ -97,6 +120,11 @@ def modules() -> dict[str, Module]:
 def core() -> list[Module]:
     """Return the modules of the solver."""
     return [module for module in modules().values() if module.room in CORE]
+
+
+def later() -> list[Module]:
+    """Return those that came with what is more than a flat punch."""
+    return [modules()[f"{NAME}.{name}"] for names in CAME_WITH.values() for name in names]
 
 
 def tuned(module: Module) -> int:
@@ -241,9 +269,20 @@ def figures() -> dict[str, tuple[int, str]]:
     top = [name for name in modules() if name.count(".") == 1]
     shorter = [name.removeprefix(NAME + ".") for name in chain]
     return {
-        "lines of the core": (sum(module.lines for module in core()), _listed(CORE, rooms)),
+        "lines of the core, flat punches": (
+            sum(module.lines for module in core()) - sum(module.lines for module in later()),
+            ", ".join(f"without {name}" for name in CAME_WITH),
+        ),
+        "lines of the core with all else": (
+            sum(module.lines for module in core()),
+            _listed(CORE, rooms),
+        ),
         "lines in all": (rooms.total(), _listed([room for room, _ in rooms.most_common(7)], rooms)),
-        "float literals of the core": (
+        "float literals of the core, flat punches": (
+            by_module.total() - sum(map(tuned, later())),
+            "",
+        ),
+        "float literals of the core with all else": (
             by_module.total(),
             ", ".join(f"{n.split('.')[-1]} {k}" for n, k in by_module.most_common(NAMED)),
         ),

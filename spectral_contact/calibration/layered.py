@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.calibration.indentation import CurveProblem
 from spectral_contact.contact.contact_radius import value_of
-from spectral_contact.contact.indented import Indentation
+from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.layers import GreenwoodWilliamson, Layer

@@ -14,11 +14,12 @@ from math import exp, inf, isfinite, isinf, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.indented import Indentation, solve_indentation
+from spectral_contact.contact.indented import solve_indentation
+from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.errors import SceneError
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles.base import Profile
 
 __all__ = ["Contact", "RadiusScale", "Solver", "find_radius", "indenter", "value_of"]
 

@@ -14,10 +14,10 @@ from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.fields.series import EDGE, PressureField, Radius
-from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import Block, across, block
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import Family
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import Misfit, Tangential
 from spectral_contact.threads import cached_property

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import DEEPEST, places
-from spectral_contact.spectral.annulus import Annulus, gap
+from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.parts import gap
 
 __all__ = [
     "DISTANCES",

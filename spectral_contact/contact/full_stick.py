@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
     CLOSED_FORM_ROUNDING,
@@ -29,6 +29,7 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight
 from spectral_contact.spectral.galerkin import disk_operators
+from spectral_contact.spectral.panels import Resolution
 
 __all__ = ["solve_full_stick"]
 

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.one_disk import OneDisk, OneDiskProblem
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import series_of
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.panels import Resolution
 
 __all__ = ["radius_slopes", "solve_given_radius"]
 

@@ -15,31 +15,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.on_parts import (
+    Indentation,
     PartedProblem,
-    Used,
     edge_value,
     first_space,
     pointwise_errors,
+    profile_parts,
     series_on_parts,
 )
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, fitted, refine
+from spectral_contact.contact.refine import Attempt, Refinement, fitted, refine
 from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING
 from spectral_contact.contact.smooth_indented import smooth_contact
-from spectral_contact.fields.series import LogSeries, PressureField, Radius, ZonalField
-from spectral_contact.profiles import Profile
-from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
+from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.profiles.base import Profile
+from spectral_contact.spectral.panels import LogPanels, Resolution, Used
+from spectral_contact.spectral.parted import PressureSpace, pressure_space
 from spectral_contact.spectral.regularised import Change, Regularised
 
-__all__ = [
-    "Indentation",
-    "bracket_of",
-    "glance",
-    "profile_parts",
-    "solve_indentation",
-]
+__all__ = ["glance", "solve_indentation"]
 
 Array = NDArray[np.float64]
 
@@ -57,54 +51,6 @@ _ROUNDINGS = 3.5
 _PLACE, _PLACE_POINTWISE = 0.2, 0.7
 #: Rounding of the pressure deep in a thin layer, where it is what the layer's equation leaves.
 _LAYER_ROUNDING = 1e-16
-
-
-@dataclass(frozen=True, slots=True)
-class Indentation:
-    """Contact of a given radius under a profile; lengths in the profile's, tractions in E'.
-
-    Attributes
-    ----------
-    radius, approach, load, work : float
-        ``a``, ``delta``, ``P`` and the work ``int P ddelta`` of the indentation so far.
-    stiffness : float
-        ``dP/ddelta``.
-    growth : float
-        ``ddelta/da``, to some digits.
-    pressure : PressureField or ZonalField or None
-        Over ``s = r/a``; None if it was not wanted and is not needed for the rest.
-    flat : PressureField or ZonalField or None
-        ``a dp/ddelta`` at the radius ``a``: the pressure of a flat punch.
-    approach_error, load_error, work_error, stiffness_error : float
-        Estimates of relative errors; 0 of a `glance`.
-    pressure_error : float
-        The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
-    overclosure : float
-        The largest, under a nonlinear layer.
-    normal : NormalContact or None
-        The pressure under a flat punch as it drives a traction, if that is wanted.
-    """
-
-    radius: float
-    approach: float
-    load: float
-    work: float
-    stiffness: float
-    growth: float
-    pressure: PressureField | ZonalField | None
-    flat: PressureField | ZonalField | None
-    approach_error: float = 0.0
-    load_error: float = 0.0
-    work_error: float = 0.0
-    stiffness_error: float = 0.0
-    pressure_error: float = 0.0
-    overclosure: float = 0.0
-    normal: NormalContact | None = None
-
-    @property
-    def approach_size(self) -> float:
-        """What the error of the approach is relative to."""
-        return max(abs(self.approach), self.approach - self.overclosure)
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +123,7 @@ class _IndentationProblem(PartedProblem):
         return self._judged(space, used, self._solve(space, used[-1][0]))
 
     def _solve(self, space: PressureSpace, edge: LogPanels) -> _TwoPressures:
-        bracket = bracket_of(self.profile, self.radius, space)
+        bracket = self.profile._bracket(self.radius, space.t, space.y, space.past)
         factored = space.factor(self.compliance)
         own = factored.solve(bracket)
         flat = factored.solve(2.0)
@@ -266,19 +212,6 @@ class _IndentationProblem(PartedProblem):
         """Return ``ddelta/da``, from how the pressure falls to the edge."""
         y = min(_SLOPE * min(self.compliance, 1.0), 0.5 * reach)
         return 2.0 * edge.value(y / reach) / y / flat_edge
-
-
-def bracket_of(profile: Profile, radius: float, space: PressureSpace) -> Array:
-    """Return ``H(1) - H(t)`` at the nodes, in units of the radius."""
-    past = radius**2 * space.past
-    return np.asarray(profile._fall(radius, space.t, space.y, past) / radius)
-
-
-def profile_parts(profile: Profile, radius: float) -> Parts:
-    """Return how a profile cuts a contact of this radius."""
-    inside = [b for b in profile.breaks if b < radius]
-    breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in inside)
-    return Parts(breaks, profile.pointed)
 
 
 def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:

@@ -11,21 +11,23 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from math import ceil, inf, log, pi, sqrt
+from math import inf, pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.indented import Indentation
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
-from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm, central_value
-from spectral_contact.contact.on_parts import PartedProblem, first_space
-from spectral_contact.contact.refine import Attempt, Resolution
+from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import ROUNDING
-from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.fields.series import central_value
+from spectral_contact.spectral.panels import Resolution
 
-__all__ = ["CellProblem", "LayeredProblem", "at_centre"]
+if TYPE_CHECKING:
+    from spectral_contact.contact.layered_spaces import Form
+
+__all__ = ["Layered", "at_centre"]
 
 Array = NDArray[np.float64]
 
@@ -33,11 +35,6 @@ Array = NDArray[np.float64]
 _INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 16.0
 #: Roundings of what follows from the data, and of the pressure.
 _ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
-#: First degree on a cell for a digit (base e).
-_DEGREES = 0.55
-#: What the stiffness may lack in the tail at the edge, over the distance at which that begins: at
-#: most 8e-4 at the exponent 1.1 of a power law, less at others.
-_MISSED = 1e-3
 #: Where growth of the pressure with the load is looked for.
 _PLACES = np.linspace(0.0, 1.0, 257)
 
@@ -51,7 +48,7 @@ class _Last:
     shift: float
 
 
-class _Layered(ABC):
+class Layered(ABC):
     """What is solved in any space.
 
     Parameters
@@ -135,7 +132,6 @@ class _Layered(ABC):
         pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding
         normal = None
         if setting.drives:
-            assert isinstance(form, PanelForm)
             normal = form.driving(fields.pressure, change, solver.thinnest(fields), worst)
         indentation = Indentation(
             a,
@@ -176,61 +172,6 @@ class _Layered(ABC):
             # what of the error they do not show is where they are worst
             indicators = indicators * max(1.0, error / float(indicators.max()))
         return Attempt(indentation, error, indicators, rates, form.space.unknowns)
-
-
-class LayeredProblem(_Layered, PartedProblem):
-    """Log panels for a contact through a nonlinear layer.
-
-    Parameters
-    ----------
-    setting : LayeredSetting
-    tolerance : float
-    pointwise : bool
-        Whether the pressure is wanted.
-    """
-
-    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
-        _Layered.__init__(self, setting, pointwise=pointwise)
-        self._features = iter(zip(setting.depths, setting.smooth, strict=True))
-        PartedProblem.__init__(self, setting.parts, tolerance, pointwise=pointwise)
-
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
-        depth, smooth = next(self._features)
-        space = first_space(self, boundary, depth)
-        if not smooth:
-            if self.pointwise or boundary is not EDGE:
-                return space
-            depth += log(_MISSED) - 2.0 * log(self.tolerance)
-            more = max(ceil(depth / space.panels.width) - len(space.degrees), 0)
-            return Resolution(space.panels, space.degrees + (space.degrees[-1],) * more)
-        # the estimate sees the square of the distance at which the tail begins; integrals are
-        # refined by degrees, which do not lower it
-        spare = 2.0 if self.pointwise else 4.0
-        depth += -log(self.tolerance) / 2.0 + spare
-        count = min(int(depth / space.panels.width) + 1, len(space.degrees))
-        return Resolution(space.panels, space.degrees[:count])
-
-    def _form(self, resolution: Resolution) -> Form:
-        return PanelForm(self.parts, self.used(resolution))
-
-
-class CellProblem(_Layered):
-    """Cells for a contact through a nonlinear layer; parameters as of `LayeredProblem`."""
-
-    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
-        super().__init__(setting, pointwise=pointwise)
-        self._degree = ceil(_DEGREES * -log(tolerance if pointwise else sqrt(tolerance))) + 2
-
-    def start(self) -> Resolution:
-        """Return the first space to try."""
-        assert self.setting.cells is not None
-        count = len(self.setting.cells.lengths)
-        # the refinement counts degrees on panels, which cells have none of
-        return Resolution(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
-
-    def _form(self, resolution: Resolution) -> Form:
-        assert self.setting.cells is not None
-        return CellForm(self.setting.cells, resolution.degrees)
 
 
 def at_centre(one: Indentation) -> tuple[float, float]:

@@ -3,26 +3,30 @@
 Where the contact has no radius of its own, which is under a flat punch or a law with pressure at
 every gap, the load is a function of the approach, with the stiffness as derivative: its logarithm
 bends down and itself up, so that Newton's method comes from either side without overshooting.
+The first spaces are panels to edges and tips, or cells.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import exp, inf, log, pi, sqrt
+from math import ceil, exp, inf, log, pi, sqrt
 
 import numpy as np
 
-from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.layered import CellProblem, LayeredProblem, at_centre
+from spectral_contact.contact.layered import Layered, at_centre
 from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import setting_at_approach
+from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
+from spectral_contact.contact.on_parts import Indentation, PartedProblem, first_space
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.errors import SceneError
+from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Flat, Profile
+from spectral_contact.spectral.panels import LogPanels, Resolution
 
-__all__ = ["layered_contact", "solve_layered"]
+__all__ = ["CellProblem", "LayeredProblem", "layered_contact", "solve_layered"]
 
 Contact = Refinement[Indentation]
 
@@ -34,6 +38,66 @@ _ROUGH, _NEAR, _WITHIN = 1e-3, 0.01, 0.01
 #: Mean displacement of an even pressure over that at its centre; largest radius that is looked at,
 #: and how well one is found, in logarithms.
 _BENT, _FAR, _FOUND = 0.85, 1e12, 0.3
+#: First degree on a cell for a digit (base e).
+_DEGREES = 0.55
+#: What the stiffness may lack in the tail at the edge, over the distance at which that begins: at
+#: most 8e-4 at the exponent 1.1 of a power law, less at others.
+_MISSED = 1e-3
+
+
+class LayeredProblem(Layered, PartedProblem):
+    """Log panels for a contact through a nonlinear layer.
+
+    Parameters
+    ----------
+    setting : LayeredSetting
+    tolerance : float
+    pointwise : bool
+        Whether the pressure is wanted.
+    """
+
+    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
+        Layered.__init__(self, setting, pointwise=pointwise)
+        self._features = iter(zip(setting.depths, setting.smooth, strict=True))
+        PartedProblem.__init__(self, setting.parts, tolerance, pointwise=pointwise)
+
+    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+        depth, smooth = next(self._features)
+        space = first_space(self, boundary, depth)
+        if not smooth:
+            if self.pointwise or boundary is not EDGE:
+                return space
+            depth += log(_MISSED) - 2.0 * log(self.tolerance)
+            more = max(ceil(depth / space.panels.width) - len(space.degrees), 0)
+            return Resolution(space.panels, space.degrees + (space.degrees[-1],) * more)
+        # the estimate sees the square of the distance at which the tail begins; integrals are
+        # refined by degrees, which do not lower it
+        spare = 2.0 if self.pointwise else 4.0
+        depth += -log(self.tolerance) / 2.0 + spare
+        count = min(int(depth / space.panels.width) + 1, len(space.degrees))
+        return Resolution(space.panels, space.degrees[:count])
+
+    def _form(self, resolution: Resolution) -> Form:
+        return PanelForm(self.parts, self.used(resolution))
+
+
+class CellProblem(Layered):
+    """Cells for a contact through a nonlinear layer; parameters as of `LayeredProblem`."""
+
+    def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
+        super().__init__(setting, pointwise=pointwise)
+        self._degree = ceil(_DEGREES * -log(tolerance if pointwise else sqrt(tolerance))) + 2
+
+    def start(self) -> Resolution:
+        """Return the first space to try."""
+        assert self.setting.cells is not None
+        count = len(self.setting.cells.lengths)
+        # the refinement counts degrees on panels, which cells have none of
+        return Resolution(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
+
+    def _form(self, resolution: Resolution) -> Form:
+        assert self.setting.cells is not None
+        return CellForm(self.setting.cells, resolution.degrees)
 
 
 def solve_layered(

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from spectral_contact.contact.indented import bracket_of
-from spectral_contact.contact.layered_spaces import Form, central_value
+from spectral_contact.fields.series import central_value
 from spectral_contact.layers.base import Layer
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.layered_spaces import Form
 
 __all__ = ["LayeredFields", "LayeredNewton", "LayeredSetting", "Totals", "balanced"]
 
@@ -161,7 +164,7 @@ class LayeredNewton:
         self._scale = 1.0 / np.sqrt(self.functions.mass.diagonal())
         #: of a pressure's load, in units of the radius
         self._load = 4 * pi * setting.radius**2 * self.functions.constant_moments
-        self._bracket = bracket_of(setting.profile, setting.radius, space)
+        self._bracket = setting.profile._bracket(setting.radius, space.t, space.y, space.past)
         a = setting.radius
         half = float(setting.profile._transform(np.asarray(a))) / 2.0
         self._fixed = setting.approach is not None

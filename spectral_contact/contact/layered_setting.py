@@ -13,15 +13,15 @@ from math import exp, inf, log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.indented import profile_parts
 from spectral_contact.contact.layered_newton import LayeredSetting, balanced
+from spectral_contact.contact.on_parts import profile_parts
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.layers.base import Layer
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles.base import Profile
 from spectral_contact.profiles.shapes import Flat
 from spectral_contact.spectral.cells import DiskCells
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.parts import Parts
 
 __all__ = ["has_edge", "setting_at_approach", "setting_at_radius"]
 

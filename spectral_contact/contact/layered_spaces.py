@@ -9,22 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.contact.on_parts import (
-    Used,
-    edge_value,
-    pointwise_errors,
-    series_on_parts,
-)
+from spectral_contact.contact.on_parts import edge_value, pointwise_errors, series_on_parts
 from spectral_contact.contact.resolution import expected_error, series_of, table_rates
 from spectral_contact.fields.series import PressureField, ZonalField
-from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.parted import Parts, PressureSpace, pressure_space
+from spectral_contact.spectral.panels import Used
+from spectral_contact.spectral.parted import PressureSpace, pressure_space
+from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change
 
-__all__ = ["CellForm", "Form", "PanelForm", "central_value"]
+__all__ = ["CellForm", "Form", "PanelForm"]
 
 Array = NDArray[np.float64]
 Indicators = tuple[Array, Array]
@@ -71,6 +67,11 @@ class Form(Protocol):
 
     def lost_at_edge(self, change: Array) -> float:
         """Return a bound of what a change is at the edge."""
+
+    def driving(
+        self, pressure: Array, change: Change, thin: float, rate: float
+    ) -> NormalContact | None:
+        """Return the pressure as it drives a traction; None if it never does in such a space."""
 
 
 class PanelForm:
@@ -231,7 +232,5 @@ class CellForm:
         """Return a bound of what a change is at the edge."""
         return float(np.abs(self._split(change)[-1]).sum())
 
-
-def central_value(field: PressureField | ZonalField) -> float:
-    """Return the value of a function at the centre."""
-    return float(field(np.zeros(1), np.ones(1))[0])
+    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> None:
+        """Return nothing: under a flat punch, which alone drives a traction, there are panels."""

@@ -8,7 +8,7 @@ from math import log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
@@ -22,7 +22,7 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields.series import EdgeWeight, PressureField
 from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 
 __all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "by_compliance", "solve_normal"]
 

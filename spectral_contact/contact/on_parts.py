@@ -1,42 +1,45 @@
-"""What problems for a pressure on a disk in parts share: first spaces, series and estimates."""
+"""What problems for a pressure under a profile share: parts, first spaces, series, estimates."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil, log, sqrt
-from typing import TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import (
     expected_error,
+    joined,
     panel_table,
     series_of,
     share_of_change,
     starting_resolution,
     table_rates,
 )
-from spectral_contact.contact.zone_spaces import joined
-from spectral_contact.fields.series import CENTRE, LogSeries, Radius
-from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.fields.series import CENTRE, LogSeries, PressureField, Radius, ZonalField
+from spectral_contact.profiles.base import Profile
+from spectral_contact.spectral.panels import LogPanels, Resolution, Used
+from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
 
+if TYPE_CHECKING:
+    from spectral_contact.contact.normal import NormalContact
+
 __all__ = [
+    "Indentation",
     "PartedProblem",
-    "Used",
     "edge_value",
     "first_space",
     "pointwise_errors",
+    "profile_parts",
     "series_on_parts",
     "split_parts",
 ]
 
 Array = NDArray[np.float64]
-Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]
 
 #: A part that ends at a break is seen from beyond it: its first two panels take so many degrees
 #: for a digit (base e) more than others.
@@ -44,6 +47,54 @@ _FIRST, _SECOND = 1.0, 0.55
 #: What breaks add to the expected error of the pressure, as the worst of three times 300 random
 #: profiles need it.
 _BROKEN = 8.0
+
+
+@dataclass(frozen=True, slots=True)
+class Indentation:
+    """Contact of a given radius under a profile; lengths in the profile's, tractions in E'.
+
+    Attributes
+    ----------
+    radius, approach, load, work : float
+        ``a``, ``delta``, ``P`` and the work ``int P ddelta`` of the indentation so far.
+    stiffness : float
+        ``dP/ddelta``.
+    growth : float
+        ``ddelta/da``, to some digits.
+    pressure : PressureField or ZonalField or None
+        Over ``s = r/a``; None if it was not wanted and is not needed for the rest.
+    flat : PressureField or ZonalField or None
+        ``a dp/ddelta`` at the radius ``a``: the pressure of a flat punch.
+    approach_error, load_error, work_error, stiffness_error : float
+        Estimates of relative errors; 0 of a `glance`.
+    pressure_error : float
+        The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
+    overclosure : float
+        The largest, under a nonlinear layer.
+    normal : NormalContact or None
+        The pressure under a flat punch as it drives a traction, if that is wanted.
+    """
+
+    radius: float
+    approach: float
+    load: float
+    work: float
+    stiffness: float
+    growth: float
+    pressure: PressureField | ZonalField | None
+    flat: PressureField | ZonalField | None
+    approach_error: float = 0.0
+    load_error: float = 0.0
+    work_error: float = 0.0
+    stiffness_error: float = 0.0
+    pressure_error: float = 0.0
+    overclosure: float = 0.0
+    normal: NormalContact | None = None
+
+    @property
+    def approach_size(self) -> float:
+        """What the error of the approach is relative to."""
+        return max(abs(self.approach), self.approach - self.overclosure)
 
 
 class PartedProblem(ABC):
@@ -82,6 +133,12 @@ class PartedProblem(ABC):
             used.append((replace(resolution.panels, panels=count), degrees[:count]))
             degrees = degrees[count:]
         return tuple(used)
+
+
+def profile_parts(profile: Profile, radius: float) -> Parts:
+    """Return how a profile cuts a contact of this radius."""
+    breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in profile.breaks if b < radius)
+    return Parts(breaks, profile.pointed)
 
 
 def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resolution:

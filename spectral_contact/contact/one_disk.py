@@ -26,7 +26,7 @@ from scipy.special import ellipkm1
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import SolvedZones
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
+from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
     FIELD_ROUNDING,
@@ -56,6 +56,7 @@ from spectral_contact.contact.stick_radius import (
 )
 from spectral_contact.fields.series import EDGE, DiskSeries, Radius
 from spectral_contact.spectral.galerkin import Factored, disk_operators
+from spectral_contact.spectral.panels import Resolution
 
 __all__ = ["OneDisk", "OneDiskProblem", "solve_one_disk"]
 

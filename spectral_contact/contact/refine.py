@@ -11,17 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.records import Ending, RefinementStep
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 
-__all__ = [
-    "LEAST_DEGREE",
-    "Attempt",
-    "Problem",
-    "Refinement",
-    "Resolution",
-    "fitted",
-    "refine",
-]
+__all__ = ["Attempt", "Problem", "Refinement", "fitted", "refine"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -35,16 +27,6 @@ _LEAP = 8
 #: Highest degree a panel may reach; beyond it rounding grows and nothing converges further.
 _DEGREE_LIMIT = 40
 _MAX_ATTEMPTS = 12
-#: The estimate sheds two degrees and must keep one.
-LEAST_DEGREE = 2
-
-
-@dataclass(frozen=True, slots=True)
-class Resolution:
-    """A space: panels and the degree used on each of them."""
-
-    panels: LogPanels
-    degrees: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import ceil, inf, log
 from typing import TYPE_CHECKING, NamedTuple
@@ -10,14 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
 from spectral_contact.fields.series import LogSeries, Radius
-from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import (
-    legendre_projection_matrix,
-)
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import TAIL_TERMS, legendre_projection_matrix
+from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.galerkin import Change, Factored
@@ -40,6 +36,7 @@ __all__ = [
     "decay_rates",
     "expected_error",
     "functional_error",
+    "joined",
     "load_vector",
     "nearness",
     "on_mesh",
@@ -181,6 +178,13 @@ def slip_degree(tolerance: float) -> int:
     The far end of a part is a singularity ln 2 before the first panel.
     """
     return 4 * ceil((4 - 0.7 * log(tolerance)) / 4)
+
+
+def joined(spaces: Sequence[Resolution]) -> Resolution:
+    """Return the spaces of all parts as one, for `refine`."""
+    capacity = max(one.panels.degree for one in spaces)
+    degrees = tuple(n for one in spaces for n in one.degrees)
+    return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
 
 
 def panel_table(panels: LogPanels, coefficients: Array) -> Array:

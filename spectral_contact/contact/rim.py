@@ -15,13 +15,12 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.fields.series import PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, Samples, root_sums
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 
 __all__ = ["RimRule", "SlipSource", "disk_resolution", "rim_target"]
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, log, pi
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
     DEEPEST,
     FIELD_ROUNDING,
@@ -34,18 +33,15 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.annulus import (
-    Annulus,
-    Family,
-    Points,
-    gap,
-    sampled_series,
-    transforms,
-)
+from spectral_contact.spectral.annulus import Annulus, transforms
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Family, Points, gap, sampled_series
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
 
 __all__ = [
     "SlipFields",
@@ -253,7 +249,7 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     layer = -np.log(drive.contact.compliance or 1.0)
     resolution = starting_resolution(max(layer, 0.0), tolerance / 10.0, rate=rate)
     panels = resolution.panels
-    d = transforms(panels).distances
+    d = panels.distances
     inside = 1.0 / (2.0 * pi) - drive.load_outside(d)
     # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
     values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)

@@ -23,13 +23,7 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import (
-    DEEPEST,
-    FIELD_ROUNDING,
-    ROUNDING,
-    SAFETY,
-    TINY,
-)
+from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, ROUNDING, SAFETY, TINY
 from spectral_contact.contact.slip_displacement import (
     Slipping,
     annulus_between,

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.profiles import Profile
-from spectral_contact.spectral.annulus import Family, Points, gap, sampled_series, transforms
+from spectral_contact.profiles.base import Profile
+from spectral_contact.spectral.annulus import transforms
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import Parts
+from spectral_contact.spectral.parts import Family, Parts, Points, gap, sampled_series
 from spectral_contact.threads import cached_property
 
 __all__ = ["KnownContact", "SmoothPressure", "smooth_contact"]
@@ -191,7 +191,7 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
     found, worst, mean = [], 0.0, 4.0 / pi * moment
     for k, (piece, density) in enumerate(zip(pieces, densities, strict=True)):
         family, panels = piece.family, piece.family.panels
-        distances = transforms(panels).distances
+        distances = panels.distances
         at_edge = family.boundary is EDGE
         values = np.sqrt(family.reach) * density.on_its_own(family.sign)
         if at_edge:

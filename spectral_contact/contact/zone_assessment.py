@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError, SolvedZones
-from spectral_contact.contact.refine import Attempt, Resolution
+from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
     FIELD_ROUNDING,
@@ -30,8 +30,10 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, root_error, rounding_depth
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import Annulus, Points, gap
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.factored import Symmetric
+from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.parts import Points, gap
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
@@ -91,7 +93,7 @@ def sizes_of(system: Tangential, values: Array) -> list[Array]:
     Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
     ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
-    if system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
+    if len(ends) == 2 and system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
         ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
     return ends
 
@@ -299,7 +301,7 @@ class _Assessment:
         # no degree lowers what rounding leaves
         fields.indicators[fields.indicators <= self.left] = 0.0
         attempt = Attempt(value, max(errors), fields.indicators, fields.rates, system.unknowns)
-        return self._by_energies(attempt) if system.symmetric else attempt
+        return self._by_energies(attempt) if system.symmetric and not system.given else attempt
 
     def _sheared(self) -> float:
         """Return the relative error of the shear by changes, and by how far boundaries are off."""

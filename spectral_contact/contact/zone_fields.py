@@ -23,9 +23,9 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.spectral.annulus import gap
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import gap
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError
-from spectral_contact.contact.refine import Resolution
 from spectral_contact.contact.resolution import LEFT, TINY
 from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.spectral.panels import Resolution
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:

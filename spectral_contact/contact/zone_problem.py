@@ -17,15 +17,16 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout, NoBoundariesError
-from spectral_contact.contact.refine import Attempt, Refinement, Resolution, refine
-from spectral_contact.contact.resolution import LEFT, PROBE, ROUNDING, TINY
+from spectral_contact.contact.refine import Attempt, Refinement, refine
+from spectral_contact.contact.resolution import LEFT, PROBE, ROUNDING, TINY, joined
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
-from spectral_contact.contact.zone_spaces import first_spaces, joined, parted, with_known_slip
+from spectral_contact.contact.zone_spaces import first_spaces, parted, with_known_slip
 from spectral_contact.fields.series import Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential

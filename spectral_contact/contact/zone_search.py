@@ -126,6 +126,22 @@ class ZoneSearch(ABC):
 
         return exceeded(self.stick, self.parameters)
 
+    @property
+    def _smooth(self) -> bool:
+        """Whether p is infinite at the edge and q is not."""
+        return self.parameters.alpha == 0.0 < self.parameters.beta
+
+    @property
+    def _smooth_edge(self) -> float:
+        """The width in ``y`` over which a smooth edge sticks, but for a factor of about 1."""
+        return (self.parameters.friction * self.parameters.beta) ** 2
+
+    def _to_the_edge(self, logits: list[float], states: tuple[int, ...]) -> Layout:
+        """Return zones on rings, with the stick at a smooth edge if that is below all rings."""
+        if self._smooth and states[-1] != 0 and self._smooth_edge >= _NO_EDGE:
+            logits, states = [*logits, -log(self._smooth_edge)], (*states, 0)
+        return Layout(tuple(logits), states)
+
     def _attempted(self, layout: Layout) -> PartialSlip | None:
         """Return the solution on zones like these, if there is one."""
         try:
@@ -185,16 +201,6 @@ class DrivenSearch(ZoneSearch):
             return no_slip(self.stick, self.parameters)
         return best
 
-    @property
-    def _smooth(self) -> bool:
-        """Whether p is infinite at the edge and q is not."""
-        return self.parameters.alpha == 0.0 < self.parameters.beta
-
-    @property
-    def _smooth_edge(self) -> float:
-        """The width in ``y`` over which a smooth edge sticks, but for a factor of about 1."""
-        return (self.parameters.friction * self.parameters.beta) ** 2
-
     def _handed_on(self) -> PartialSlip | None:
         """Return the solution on the zones of a like scene if the friction law holds on them."""
         layout = self.near
@@ -250,9 +256,7 @@ class DrivenSearch(ZoneSearch):
             if self._disk is not None:
                 centre = self._disk.zones[0].outer
             logits, states = [Radius(centre, 1.0 - centre).logit, *logits], (0, *states)
-        if self._smooth and states[-1] != 0:  # the edge sticks, below all rings
-            logits, states = [*logits, -log(self._smooth_edge)], (*states, 0)
-        yield Layout(tuple(logits), states)
+        yield self._to_the_edge(logits, states)
         yield violated  # rings have a pressure of their own
 
     def _possible(self, layout: Layout) -> bool:
@@ -369,7 +373,7 @@ class CoupledSearch(ZoneSearch):
             yield violated
         found = ring_layout(self.parameters, coupled=True)
         if found.settled and found.on_rings.positive and not found.centre_unseen:
-            yield Layout(tuple(one.logit for one in found.boundaries), found.states)
+            yield self._to_the_edge([one.logit for one in found.boundaries], found.states)
         yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
 
     def _possible(self, layout: Layout) -> bool:
@@ -377,16 +381,14 @@ class CoupledSearch(ZoneSearch):
 
         That of a smooth surface sticks with tangential compliance.
         """
-        alpha, beta, _, _ = self.parameters
         if len(layout.states) == 2:
-            return alpha > 0.0 or beta == 0.0
-        return len(layout.states) > 2 and beta > 0.0
+            return not self._smooth
+        return len(layout.states) > 2 and self.parameters.beta > 0.0
 
     def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
         lawful = [one for one in found if not one.amiss]
         if not lawful:
-            edge = (self.parameters.friction * self.parameters.beta) ** 2
-            unseen = f"the edge sticks over some {edge:.0e}, too little to resolve"
+            unseen = f"the edge sticks over some {self._smooth_edge:.0e}, too little to resolve"
             reasons = [*self._reasons, *(one.amiss for one in found)]
             raise NoZonesError("; ".join(reasons or [unseen]))
         return min(lawful, key=lambda outcome: outcome.violation)

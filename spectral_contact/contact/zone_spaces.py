@@ -14,17 +14,15 @@ from math import atanh, ceil, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.refine import LEAST_DEGREE, Resolution
 from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import gap
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import gap
 
 __all__ = [
     "ended",
     "first_spaces",
-    "joined",
     "leading_depth",
     "parted",
     "root_error",
@@ -105,13 +103,6 @@ def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolutio
 def root_error(panels: LogPanels, change: Array, at_end: float) -> float:
     """Return the error of a field at an end where it has a root: no degree of a panel helps."""
     return _ROOT * float(np.abs(change[-panels.tail_terms :]).sum() / abs(at_end))
-
-
-def joined(spaces: Sequence[Resolution]) -> Resolution:
-    """Return the spaces of all parts as one, for `refine`."""
-    capacity = max(one.panels.degree for one in spaces)
-    degrees = tuple(n for one in spaces for n in one.degrees)
-    return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
 
 
 def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:

@@ -26,6 +26,7 @@ __all__ = [
     "Radius",
     "ZonalField",
     "ZonePiece",
+    "central_value",
 ]
 
 Array = NDArray[np.float64]
@@ -395,3 +396,8 @@ class ZonalField:
     def times(self, factor: float) -> ZonalField:
         """Return the field multiplied by a number."""
         return ZonalField(tuple(replace(p, factor=p.factor * factor) for p in self.pieces))
+
+
+def central_value(field: PressureField | ZonalField) -> float:
+    """Return the value of a function at the centre."""
+    return float(field(np.zeros(1), np.ones(1))[0])

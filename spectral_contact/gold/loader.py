@@ -20,28 +20,13 @@ from mpmath.ctx_mp import MPContext
 
 from spectral_contact.errors import shown
 from spectral_contact.inputs.choices import instance, one_of
-from spectral_contact.io.documents import (
-    Refused,
-    check_schema,
-    key_complaint,
-    read_file,
-    reported,
-)
+from spectral_contact.io.documents import Refused, check_schema, key_complaint, read_file, reported
 from spectral_contact.layers.control import layer_from
 from spectral_contact.profiles.control import CONTROLS, profile_from
 from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem
 
-__all__ = [
-    "GoldPoint",
-    "GoldSolution",
-    "GoldTable",
-    "find",
-    "load",
-    "names",
-    "table",
-    "tables",
-]
+__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "find", "load", "names", "table", "tables"]
 
 _SCHEMA: Final = "spectral_contact.gold"
 _VERSION: Final = 1

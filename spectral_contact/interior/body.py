@@ -18,12 +18,7 @@ from spectral_contact.interior.grids import UnitNames, Units, columns, dataset, 
 from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import AXIS, BodyPoints, Evaluator
 from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
-from spectral_contact.interior.sampling import (
-    Sampler,
-    displacement_error,
-    stress_error,
-    stresses,
-)
+from spectral_contact.interior.sampling import Sampler, displacement_error, stress_error, stresses
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.solution import Solution
 from spectral_contact.threads import cached_property

@@ -13,16 +13,7 @@ from spectral_contact.interior.mesh import BodyPoints, Evaluator, Grading, grade
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = [
-    "boundaries",
-    "distance",
-    "finite",
-    "grading",
-    "lost",
-    "pointed",
-    "singular",
-    "within",
-]
+__all__ = ["boundaries", "distance", "finite", "grading", "lost", "pointed", "singular", "within"]
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ import numpy as np
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.disk import MOST_SWEEPS, Disk
 from spectral_contact.precise.fixed import FixedRule, Ints
-from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.factored import factored
+from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 

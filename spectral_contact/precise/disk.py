@@ -16,8 +16,8 @@ import numpy as np
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.fixed import Fixed, FixedRule, Ints, root_rule
-from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.galerkin import DiskOperators
+from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["MOST_SWEEPS", "Disk", "FarField", "PreciseMesh", "PreciseSeries"]

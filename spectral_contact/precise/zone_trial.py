@@ -20,7 +20,7 @@ from spectral_contact.precise.annulus import AnnulusMesh, Blocks, PreciseAnnulus
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.drive import PreciseDrive
 from spectral_contact.precise.fixed import Fixed, Ints
-from spectral_contact.spectral.annulus import gap
+from spectral_contact.spectral.parts import gap
 from spectral_contact.threads import cached_property
 
 __all__ = ["PreciseLayout", "ZoneProblem", "ZoneTrial", "Zones", "panel_points"]

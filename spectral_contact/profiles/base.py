@@ -104,6 +104,10 @@ class Profile(ABC):
             As in `rate`, of the radii ``radius t``.
         """
 
+    def _bracket(self, radius: float, t: Array, y: Array, past: Array) -> Array:
+        """Return `_fall` in units of the radius, in which `past` is, too."""
+        return np.asarray(self._fall(radius, t, y, radius**2 * past) / radius)
+
     @abstractmethod
     def _rate(self, t: Array, past: Array) -> Array:
         """Return the derivative of ``H``.

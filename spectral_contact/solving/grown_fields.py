@@ -29,9 +29,9 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import Panel
-from spectral_contact.spectral.annulus import Family, gap, sampled_series, transforms
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Family, gap, sampled_series
 
 __all__ = ["GrownField", "GrownFields", "opening"]
 
@@ -193,7 +193,7 @@ class GrownFields:
 
     def _series(self, values: Callable[[Array], Array], family: Family, power: int) -> LogSeries:
         """Return a field over ``s**power`` on a half of a part."""
-        points = family.points(transforms(family.panels).distances)
+        points = family.points(family.panels.distances)
         near_edge = points.y < 0.5
         outer, inner = np.where(near_edge, points.y, 0.0), np.where(near_edge, 1.0, points.z)
         shift = (np.log1p(-outer) + np.log(inner)) / 2.0

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
-from spectral_contact.contact.indented import Indentation, glance
+from spectral_contact.contact.indented import glance
+from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import endless

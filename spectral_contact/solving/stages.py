@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import indenter, value_of
-from spectral_contact.contact.indented import Indentation
+from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
-from spectral_contact.contact.indented import Indentation
+from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles import Profile

@@ -4,7 +4,7 @@ It knows panels, half-order integrals and the two kernels; it knows no scene, fr
 ratio. The modules have more than what is exported here.
 """
 
-from spectral_contact.spectral.annulus import Annulus, Family, Points
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.cache import cache_sizes, clear_caches
 from spectral_contact.spectral.galerkin import (
     DiskOperators,
@@ -13,11 +13,9 @@ from spectral_contact.spectral.galerkin import (
     Space,
     disk_operators,
 )
-from spectral_contact.spectral.jacobi import (
-    gauss_rule,
-    legendre_values,
-)
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels, Nodes
+from spectral_contact.spectral.parts import Family, Points
 
 __all__ = [
     "Annulus",

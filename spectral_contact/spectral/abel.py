@@ -22,13 +22,17 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_rows_between
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_projection_matrix, legendre_values
+from spectral_contact.spectral.jacobi import (
+    EXTRA,
+    TAIL_EXTRA,
+    TAIL_TERMS,
+    gauss_rule,
+    legendre_projection_matrix,
+    legendre_values,
+    tail_values,
+)
 
 __all__ = [
-    "EXTRA",
-    "ROOT_TERMS",
-    "TAIL_EXTRA",
-    "TAIL_TERMS",
     "Charges",
     "beyond",
     "beyond_tail",
@@ -42,19 +46,10 @@ __all__ = [
     "outer",
     "outer_blocks",
     "rise",
-    "tail_values",
 ]
 
 Array = NDArray[np.float64]
 
-#: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
-EXTRA = 12
-#: Tail polynomials in the distance (degree 0, 1, 2), where logarithms follow the constant.
-TAIL_TERMS = 3
-#: Tail polynomials in the square root of the distance, where half-integer powers follow.
-ROOT_TERMS = 9
-#: Those beyond the terms of a tail.
-TAIL_EXTRA = 9
 #: Places in ``x`` that are the same to rounding.
 _SAME = 2e-14
 _TINY = float(np.finfo(float).tiny)
@@ -226,15 +221,6 @@ def outer_blocks(
         values = (width / 4) * np.exp(-(0.5 + power) * offset) / np.sqrt(-np.expm1(-u))
         blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
-
-
-def tail_values(d: Array, end: float, terms: int, root: bool) -> Array:
-    """Evaluate the tail polynomials at ``0 <= d <= end``, shape ``d.shape + (terms,)``.
-
-    Legendre polynomials in ``d / end``, or with `root` in its square root.
-    """
-    ratio = d / end
-    return legendre_values(2.0 * (np.sqrt(ratio) if root else ratio) - 1.0, terms - 1)
 
 
 def deeper_tail(

@@ -10,27 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_rows
-from spectral_contact.fields.series import LogSeries, Radius
-from spectral_contact.spectral.abel import (
-    EXTRA,
-    deeper,
-    deeper_blocks,
-    deeper_tail,
-    outer,
-    outer_blocks,
-    tail_values,
-)
+from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.abel import deeper, deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.graded import SAMPLES
 from spectral_contact.spectral.jacobi import (
+    EXTRA,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_interpolation_matrix,
     legendre_values,
 )
-from spectral_contact.spectral.panels import SAMPLES, LogPanels
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Family, gap
 from spectral_contact.threads import cached_property
 
-__all__ = ["Annulus", "Family", "Points", "Transforms", "gap", "sampled_series", "transforms"]
+__all__ = ["Annulus", "Transforms", "transforms"]
 
 Array = NDArray[np.float64]
 
@@ -72,16 +67,12 @@ class Transforms:
         self.panels = panels
         self._x = panels.sampling()
         #: distances of the sampling points
-        self.distances = self._with_tail(self._x)
+        self.distances = panels.distances
 
     @cached_property
     def coarse(self) -> Array:
         """Distances of points that represent a smooth function: `SAMPLES` a panel, the tail's."""
-        return self._with_tail(self.panels.sampling(SAMPLES))
-
-    def _with_tail(self, x: Array) -> Array:
-        """Return the distances of points on the panels, and of the sampling points in the tail."""
-        return np.concatenate([np.exp(-x).ravel(), self.panels.tail_sampling()])
+        return self.panels.with_tail(self.panels.sampling(SAMPLES))
 
     @cached_property
     def _from_coarse(self) -> Array:
@@ -135,7 +126,7 @@ class Transforms:
         reach = float(np.exp(-other.width))
         near = np.exp(-x[0])
         values = self._across_matrix(near, reach) @ coefficients
-        g = 2.0 * transforms(other).distances[len(near) :] / reach - 1.0
+        g = 2.0 * other.distances[len(near) :] / reach - 1.0
         series = legendre_expansion_matrix(_DEEP_POINTS, _DEEP_POINTS - 1) @ values[len(near) :]
         return np.concatenate([values[: len(near)], series @ legendre_rows(g, _DEEP_POINTS - 1)])
 
@@ -208,109 +199,6 @@ def _in_a_row(blocks: Array) -> Array:
     return blocks.transpose(2, 1, 0).reshape(blocks.shape[2], -1)
 
 
-def gap(a: Radius, b: Radius) -> float:
-    """Return ``b**2 - a**2`` without cancellation."""
-    difference = a.from_edge - b.from_edge if a.value >= 0.5 else b.value - a.value
-    return difference * (a.value + b.value)
-
-
-@dataclass(frozen=True, slots=True)
-class Points:
-    """Radii given by ``s**2 = anchor**2 + offset``, so that differences keep their digits."""
-
-    anchor: Radius
-    offset: Array
-
-    def before(self, boundary: Radius) -> Array:
-        """Return ``boundary**2 - s**2``."""
-        return gap(self.anchor, boundary) - self.offset
-
-    @property
-    def z(self) -> Array:
-        """Return ``s**2``."""
-        return self.anchor.square + self.offset
-
-    @property
-    def y(self) -> Array:
-        """Return ``1 - s**2``."""
-        return self.anchor.rest - self.offset
-
-
-@dataclass(frozen=True, slots=True)
-class Family:
-    """Panels in the logarithm of the distance to one end of an annulus.
-
-    Attributes
-    ----------
-    boundary : Radius
-        The end.
-    sign : int
-        +1 if the annulus lies above (outside) the boundary, -1 if below.
-    reach : float
-        Extent in ``s**2``.
-    panels : LogPanels
-        With an endpoint weight only below the boundary.
-    """
-
-    boundary: Radius
-    sign: int
-    reach: float
-    panels: LogPanels
-
-    def points(self, d: Array) -> Points:
-        """Return the points at scaled distances `d` in [0, 1]."""
-        return Points(self.boundary, self.sign * self.reach * d)
-
-    def sampling(self) -> Points:
-        """Return the sampling points: panels, then tail."""
-        return self.points(transforms(self.panels).distances)
-
-    def sources(self) -> tuple[Points, Array]:
-        """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
-        p = self.panels
-        x, w = p.half_line_nodes()
-        g, _ = gauss_rule(x.shape[1])
-        values = legendre_values(g, p.degree)
-        gt, wt = gauss_rule(p.tail_terms + 3)
-        tail = p.end * (1.0 + gt) / 2.0
-        matrix = np.zeros((x.size + len(gt), p.size))
-        for j in range(p.panels):
-            rows = slice(j * x.shape[1], (j + 1) * x.shape[1])
-            columns = slice(j * (p.degree + 1), (j + 1) * (p.degree + 1))
-            matrix[rows, columns] = values * (w[j] * np.exp(-x[j]))[:, None]
-        basis = tail_values(tail, p.end, p.tail_terms, p.root_tail)
-        matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
-        points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
-        return points, 0.5 * self.reach * matrix
-
-    def unresolved(self, series: LogSeries) -> float:
-        """Return the largest of the last coefficients of any panel or of the tail."""
-        return float(max(np.abs(series.coefficients[:, -3:]).max(), np.abs(series.tail[-2:]).max()))
-
-    def truncated(self, values: Array, power: float) -> float:
-        """Return the largest that `expand` drops of any panel or tail, times ``d**power``."""
-        series, p = sampled_series(self.panels, values), self.panels
-        dropped = np.abs(series.coefficients[:, p.degree + 1 :]).max(axis=1)
-        in_panels = dropped * np.exp(-power * p.width * np.arange(p.panels))
-        return float(max(in_panels.max(), np.abs(series.tail[p.tail_terms :]).max() * p.end**power))
-
-    def expand(self, values: Array) -> Array:
-        """Return coefficients, of the size of the basis, through values at the sampling points."""
-        series = sampled_series(self.panels, values)
-        p = self.panels
-        table = series.coefficients[:, : p.degree + 1]
-        return np.concatenate([table.ravel(), series.tail[: p.tail_terms]])
-
-
-class _Halves(NamedTuple):
-    """Transforms of the inner and the outer half, and the coefficients on them."""
-
-    inner: Transforms
-    outer: Transforms
-    on_inner: Array
-    on_outer: Array
-
-
 @dataclass(frozen=True)
 class Annulus:
     """An annulus with a family of panels to each end.
@@ -342,31 +230,28 @@ class Annulus:
         points = [family.sampling() for family in self.families]
         return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
 
-    @property
-    def sampling_split(self) -> int:
-        """Number of sampling points of the inner family."""
-        return len(transforms(self.toward_inner).distances)
-
     def own_half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral of a function at the annulus's own sampling points.
 
         In scaled distances the transforms depend on the panels alone, whose blocks are cached.
         The inner family's points come first.
         """
-        inner, outer, a, b = self._split(coefficients)
+        (inner, outer), (a, b) = self._transforms, self._split(coefficients)
         above = inner.outer(a) + outer.across(b, self.toward_inner)
         return self._scale * np.concatenate([above, outer.deeper(b)])
 
     def own_inner_integral(self, coefficients: Array) -> Array:
         """Return the inner integral of a function at the annulus's own sampling points."""
-        inner, outer, a, b = self._split(coefficients)
+        (inner, outer), (a, b) = self._transforms, self._split(coefficients)
         below = inner.across(a, self.toward_outer) + outer.outer(b)
         return self._scale * np.concatenate([inner.deeper(a), below])
 
-    def _split(self, coefficients: Array) -> _Halves:
-        size = self.toward_inner.size
-        pair = transforms(self.toward_inner), transforms(self.toward_outer)
-        return _Halves(*pair, coefficients[:size], coefficients[size:])
+    @property
+    def _transforms(self) -> tuple[Transforms, Transforms]:
+        return transforms(self.toward_inner), transforms(self.toward_outer)
+
+    def _split(self, coefficients: Array) -> tuple[Array, Array]:
+        return coefficients[: self.toward_inner.size], coefficients[self.toward_inner.size :]
 
     @property
     def _scale(self) -> float:
@@ -374,19 +259,10 @@ class Annulus:
 
     def halves(self, values: Array) -> tuple[Array, Array]:
         """Return the parts of values at the sampling points that lie in either half."""
-        return values[: self.sampling_split], values[self.sampling_split :]
+        split = len(self.toward_inner.distances)
+        return values[:split], values[split:]
 
     def expand(self, values: Sequence[Array]) -> Array:
         """Return coefficients through values at the sampling points of both families."""
         pairs = zip(self.families, values, strict=True)
         return np.concatenate([f.expand(v) for f, v in pairs])
-
-
-def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
-    """Return the series through samples at the sampling points of the panels and the tail."""
-    tail_points = panels.tail_points
-    inner = values[:-tail_points].reshape(panels.panels, -1)
-    points = inner.shape[1]
-    expand = legendre_expansion_matrix(points, points - 1)
-    expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
-    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)

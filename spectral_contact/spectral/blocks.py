@@ -29,7 +29,6 @@ from spectral_contact.spectral.abel import (
     outer,
     rise,
 )
-from spectral_contact.spectral.annulus import Family, gap, transforms
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import (
     FAR_NODES,
@@ -43,6 +42,7 @@ from spectral_contact.spectral.graded import (
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Family, gap
 
 __all__ = ["Block", "across", "block", "disk_gram", "points_of"]
 
@@ -245,7 +245,7 @@ def across(
 def points_of(panels: LogPanels, used: Used) -> Nodes:
     """Return the points of a part of unit extent; for `used` see `block`."""
     if isinstance(used, LogPanels):
-        return PlainNodes(transforms(used).distances)
+        return PlainNodes(used.distances)
     return graded_nodes(panels, used)
 
 

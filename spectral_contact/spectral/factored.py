@@ -6,13 +6,17 @@ be rough: of single precision as long as that serves, or those of boundaries clo
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.spectral.cholesky import Cholesky
-from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["Factored", "Symmetric", "factored"]
 

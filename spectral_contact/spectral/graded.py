@@ -7,25 +7,29 @@ points still.
 from __future__ import annotations
 
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import TAIL_TERMS
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
+    TAIL_TERMS,
     chebyshev_interpolation,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_interpolation_matrix,
 )
-from spectral_contact.spectral.panels import SAMPLES, LogPanels
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.panels import LogPanels
 
 __all__ = [
     "FAR_FIT",
     "FAR_NODES",
+    "SAMPLES",
     "GradedNodes",
     "PlainNodes",
     "Samples",
@@ -37,7 +41,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-
+#: Gauss points that represent on a panel what is analytic in ``x`` up to an imaginary part of pi,
+#: as functions of ``d + e`` are: the error is 6.4**-20 for panels of width 2.
+SAMPLES = 20
 #: Places, in [-1, 1], that stand for a function on an interval with a singularity as far off as it
 #: is wide: the error is 5.8**-24, which is rounding.
 FAR_NODES, FAR_FIT = chebyshev_interpolation(24)

@@ -1,6 +1,7 @@
 """Of the Jacobi family those at 0 and -1/2: Legendre and Chebyshev polynomials, and Gauss rules.
 
-Panels carry Legendre polynomials, and sampled functions are expanded from Gauss nodes.
+Panels carry Legendre polynomials, as many as they need, and their tails a few; sampled functions
+are expanded from Gauss nodes.
 """
 
 from __future__ import annotations
@@ -13,6 +14,10 @@ from spectral_contact.fields.legendre import legendre_rows
 from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = [
+    "EXTRA",
+    "ROOT_TERMS",
+    "TAIL_EXTRA",
+    "TAIL_TERMS",
     "chebyshev_interpolation",
     "gauss_rule",
     "graded_rule",
@@ -20,27 +25,41 @@ __all__ = [
     "legendre_interpolation_matrix",
     "legendre_projection_matrix",
     "legendre_values",
+    "tail_values",
 ]
 
+Array = NDArray[np.float64]
 
-_RULES: BoundedCache[int, tuple[NDArray[np.float64], NDArray[np.float64]]] = BoundedCache(
-    "Gauss rules", 64
-)
-_PROJECTIONS: BoundedCache[tuple[int, int], NDArray[np.float64]] = BoundedCache(
-    "Legendre projections", 32
-)
-_EXPANSIONS: BoundedCache[tuple[int, int], NDArray[np.float64]] = BoundedCache(
-    "Legendre expansions", 32
-)
+#: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
+EXTRA = 12
+#: Tail polynomials in the distance (degree 0, 1, 2), where logarithms follow the constant.
+TAIL_TERMS = 3
+#: Tail polynomials in the square root of the distance, where half-integer powers follow.
+ROOT_TERMS = 9
+#: Those beyond the terms of a tail.
+TAIL_EXTRA = 9
+
+_RULES: BoundedCache[int, tuple[Array, Array]] = BoundedCache("Gauss rules", 64)
+_PROJECTIONS: BoundedCache[tuple[int, int], Array] = BoundedCache("Legendre projections", 32)
+_EXPANSIONS: BoundedCache[tuple[int, int], Array] = BoundedCache("Legendre expansions", 32)
 
 
-def legendre_values(x: ArrayLike, degree: int) -> NDArray[np.float64]:
+def legendre_values(x: ArrayLike, degree: int) -> Array:
     """Evaluate the Legendre polynomials up to a degree, shape ``x.shape + (degree + 1,)``."""
     x = np.asarray(x, dtype=float)
     return legendre_rows(x, degree).transpose(*range(1, x.ndim + 1), 0)
 
 
-def gauss_rule(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def tail_values(d: Array, end: float, terms: int, root: bool) -> Array:
+    """Evaluate the tail polynomials at ``0 <= d <= end``, shape ``d.shape + (terms,)``.
+
+    Legendre polynomials in ``d / end``, or with `root` in its square root.
+    """
+    ratio = d / end
+    return legendre_values(2.0 * (np.sqrt(ratio) if root else ratio) - 1.0, terms - 1)
+
+
+def gauss_rule(points: int) -> tuple[Array, Array]:
     """Return nodes and weights of the Gauss-Legendre rule on [-1, 1].
 
     Parameters
@@ -56,9 +75,7 @@ def gauss_rule(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return _RULES.get(points, lambda: _gauss_legendre(points))
 
 
-def graded_rule(
-    points: int, panels: int, ratio: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
     """Return a rule on (0, 1) whose panels shrink towards 0.
 
     Parameters
@@ -81,15 +98,13 @@ def graded_rule(
     return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
 
 
-def _frozen(
-    nodes: NDArray[np.float64], weights: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _frozen(nodes: Array, weights: Array) -> tuple[Array, Array]:
     nodes.setflags(write=False)
     weights.setflags(write=False)
     return nodes, weights
 
 
-def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _gauss_legendre(points: int) -> tuple[Array, Array]:
     """Return the Gauss-Legendre rule with weights right to the last digit.
 
     The weights of ``numpy.polynomial.legendre.leggauss`` are off by up to 8e-13 near the ends
@@ -129,7 +144,7 @@ def _gauss_legendre(points: int) -> tuple[NDArray[np.float64], NDArray[np.float6
     )
 
 
-def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
+def legendre_expansion_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
 
     Parameters
@@ -147,7 +162,7 @@ def legendre_expansion_matrix(points: int, degree: int) -> NDArray[np.float64]:
     return _EXPANSIONS.get((points, degree), lambda: _frozen_expansion(points, degree))
 
 
-def legendre_interpolation_matrix(x: ArrayLike, points: int) -> NDArray[np.float64]:
+def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to those at other places.
 
     Parameters
@@ -165,7 +180,7 @@ def legendre_interpolation_matrix(x: ArrayLike, points: int) -> NDArray[np.float
     return np.asarray(values @ legendre_expansion_matrix(points, points - 1))
 
 
-def legendre_projection_matrix(points: int, degree: int) -> NDArray[np.float64]:
+def legendre_projection_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to integrals against P_0 ... P_degree.
 
     Parameters
@@ -185,7 +200,7 @@ def legendre_projection_matrix(points: int, degree: int) -> NDArray[np.float64]:
     return _PROJECTIONS.get((points, degree), lambda: _frozen_projection(points, degree))
 
 
-def chebyshev_interpolation(points: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def chebyshev_interpolation(points: int) -> tuple[Array, Array]:
     """Return Chebyshev points on [-1, 1] and the matrix from values there to coefficients.
 
     Parameters
@@ -205,7 +220,7 @@ def chebyshev_interpolation(points: int) -> tuple[NDArray[np.float64], NDArray[n
     return np.cos(angle), matrix
 
 
-def _frozen_expansion(points: int, degree: int) -> NDArray[np.float64]:
+def _frozen_expansion(points: int, degree: int) -> Array:
     nodes, weights = gauss_rule(points)
     scale = np.arange(degree + 1) + 0.5
     matrix = scale[:, None] * legendre_values(nodes, degree).T * weights
@@ -213,7 +228,7 @@ def _frozen_expansion(points: int, degree: int) -> NDArray[np.float64]:
     return matrix
 
 
-def _frozen_projection(points: int, degree: int) -> NDArray[np.float64]:
+def _frozen_projection(points: int, degree: int) -> Array:
     nodes, weights = gauss_rule(points)
     values = legendre_values(nodes, degree)
     matrix = values * weights[:, None]

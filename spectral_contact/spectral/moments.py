@@ -10,15 +10,16 @@ panels couples by the product of its moments.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import tail_values
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["BasisRule", "inner_moments", "moments", "outer_moments", "tail_rule", "unit_masses"]
 

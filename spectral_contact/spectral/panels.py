@@ -4,33 +4,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import (
+from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.jacobi import (
     EXTRA,
     ROOT_TERMS,
     TAIL_EXTRA,
     TAIL_TERMS,
+    gauss_rule,
+    legendre_values,
     tail_values,
 )
-from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 
-__all__ = ["SAMPLES", "LogPanels", "Nodes", "PanelNodes"]
+__all__ = ["LEAST_DEGREE", "LogPanels", "Nodes", "PanelNodes", "Resolution", "Used"]
 
 Array = NDArray[np.float64]
 
-#: Gauss points that represent on a panel what is analytic in ``x`` up to an imaginary part of pi,
-#: as functions of ``d + e`` are: the error is 6.4**-20 for panels of width 2.
-SAMPLES = 20
-
+#: The estimate sheds two degrees and must keep one.
+LEAST_DEGREE = 2
 
 _FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_]] = BoundedCache(
     "functions in use", 1024
 )
+_DISTANCES: BoundedCache[LogPanels, Array] = BoundedCache("sampling points", 48)
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +164,15 @@ class LogPanels:
         g, _ = gauss_rule(self.tail_points)
         return self.end * (1.0 + g) / 2.0
 
+    @property
+    def distances(self) -> Array:
+        """Distances of the sampling points, those of the panels and then the tail's (cached)."""
+        return _DISTANCES.get(self, lambda: self.with_tail(self.sampling()))
+
+    def with_tail(self, x: Array) -> Array:
+        """Return the distances of points on the panels, and of the sampling points in the tail."""
+        return np.concatenate([np.exp(-x).ravel(), self.tail_sampling()])
+
     def half_line_nodes(self) -> tuple[Array, Array]:
         """Return ``x`` and ``dx`` weights for sources, shape (panels, n) each; tail excluded."""
         g, w = gauss_rule(self.degree + EXTRA)
@@ -238,3 +247,15 @@ class LogPanels:
         weight = w * v * self.end * (a + b * d)
         matrix[last:, last:] = (values.T * weight) @ values
         return matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Resolution:
+    """A space: panels and the degree used on each of them."""
+
+    panels: LogPanels
+    degrees: tuple[int, ...]
+
+
+#: The panels of a part, and the degrees on them.
+Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]

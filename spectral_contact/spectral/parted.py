@@ -7,8 +7,6 @@ are those of `blocks`. A disk in one part is `galerkin`'s own space.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from itertools import pairwise
 from math import pi
 from typing import Any, Protocol
@@ -17,91 +15,26 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from spectral_contact.fields.series import (
-    CENTRE,
-    EDGE,
-    AnnulusSeries,
-    DiskSeries,
-    LogSeries,
-    PressureField,
-    Radius,
-    ZonalField,
-    ZonePiece,
-)
-from spectral_contact.spectral.annulus import Family, gap
+from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.moments import unit_masses
-from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.regularised import Factorable, Regularised
+from spectral_contact.spectral.panels import LogPanels, Used
+from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.regularised import Factorable, NodalSpace, Regularised
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
-__all__ = ["DiskSpace", "NodalSpace", "PartedSpace", "Parts", "PressureSpace", "pressure_space"]
+__all__ = ["DiskSpace", "PartedSpace", "PressureSpace", "pressure_space"]
 
 Array = NDArray[np.float64]
-Used = tuple[LogPanels, tuple[int, ...]]
 
 _SPACES: BoundedCache[tuple[Parts, tuple[Used, ...]], PressureSpace] = BoundedCache(
     "spaces in parts", 8
 )
 _ORDERS: BoundedCache[tuple[Used, ...], _Order] = BoundedCache("orders of functions", 16)
-
-
-class Parts:
-    """How a disk is cut: radii of the breaks, and whether panels are graded to the centre, too.
-
-    Parameters
-    ----------
-    breaks : tuple of Radius
-        From the centre outward.
-    pointed : bool
-    turns : tuple of Radius
-        Those of the breaks at which the profile itself is smooth.
-    """
-
-    def __init__(
-        self, breaks: tuple[Radius, ...], pointed: bool, turns: tuple[Radius, ...] = ()
-    ) -> None:
-        self.breaks, self.pointed, self.turns = breaks, pointed, turns
-        bounds = (CENTRE, *breaks, EDGE)
-        #: boundary, side of it that the part is on, and extent in s**2, of every part
-        self.ends: list[tuple[Radius, int, float]] = []
-        #: the last break of the profile before every part, or the centre
-        self.inner: list[Radius] = []
-        last = CENTRE
-        for inner, outer in pairwise(bounds):
-            halves = [(outer, -1)] if inner is CENTRE and not pointed else [(inner, 1), (outer, -1)]
-            extent = gap(inner, outer) / len(halves)
-            self.ends += [(boundary, sign, extent) for boundary, sign in halves]
-            last = last if inner in turns else inner
-            self.inner += [last] * len(halves)
-
-    def __hash__(self) -> int:
-        return hash((self.breaks, self.pointed, self.turns))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Parts):
-            return NotImplemented
-        own = self.breaks, self.pointed, self.turns
-        return own == (other.breaks, other.pointed, other.turns)
-
-    def field(self, series: Sequence[LogSeries]) -> PressureField | ZonalField:
-        """Return the pressure with these series on the parts."""
-        if len(self.ends) == 1:
-            return PressureField(None, series[0])
-        bounds, each = (CENTRE, *self.breaks, EDGE), iter(series)
-        pieces = []
-        for inner, outer in pairwise(bounds):
-            if inner is CENTRE and not self.pointed:
-                on_disk = DiskSeries(outer, next(each), power=0)
-                pieces.append(ZonePiece(outer, on_disk))
-            else:
-                halves = next(each), next(each)
-                pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
-        return ZonalField(tuple(pieces))
 
 
 class PressureSpace(Protocol):
@@ -169,61 +102,6 @@ class DiskSpace:
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
         return self._space.half_integral(coefficients)
-
-
-class NodalSpace(ABC):
-    """Functions with the half-integrals that they have at nodes.
-
-    Attributes are those of `PressureSpace` and `Factorable`.
-    """
-
-    t: Array
-    y: Array
-    past: Array
-    weights: Array
-    index: NDArray[np.int_]
-    panel: NDArray[np.int_]
-    size: int
-    panels: int
-    kept: int
-    kept_but_one: int
-
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-        return len(self.index)
-
-    @property
-    def functions(self) -> Factorable:
-        """The functions with their matrices."""
-        return self
-
-    @property
-    @abstractmethod
-    def gram(self) -> Array:
-        """Gram matrix of the half-integrals."""
-
-    @property
-    @abstractmethod
-    def mass(self) -> Array:
-        """Mass matrix ``int phi psi s ds``."""
-
-    @cached_property
-    def constant_moments(self) -> Array:
-        """Moments of the density 1."""
-        return self.moments(np.ones(len(self.weights)))
-
-    @abstractmethod
-    def moments(self, density: Array) -> Array:
-        """Return the inner products of the half-integrals with a density, in order of `index`."""
-
-    @abstractmethod
-    def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes."""
-
-    def factor(self, compliance: float) -> Regularised[Any]:
-        """Factor the problem with a compliance."""
-        return Regularised(self, compliance)
 
 
 class PartedSpace(NodalSpace):

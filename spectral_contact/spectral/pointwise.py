@@ -7,17 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.jacobi import (
-    gauss_rule,
-    legendre_expansion_matrix,
-    legendre_values,
-)
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.panels import Used
 
 __all__ = ["Sampling"]
 
 Array = NDArray[np.float64]
-Used = tuple[LogPanels, tuple[int, ...]]
 
 #: Samples beyond the degree of a polynomial.
 _MORE = 8

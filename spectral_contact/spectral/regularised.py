@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.cholesky import Cholesky
+from spectral_contact.threads import cached_property
 
-__all__ = ["Change", "Factorable", "Regularised"]
+__all__ = ["Change", "Factorable", "NodalSpace", "Regularised"]
 
 Array = NDArray[np.float64]
 
@@ -160,3 +162,58 @@ class Regularised(Generic[S]):
         places = self.space.panels + 1
         energies = np.bincount(self.space.panel, shed**2 * self._cholesky.diagonal, places)
         return Change(change, np.asarray(energies, dtype=float))
+
+
+class NodalSpace(ABC):
+    """Functions with the half-integrals that they have at nodes.
+
+    Attributes are those of `Factorable`, and of `PressureSpace` in `parted`.
+    """
+
+    t: Array
+    y: Array
+    past: Array
+    weights: Array
+    index: NDArray[np.int_]
+    panel: NDArray[np.int_]
+    size: int
+    panels: int
+    kept: int
+    kept_but_one: int
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns."""
+        return len(self.index)
+
+    @property
+    def functions(self) -> Factorable:
+        """The functions with their matrices."""
+        return self
+
+    @property
+    @abstractmethod
+    def gram(self) -> Array:
+        """Gram matrix of the half-integrals."""
+
+    @property
+    @abstractmethod
+    def mass(self) -> Array:
+        """Mass matrix ``int phi psi s ds``."""
+
+    @cached_property
+    def constant_moments(self) -> Array:
+        """Moments of the density 1."""
+        return self.moments(np.ones(len(self.weights)))
+
+    @abstractmethod
+    def moments(self, density: Array) -> Array:
+        """Return the inner products of the half-integrals with a density, in order of `index`."""
+
+    @abstractmethod
+    def half_integral(self, coefficients: Array) -> Array:
+        """Return the half-integral at the nodes."""
+
+    def factor(self, compliance: float) -> Regularised[Any]:
+        """Factor the problem with a compliance."""
+        return Regularised(self, compliance)

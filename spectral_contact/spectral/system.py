@@ -22,13 +22,13 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.blocks import Block, block, disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.moments import moments, outer_moments, unit_masses
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import Family
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import AT_END, Field, Misfit, Tangential
 

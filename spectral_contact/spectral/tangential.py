@@ -24,13 +24,13 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
-from spectral_contact.spectral.abel import TAIL_TERMS
-from spectral_contact.spectral.annulus import Family, gap
 from spectral_contact.spectral.blocks import disk_gram
 from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes
+from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import Family, gap
 from spectral_contact.spectral.seen import Fields, Seen
 from spectral_contact.threads import cached_property
 

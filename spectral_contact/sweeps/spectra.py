@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH
 from spectral_contact.fields.legendre import legendre_rows
-from spectral_contact.spectral.annulus import sampled_series, transforms
+from spectral_contact.spectral.annulus import transforms
 from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import sampled_series
 
 __all__ = ["NormalSpectrum", "StickSpectrum"]
 

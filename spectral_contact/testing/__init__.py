@@ -5,11 +5,7 @@ knows nothing of how they were found. `spectral_contact.testing.strategies` draw
 property-based tests (extra ``testing``).
 """
 
-from spectral_contact.equations.residuals import (
-    load,
-    normal_displacement,
-    tangential_displacement,
-)
+from spectral_contact.equations.residuals import load, normal_displacement, tangential_displacement
 from spectral_contact.testing.checks import Check, CheckReport, check_solution
 
 __all__ = [

@@ -243,6 +243,12 @@ def test_it_is_stored_as_it_is(scene, tmp_path):
     assert Solution.load(tmp_path / "slip.npz") == solution
 
 
+def test_stick_at_a_smooth_edge_below_all_rings_is_found():
+    solution = solve(Scene(0.39, 0.0, 1.9e-9, 0.038, coupling=True), 1e-3)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    assert solution.zones[1].outer_from_edge == pytest.approx(4.0e-19, rel=0.05)
+
+
 @pytest.mark.parametrize(("beta", "friction"), [(1e-14, 1e-28), (1e-14, 1e-12), (1e-6, 1e-9)])
 def test_stick_at_the_edge_that_is_too_narrow_is_refused_at_once(beta, friction):
     with pytest.raises(NotComputedError, match="too little to resolve"):

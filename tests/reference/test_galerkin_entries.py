@@ -15,9 +15,8 @@ from oracles.kept import Kept
 from oracles.projection_cases import TAIL, interior_slip, lift_case
 from oracles.projection_oracle import Piece, basis, entries, kernels, mp, rows
 
-from spectral_contact.contact.refine import Resolution
 from spectral_contact.spectral.galerkin import disk_operators
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 
 TRUTHS = Kept("galerkin_entries", every=16)
 

@@ -52,8 +52,9 @@ def _moved(truth: Any, at: np.ndarray, shift: float) -> np.ndarray:
     changes, central = np.zeros(len(at)), at > 0.5
     if np.isfinite(shift):
         s, near = 1.0 - at[central], at[~central]
-        changes[central] = truth.traction(s * (1.0 + shift)) / truth.traction(s) - 1.0
-        moved = truth.traction(from_edge=near * (1.0 - shift))
+        outward = np.minimum(s * (1.0 + shift), 1.0)
+        changes[central] = truth.traction(outward) / truth.traction(s) - 1.0
+        moved = truth.traction(from_edge=near * max(1.0 - shift, 0.0))
         changes[~central] = moved / truth.traction(from_edge=near) - 1.0
     return np.abs(changes)
 

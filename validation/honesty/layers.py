@@ -22,17 +22,17 @@ import numpy as np
 from honesty_table import decade, table
 
 from spectral_contact import SceneError, layers, profiles
-from spectral_contact.contact.indented import Indentation
-from spectral_contact.contact.layered import CellProblem, LayeredProblem
-from spectral_contact.contact.layered_contact import solve_layered
+from spectral_contact.contact.layered_contact import CellProblem, LayeredProblem, solve_layered
 from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import (
     has_edge,
     setting_at_approach,
     setting_at_radius,
 )
-from spectral_contact.contact.refine import Resolution, refine
+from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.refine import refine
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.panels import Resolution
 
 RESULTS = Path(__file__).parents[1] / "results"
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])

@@ -28,9 +28,11 @@ from honesty_table import decade, table
 from spectral_contact import profiles
 from spectral_contact.contact import indented
 from spectral_contact.contact.contact_radius import find_radius
-from spectral_contact.contact.indented import Indentation, glance, solve_indentation
-from spectral_contact.contact.refine import Refinement, Resolution, refine
+from spectral_contact.contact.indented import glance, solve_indentation
+from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.panels import Resolution
 
 RESULTS = Path(__file__).parents[1] / "results"
 LEAST, MOST = -7.0, 4.0  # of the compliance in contact radii, decades

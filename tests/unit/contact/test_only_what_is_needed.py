@@ -29,7 +29,7 @@ ONE_DISK = FULL_STICK | {
     "stick_radius",
     "zone_search",
 }
-PROFILE = NORMAL | {"contact_radius", "indented", "on_parts", "smooth_indented", "zone_spaces"}
+PROFILE = NORMAL | {"contact_radius", "indented", "on_parts", "smooth_indented"}
 ONSET = FULL_STICK | {"layout", "onset"}
 LAYERED = PROFILE | {
     "layered",

@@ -9,8 +9,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from oracles.kept import Kept
 
 from spectral_contact.spectral.abel import (
-    ROOT_TERMS,
-    TAIL_TERMS,
     beyond,
     deeper,
     deeper_blocks,
@@ -20,9 +18,14 @@ from spectral_contact.spectral.abel import (
     outer,
     outer_blocks,
     rise,
+)
+from spectral_contact.spectral.jacobi import (
+    ROOT_TERMS,
+    TAIL_TERMS,
+    gauss_rule,
+    legendre_expansion_matrix,
     tail_values,
 )
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 
 mp = MPContext()
 mp.dps = 30

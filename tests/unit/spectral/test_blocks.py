@@ -7,10 +7,10 @@ import pytest
 from oracles.family_integrals import half_integral, inner_integral
 
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.spectral.annulus import Family, Points, gap
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Family, Points, gap
 
 FIRST, SECOND = Radius.from_logit(-1.0), Radius.from_logit(8.0)
 COUNT, DEGREE = 14, 16

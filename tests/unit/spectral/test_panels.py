@@ -6,7 +6,7 @@ from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy import special
 
-from spectral_contact.spectral.abel import ROOT_TERMS, TAIL_TERMS
+from spectral_contact.spectral.jacobi import ROOT_TERMS, TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
 
 mp = MPContext()

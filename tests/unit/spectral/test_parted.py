@@ -5,9 +5,9 @@ import pytest
 from oracles.family_integrals import half_integral
 
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.annulus import Family
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parted import PartedSpace, Parts
+from spectral_contact.spectral.parted import PartedSpace
+from spectral_contact.spectral.parts import Family, Parts
 
 PANELS, DEGREES = LogPanels(6, 2.0, 8), (8, 6, 5, 4, 3, 2)
 

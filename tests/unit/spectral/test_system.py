@@ -5,10 +5,10 @@ import pytest
 from oracles.family_integrals import half_integral, inner_integral
 
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.spectral.annulus import Points
 from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import Points
 from spectral_contact.spectral.system import System
 
 PARAMETERS = Parameters(0.1, 0.2, 0.3, 0.4)

@@ -1,0 +1,194 @@
+"""Where functions live: families of panels to a boundary, their points, and the parts of a disk."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields.series import (
+    CENTRE,
+    EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    LogSeries,
+    PressureField,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+    tail_values,
+)
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.panels import LogPanels
+
+__all__ = ["Family", "Parts", "Points", "gap", "sampled_series"]
+
+Array = NDArray[np.float64]
+
+
+def gap(a: Radius, b: Radius) -> float:
+    """Return ``b**2 - a**2`` without cancellation."""
+    difference = a.from_edge - b.from_edge if a.value >= 0.5 else b.value - a.value
+    return difference * (a.value + b.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Radii given by ``s**2 = anchor**2 + offset``, so that differences keep their digits."""
+
+    anchor: Radius
+    offset: Array
+
+    def before(self, boundary: Radius) -> Array:
+        """Return ``boundary**2 - s**2``."""
+        return gap(self.anchor, boundary) - self.offset
+
+    @property
+    def z(self) -> Array:
+        """Return ``s**2``."""
+        return self.anchor.square + self.offset
+
+    @property
+    def y(self) -> Array:
+        """Return ``1 - s**2``."""
+        return self.anchor.rest - self.offset
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """Panels in the logarithm of the distance to one end of an annulus.
+
+    Attributes
+    ----------
+    boundary : Radius
+        The end.
+    sign : int
+        +1 if the annulus lies above (outside) the boundary, -1 if below.
+    reach : float
+        Extent in ``s**2``.
+    panels : LogPanels
+        With an endpoint weight only below the boundary.
+    """
+
+    boundary: Radius
+    sign: int
+    reach: float
+    panels: LogPanels
+
+    def points(self, d: Array) -> Points:
+        """Return the points at scaled distances `d` in [0, 1]."""
+        return Points(self.boundary, self.sign * self.reach * d)
+
+    def sampling(self) -> Points:
+        """Return the sampling points: panels, then tail."""
+        return self.points(self.panels.distances)
+
+    def sources(self) -> tuple[Points, Array]:
+        """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
+        p = self.panels
+        x, w = p.half_line_nodes()
+        g, _ = gauss_rule(x.shape[1])
+        values = legendre_values(g, p.degree)
+        gt, wt = gauss_rule(p.tail_terms + 3)
+        tail = p.end * (1.0 + gt) / 2.0
+        matrix = np.zeros((x.size + len(gt), p.size))
+        for j in range(p.panels):
+            rows = slice(j * x.shape[1], (j + 1) * x.shape[1])
+            columns = slice(j * (p.degree + 1), (j + 1) * (p.degree + 1))
+            matrix[rows, columns] = values * (w[j] * np.exp(-x[j]))[:, None]
+        basis = tail_values(tail, p.end, p.tail_terms, p.root_tail)
+        matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
+        points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
+        return points, 0.5 * self.reach * matrix
+
+    def unresolved(self, series: LogSeries) -> float:
+        """Return the largest of the last coefficients of any panel or of the tail."""
+        return float(max(np.abs(series.coefficients[:, -3:]).max(), np.abs(series.tail[-2:]).max()))
+
+    def truncated(self, values: Array, power: float) -> float:
+        """Return the largest that `expand` drops of any panel or tail, times ``d**power``."""
+        series, p = sampled_series(self.panels, values), self.panels
+        dropped = np.abs(series.coefficients[:, p.degree + 1 :]).max(axis=1)
+        in_panels = dropped * np.exp(-power * p.width * np.arange(p.panels))
+        return float(max(in_panels.max(), np.abs(series.tail[p.tail_terms :]).max() * p.end**power))
+
+    def expand(self, values: Array) -> Array:
+        """Return coefficients, of the size of the basis, through values at the sampling points."""
+        series = sampled_series(self.panels, values)
+        p = self.panels
+        table = series.coefficients[:, : p.degree + 1]
+        return np.concatenate([table.ravel(), series.tail[: p.tail_terms]])
+
+
+class Parts:
+    """How a disk is cut: radii of the breaks, and whether panels are graded to the centre, too.
+
+    Parameters
+    ----------
+    breaks : tuple of Radius
+        From the centre outward.
+    pointed : bool
+    turns : tuple of Radius
+        Those of the breaks at which the profile itself is smooth.
+    """
+
+    def __init__(
+        self, breaks: tuple[Radius, ...], pointed: bool, turns: tuple[Radius, ...] = ()
+    ) -> None:
+        self.breaks, self.pointed, self.turns = breaks, pointed, turns
+        bounds = (CENTRE, *breaks, EDGE)
+        #: boundary, side of it that the part is on, and extent in s**2, of every part
+        self.ends: list[tuple[Radius, int, float]] = []
+        #: the last break of the profile before every part, or the centre
+        self.inner: list[Radius] = []
+        last = CENTRE
+        for inner, outer in pairwise(bounds):
+            halves = [(outer, -1)] if inner is CENTRE and not pointed else [(inner, 1), (outer, -1)]
+            extent = gap(inner, outer) / len(halves)
+            self.ends += [(boundary, sign, extent) for boundary, sign in halves]
+            last = last if inner in turns else inner
+            self.inner += [last] * len(halves)
+
+    def __hash__(self) -> int:
+        return hash((self.breaks, self.pointed, self.turns))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Parts):
+            return NotImplemented
+        own = self.breaks, self.pointed, self.turns
+        return own == (other.breaks, other.pointed, other.turns)
+
+    def field(self, series: Sequence[LogSeries]) -> PressureField | ZonalField:
+        """Return the pressure with these series on the parts."""
+        if len(self.ends) == 1:
+            return PressureField(None, series[0])
+        bounds, each = (CENTRE, *self.breaks, EDGE), iter(series)
+        pieces = []
+        for inner, outer in pairwise(bounds):
+            if inner is CENTRE and not self.pointed:
+                on_disk = DiskSeries(outer, next(each), power=0)
+                pieces.append(ZonePiece(outer, on_disk))
+            else:
+                halves = next(each), next(each)
+                pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
+        return ZonalField(tuple(pieces))
+
+
+def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
+    """Return the series through samples at the sampling points of the panels and the tail."""
+    tail_points = panels.tail_points
+    inner = values[:-tail_points].reshape(panels.panels, -1)
+    points = inner.shape[1]
+    expand = legendre_expansion_matrix(points, points - 1)
+    expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
+    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)
