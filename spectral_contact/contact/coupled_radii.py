@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.friction_law import DISTANCES
-from spectral_contact.contact.resolution import DEEPEST, series_of
+from spectral_contact.contact.resolution import DEEPEST, PROBE, series_of
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import ZoneState
@@ -29,8 +29,6 @@ Array = NDArray[np.float64]
 _PAST = 8.0
 #: Half the width, as a logit, of what a radius is told apart by.
 _NEAR = 0.02
-#: A small space does not tell a smaller violation of the friction law.
-_UNSEEN = 1e-2
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +51,8 @@ class PossibleRadius:
 
     @property
     def possible(self) -> bool:
-        """Whether it may be a contact; the sense of its slip is not looked at."""
-        return self.positive and self.excess <= _UNSEEN
+        """Whether it may be a contact, as far as the space tells; its slip is not looked at."""
+        return self.positive and self.excess <= PROBE
 
 
 def stick_radii(
@@ -73,14 +71,18 @@ def stick_radii(
     solved = ((one, problem.rough([one])) for one in logits)
     trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:-1]), solved)
     for (low, first), (high, second) in pairwise(trials):
-        falls = first.mismatch[0] > 0.0
-        if (second.mismatch[0] > 0.0) != falls:
-            while high - low > 2.0 * _NEAR:
-                middle = (low + high) / 2.0
-                same = (problem.rough([middle]).mismatch[0] > 0.0) == falls
-                low, high = (middle, high) if same else (low, middle)
-            middle = (low + high) / 2.0
-            yield _described(middle, problem.rough([middle]))
+        own, other = float(first.mismatch[0]), float(second.mismatch[0])
+        if (own > 0.0) == (other > 0.0):
+            continue
+        while high - low > 2.0 * _NEAR:  # false position; next to an end it closes in on the root
+            x = low + min(max((high - low) * own / (own - other), _NEAR), high - low - _NEAR)
+            value = float(problem.rough([x]).mismatch[0])
+            if (value > 0.0) == (own > 0.0):
+                low, own, other = x, value, 0.5 * other
+            else:
+                high, own, other = x, 0.5 * own, value
+        middle = (low + high) / 2.0
+        yield _described(middle, problem.rough([middle]))
 
 
 def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:

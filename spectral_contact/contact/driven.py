@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.fields.series import EDGE, PressureField, Radius
@@ -146,9 +146,9 @@ class Driven(Tangential):
         """Return the coefficients of q/s of vectors on the parts that stick."""
         return {k: values[own] for k, own in self.shear.items()}
 
-    def matrix(self) -> Array:
+    def matrix(self, kind: DTypeLike = np.float64) -> Array:
         """Return the matrix of `residual`, but for roundings: the pressure is given."""
-        matrix = np.zeros((self.unknowns, self.unknowns))
+        matrix = np.zeros((self.unknowns, self.unknowns), kind)
         self._add_tangential(matrix)
         matrix = self._with_masses(matrix)
         matrix[: self.count] = np.eye(self.count, self.unknowns)
@@ -161,7 +161,7 @@ class Driven(Tangential):
         known = {k: one @ values[: self.count] for k, one in self._slipping.items()}
         for k, own in (self.traction(values) | known).items():
             part = self.parts[k]
-            seen = block(part.shear, part.degrees, target, target.panels, 1)
+            seen = block(part.shear, part.degrees, target, target.panels, 1, differences=False)
             if seen is not None:
                 total -= seen.whole @ seen.onto(own)
         return np.asarray(total)

@@ -27,6 +27,7 @@ __all__ = [
     "LEAST_RATE",
     "LEFT",
     "PANEL_WIDTH",
+    "PROBE",
     "ROUNDING",
     "SAFETY",
     "TINY",
@@ -70,6 +71,8 @@ _POINTWISE = 1.6
 SAFETY = 4.5
 #: The share of its step that a correction of a solution leaves at least.
 LEFT = 1e-2
+#: Tolerance of spaces in which zones are looked at by the way.
+PROBE = 1e-2
 #: Largest error of ``logit(c**2)`` that is taken for small.
 _LINEAR = 1.0 / 3.0
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(

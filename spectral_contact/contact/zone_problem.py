@@ -18,7 +18,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import LEFT, ROUNDING, TINY, joined
+from spectral_contact.contact.resolution import LEFT, PROBE, ROUNDING, TINY, joined
 from spectral_contact.contact.stick_radius import root_near
 from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
@@ -31,15 +31,14 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["FreeBoundaryProblem", "differences", "find_zones", "solve_coupled_slip", "solve_zones"]
+__all__ = ["FreeBoundaryProblem", "differences", "solve_coupled_slip", "solve_zones"]
 
 Array = NDArray[np.float64]
 
 #: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
 _UNFELT = -40.0
-#: Tolerance of the spaces and steps in which boundaries are found first, and of the spaces in which
-#: they are looked at by the way.
-_ROUGH, _PROBE = 1e-3, 1e-2
+#: Tolerance of the spaces and steps in which boundaries are found first.
+_ROUGH = 1e-3
 #: What corrections leave of conditions whose differences are taken.
 _SLOPING = 1e-8
 #: Shares of a zone's width that differences are taken over, between which rounding decides.
@@ -126,45 +125,39 @@ class FreeBoundaryProblem:
     def _look_near(self) -> None:
         """Find the boundaries roughly, and the slopes of their conditions."""
         if len(self.logits) == 1:
-
-            def mismatch(logit: float) -> float:
-                return float(self.rough([logit]).mismatch[0])
-
-            start = float(self.logits[0])
-            logit, slope = root_near(mismatch, start, _SLOPE, _ROUGH, 1.0, _UNFELT)
-            self.logits, self._slopes = np.array([logit]), np.array([[slope]])
+            near = float(self.logits[0]), _SLOPE, _ROUGH, 1.0, _UNFELT
+            root = root_near(lambda logit: float(self.rough([logit]).mismatch[0]), *near)
+            self.logits, self._slopes = np.array(root[:1]), np.array([root[1:]])
             return
-        begin, spaces = self.logits, self.spaces(_ROUGH)
-        factors = self.factored(self.system(spaces, begin))
-        self._slopes = self._differences(factors, spaces)
+        begin, (spaces, factors) = self.logits, self._sloped()
         settle = min(_ROUGH, 0.5 * _STALE * self.narrowest)
         state = ZonesNewton(self, spaces, settle, factors).run(_ROUGH)
         narrowest = self.narrowest
-        left = np.abs(np.linalg.solve(self._slopes, state.mismatch))
-        if not float(left.max()) < _STALE * narrowest:
+        left = float(np.abs(np.linalg.solve(self.slopes, state.mismatch)).max())
+        if not left < _STALE * narrowest:
             raise NoBoundariesError("no such boundaries are found")
         if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
-            spaces = self.spaces(_ROUGH)
-            factors = self.factored(self.system(spaces, self.logits))
-            self._slopes = self._differences(factors, spaces)
+            self._sloped()
 
     def rough(self, logits: Sequence[float]) -> ZoneState:
         """Return the contact with given boundaries, as logits, in a small space."""
         at = np.array(logits)
-        system = self.system(self.spaces(_PROBE, at), at)
-        return self.settled(self.factored(system), _NOTHING * _PROBE)
+        system = self.system(self.spaces(PROBE, at), at)
+        return self.settled(self.factored(system), _ROUGH)
 
-    def _differences(self, factors: Factored, spaces: list[Resolution]) -> Array:
-        """Return the slopes of the conditions in a small space, with factors that are near."""
+    def _sloped(self) -> tuple[list[Resolution], Factored]:
+        """Find the slopes of the conditions in a small space; return it and its factors."""
+        spaces = self.spaces(_ROUGH)
+        factors = self.factored(self.system(spaces, self.logits))
+        begin = self.settled(factors, _SLOPING)
 
         def conditions(logits: Array) -> Array:
             system = self.system(spaces, logits)
-            near = self.drift(logits) <= self.far
-            return self.settled(
-                factors if near else self.factored(system), _SLOPING, system
-            ).mismatch
+            own = factors if self.drift(logits) <= self.far else self.factored(system)
+            return self.settled(own, _SLOPING, system, begin).mismatch
 
-        return differences(conditions, self.logits)
+        self._slopes = differences(conditions, self.logits)
+        return spaces, factors
 
     # spaces
 
@@ -181,8 +174,11 @@ class FreeBoundaryProblem:
         halfway = np.sqrt(self.tolerance)
         known = self.drives and self.near  # to digits that are as good
         if len(self.slopes) and halfway < _FINER * _ROUGH and not known:
-            rough = self.spaces(halfway)
-            ZonesNewton(self, rough, max(self.tolerance, _ENOUGH)).run(halfway)
+            settle = max(self.tolerance, _ENOUGH)
+            state = ZonesNewton(self, self.spaces(halfway), settle).run(halfway)
+            last = np.linalg.solve(self.slopes, state.mismatch)
+            if float(np.abs(last).max()) < settle:  # it saves a system in the first space
+                self.logits = self.logits - last
         spaces = self.spaces(self.tolerance)
         self._counts = [one.panels.panels for one in spaces]
         return joined(spaces)
@@ -272,14 +268,6 @@ def _radii(logits: Array) -> tuple[Radius, ...]:
     return tuple(Radius.from_logit(float(x)) for x in logits)
 
 
-def find_zones(parameters: Parameters, layout: Layout) -> Layout:
-    """Return the boundaries of zones like these, to some digits, with what starts their solution.
-
-    Parameters and errors are those of `solve_zones`.
-    """
-    return FreeBoundaryProblem(parameters, layout, _ROUGH).layout
-
-
 def solve_zones(
     parameters: Parameters,
     layout: Layout,
@@ -294,7 +282,7 @@ def solve_zones(
     ----------
     parameters : Parameters
     layout : Layout
-        The states of the zones; the boundaries as `find_zones` returns them, or a guess.
+        The states of the zones; the boundaries as a problem has them as `layout`, or a guess.
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     max_unknowns : int

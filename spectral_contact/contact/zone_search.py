@@ -55,7 +55,7 @@ _MOST_ZONES = 6
 _DISK = Layout((2.0,), (0, 1))
 #: From where on another stick radius is looked for, and in which steps, as logits; on smooth
 #: surfaces they are 10 apart and more, measured.
-_CLEAR, _APART = 1.0, 2.0
+_CLEAR, _APART = 1.0, 4.0
 #: Friction that lacks less than this lets no more slip than where full stick exceeds it: to 0.01 in
 #: the logit, measured, where it lacks half as much. Rough spaces have slip to as much in the logit.
 _ABOUT = 0.02
@@ -394,12 +394,12 @@ class CoupledSearch(ZoneSearch):
         return min(lawful, key=lambda outcome: outcome.violation)
 
     def _solved(self, layout: Layout) -> PartialSlip:
-        from spectral_contact.contact.zone_problem import find_zones, solve_zones
+        from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
 
-        begin = perf_counter()
+        begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)
         try:
             if layout is not self.near:
-                layout = self._narrowed(find_zones(self.parameters, layout))
+                layout = self._narrowed(FreeBoundaryProblem(*problem).layout)
         except NoStickDiskError as missing:
             if missing.at_centre:
                 return self._all_slip()

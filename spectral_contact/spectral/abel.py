@@ -86,7 +86,7 @@ class Charges:
 
 
 _CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
-    "charges on panels", 32
+    "charges on panels", 128
 )
 
 

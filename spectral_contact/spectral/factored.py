@@ -40,18 +40,18 @@ class Factored:
 
     def __init__(self, system: Tangential, *, exact: bool = True) -> None:
         self.system, self.exact = system, exact
-        matrix = system.matrix()
-        self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
-        matrix *= self.scale
-        matrix *= self.scale[:, None]
+        kind = np.float64 if exact else np.float32
+        matrix = system.matrix(kind)
+        self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()).astype(float))
+        matrix *= self.scale.astype(kind)
+        matrix *= self.scale[:, None].astype(kind)
         # pivots are to be found among the equations of the pressure first, which are graded
         driven = matrix[system.count :]
         small = 0.5 / max(float(np.abs(driven[:, : system.count]).max(initial=0.0)), 0.5)
         driven *= small
         self._rows = self.scale.copy()
         self._rows[system.count :] *= small
-        kind = np.float64 if exact else np.float32
-        self._factor = lu_factor(matrix.astype(kind), overwrite_a=True, check_finite=False)
+        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
     def step(self, right: Array) -> Array:
         """Return the solution as factored, of right-hand sides as columns."""

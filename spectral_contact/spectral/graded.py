@@ -57,7 +57,7 @@ _TAIL_POINTS = 36
 
 
 _NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes] = BoundedCache(
-    "graded nodes", 96
+    "graded nodes", 128
 )
 _SMOOTH: BoundedCache[LogPanels, SmoothNodes] = BoundedCache("smooth nodes", 24)
 
@@ -129,7 +129,8 @@ class GradedNodes:
         parts = [values[:start]]
         for count, block in self._from_samples:
             stop = start + count * SAMPLES
-            own = block @ values[start:stop].reshape(count, SAMPLES, columns)
+            one = block.astype(values.dtype, copy=False)
+            own = one @ values[start:stop].reshape(count, SAMPLES, columns)
             parts.append(own.reshape(count * len(block), columns))
             start = stop
         return np.concatenate([*parts, values[start:]])
@@ -140,7 +141,8 @@ class GradedNodes:
         parts = [values[:start]]
         for count, block in self._from_samples:
             stop = start + count * len(block)
-            own = block.T @ values[start:stop].reshape(count, len(block), columns)
+            one = block.T.astype(values.dtype, copy=False)
+            own = one @ values[start:stop].reshape(count, len(block), columns)
             parts.append(own.reshape(count * SAMPLES, columns))
             start = stop
         return np.concatenate([*parts, values[start:]])

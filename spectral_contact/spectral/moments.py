@@ -25,9 +25,9 @@ __all__ = ["BasisRule", "inner_moments", "moments", "outer_moments", "tail_rule"
 
 Array = NDArray[np.float64]
 
-_MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 48)
+_MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
 _MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...]], tuple[Array, Array]] = BoundedCache(
-    "masses", 32
+    "masses", 128
 )
 _OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
 #: Gauss points on a tail, whose polynomials in ``d`` they integrate exactly.

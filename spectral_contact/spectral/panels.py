@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 LEAST_DEGREE = 2
 
 _FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_]] = BoundedCache(
-    "functions in use", 256
+    "functions in use", 1024
 )
 _DISTANCES: BoundedCache[LogPanels, Array] = BoundedCache("sampling points", 48)
 

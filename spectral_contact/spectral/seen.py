@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise, product, starmap
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.blocks import Block
@@ -75,23 +74,7 @@ class Seen:
         for k, one in self.blocks.items():
             yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
 
-    def gram(self, weights: Array) -> Iterable[PartProduct]:
-        """Yield, for pairs of parts, the sums over the nodes of the products of whole integrals."""
-        ends = np.cumsum([0, *(one.whole.shape[1] for one in self.blocks.values())]).tolist()
-        weighted, root = np.empty((len(weights), ends[-1])), np.sqrt(weights)[:, None]
-        columns = dict(zip(self.blocks, starmap(slice, pairwise(ends)), strict=True))
-        for k, one in self.blocks.items():
-            values = self.nodes.spread(one.whole) if one.sampled else one.whole
-            np.multiply(values, one.scale * root, out=weighted[:, columns[k]])
-        # of a matrix and its own transpose NumPy computes one triangle, in half the time
-        gram = weighted.T @ weighted
-        for k, j in product(self.blocks, repeat=2):
-            left, right = self.blocks[k].gathered, self.blocks[j].gathered
-            values = gram[columns[k], columns[j]]
-            values = values if left is None else left.T @ values
-            yield PartProduct(k, j, values if right is None else values @ right)
-
-    def _columns(self, *, whole: bool) -> tuple[dict[int, slice], list[Array]]:
+    def _columns(self, kind: DTypeLike, *, whole: bool) -> tuple[dict[int, slice], list[Array]]:
         """Return the integrals of all parts side by side, those at nodes and those at samples."""
         places: dict[int, slice] = {}
         parts: tuple[list[Array], list[Array]] = [], []
@@ -103,7 +86,7 @@ class Seen:
             parts[one.sampled].append(values)
         shapes = len(self.nodes.d), len(self.nodes.samples)
         return places, [
-            np.hstack(each) if len(each) > 1 else each[0] if each else np.zeros((rows, 0))
+            np.hstack(each or [np.zeros((rows, 0))]).astype(kind, copy=False)
             for each, rows in zip(parts, shapes, strict=True)
         ]
 
@@ -117,15 +100,16 @@ class Seen:
         other : Seen
             At the same nodes; by how much its integrals are more there, or `whole` ones.
         weights : ndarray, shape (nodes,)
+            In the precision of the sums.
         whole : bool
         own : ndarray, optional
             The sums of what is given at the nodes themselves, if they are known.
         """
-        rows, (direct, sampled) = self._columns(whole=True)
-        columns, (direct_other, sampled_other) = other._columns(whole=whole)
+        rows, (direct, sampled) = self._columns(weights.dtype, whole=True)
+        columns, (direct_other, sampled_other) = other._columns(weights.dtype, whole=whole)
         w = weights[:, None]
         if own is not None:
-            on_nodes = own
+            on_nodes = own.astype(weights.dtype, copy=False)
         elif other is self and whole:  # of one and its transpose NumPy computes one triangle
             root = np.sqrt(w) * direct
             on_nodes = root.T @ root

@@ -111,7 +111,7 @@ class Space(NodalSpace):
         gram = np.zeros((self.unknowns,) * 2)
         columns = self._order.columns
         for seen, own in zip(self._seen, np.split(self.measure, self._ends), strict=True):
-            for k, j, sums in seen.gram(own):
+            for k, j, sums in seen.products(seen, own, whole=True):
                 gram[columns[k], columns[j]] += sums
         return self._order.of(gram)
 

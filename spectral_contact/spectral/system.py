@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.blocks import Block, block, disk_gram
@@ -88,10 +88,10 @@ class OverRadius:
 
     def after(self, matrix: Array) -> Array:
         """Return the product of a matrix with this map, of which it may have the first rows."""
-        result = np.zeros((len(matrix), self.shape[1]))
+        result = np.zeros((len(matrix), self.shape[1]), matrix.dtype)
         for rows, columns, one in self._blocks:
             if rows.stop <= matrix.shape[1]:
-                result[:, columns] = matrix[:, rows] @ one
+                result[:, columns] = matrix[:, rows] @ one.astype(matrix.dtype, copy=False)
         return result
 
 
@@ -269,10 +269,10 @@ class System(Tangential):
         inner = np.zeros((len(target.sampling().offset), values.shape[1]))
         total = np.zeros_like(inner)
         for k, part in enumerate(self.parts):
-            seen = block(part.family, part.degrees, target, target.panels, -1)
+            seen = block(part.family, part.degrees, target, target.panels, -1, differences=False)
             if seen is not None:
                 inner += seen.whole @ seen.onto(pressure[k])
-            seen = block(part.shear, self._finer[k], target, target.panels, 1)
+            seen = block(part.shear, self._finer[k], target, target.panels, 1, differences=False)
             if seen is not None:
                 total -= seen.whole @ seen.onto(traction[k])
         root = np.sqrt(target.sampling().z)[:, None]
@@ -285,9 +285,9 @@ class System(Tangential):
                 tested[self.pressure[k]] += sums
         return tested
 
-    def matrix(self) -> Array:
+    def matrix(self, kind: DTypeLike = np.float64) -> Array:
         """Return the matrix of both equations; it is that of `residual` but for roundings."""
-        return self._with_masses(self._assembled() if self.radii else self._stuck_matrix())
+        return self._with_masses(self._assembled(kind) if self.radii else self._stuck_matrix())
 
     def _stuck_matrix(self) -> Array:
         """Return the matrix of full stick without masses: only kappa is not its form's."""
@@ -295,7 +295,7 @@ class System(Tangential):
 
         def unit() -> Array:
             own = [part.family.panels], [part.degrees], self.parameters._replace(kappa=1.0)
-            return System(self.radii, self.states, *own)._assembled()
+            return System(self.radii, self.states, *own)._assembled(np.float64)
 
         form = part.family.panels, part.shear.panels, part.degrees
         matrix = _STUCK.get(form, unit).copy()
@@ -303,15 +303,16 @@ class System(Tangential):
         matrix[both[1], both[0]] *= self.parameters.kappa
         return matrix
 
-    def _assembled(self) -> Array:
+    def _assembled(self, kind: DTypeLike) -> Array:
         """Return the matrix without masses."""
-        matrix = np.zeros((self.unknowns, self.unknowns))
+        matrix = np.zeros((self.unknowns, self.unknowns), kind)
         for i, part in enumerate(self.parts):
             f, kept = self._f[i], None
             if part.zone == 0 and self._plain[0]:
                 gram = disk_gram(part.family.panels, part.degrees, shear=False)
                 kept = part.family.boundary.value * gram
-            for k, j, product in f.products(f, self._weights[i], whole=True, own=kept):
+            weights = self._weights[i].astype(kind)
+            for k, j, product in f.products(f, weights, whole=True, own=kept):
                 matrix[self.pressure[k], self.pressure[j]] += product
             if not self._plain[0]:
                 self._add_driving(matrix, i)
@@ -351,7 +352,7 @@ class System(Tangential):
         """Add what the traction does to the normal equation at the nodes of a part."""
         f, swept, t, weights = self._f[i], self._i[i], self._t[i], self._weights[i]
         coupling = 2.0 * self.parameters.kappa
-        for k, j, product in f.products(swept, weights * t):
+        for k, j, product in f.products(swept, (weights * t).astype(matrix.dtype)):
             self._add(matrix[self.pressure[k]], coupling * product, j)
         # t I(t) is t/b times its value at the boundary, and more
         for k, sums in f.tested(coupling * np.column_stack([weights * t, weights])):
@@ -365,7 +366,8 @@ class System(Tangential):
         """Add what the pressure does to the tangential equation at the nodes of a part."""
         stuck, inner = self._stuck(i), self._j[i]
         t, weights, kappa = self._t[i], self._shear_tests[i], self.parameters.kappa
-        for k, j, product in stuck.products(inner, weights * (2.0 * kappa / t)):
+        driven = (weights * (2.0 * kappa / t)).astype(matrix.dtype)
+        for k, j, product in stuck.products(inner, driven):
             matrix[self.shear[k], self.pressure[j]] -= product
         falls = weights * self._beyond[i] * 2.0 * kappa / (t * self.parts[i].family.boundary.value)
         for k, sums in stuck.tested(falls[:, None]):

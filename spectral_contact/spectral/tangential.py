@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.blocks import disk_gram
@@ -312,7 +312,7 @@ class Tangential(ABC):
         """Return by how much more `_driven_at` is at the nodes of a part."""
 
     @abstractmethod
-    def matrix(self) -> Array:
+    def matrix(self, kind: DTypeLike = np.float64) -> Array:
         """Return the matrix of the equations; it is that of `residual` but for roundings."""
 
     @abstractmethod
@@ -367,14 +367,13 @@ class Tangential(ABC):
     def _add_tangential(self, matrix: Array) -> None:
         """Add what the traction does to the tangential equation."""
         for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
-            stuck, weights = self._stuck(i), self._shear_tests[i]
+            stuck, weights = self._stuck(i), self._shear_tests[i].astype(matrix.dtype)
             kept = None
             if part.zone == 0 and self._plain[1]:
                 gram = disk_gram(part.shear.panels, part.degrees, shear=True)
                 kept = part.family.boundary.value**3 * gram
-            for k, j, product in stuck.products(
-                self._g[i], weights, whole=self._plain[1], own=kept
-            ):
+            pairs = stuck.products(self._g[i], weights, whole=self._plain[1], own=kept)
+            for k, j, product in pairs:
                 self._add(matrix[self.shear[k]], product, j)
             if self._plain[1] and part.boundary >= 0:
                 at_boundary = self.balances[1][part.boundary]

@@ -11,7 +11,7 @@ from spectral_contact.contact import zone_search
 from spectral_contact.contact.coupled_stick import solve_coupled_stick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.slip_outcome import zones_outcome
-from spectral_contact.contact.zone_problem import find_zones, solve_zones
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
 from spectral_contact.spectral.parameters import Parameters
 
 PARAMETERS = Parameters(0.3, 0.2, 0.25, 0.15)
@@ -80,7 +80,7 @@ def stick(most):
 
 @functools.cache
 def zones(most, tolerance=1e-10):
-    layout = find_zones(PARAMETERS, Layout((0.5,), (0, 1)))
+    layout = FreeBoundaryProblem(PARAMETERS, Layout((0.5,), (0, 1)), 1e-3).layout
     return solve_zones(PARAMETERS, layout, tolerance, most)
 
 
