@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.friction_law import DISTANCES
-from spectral_contact.contact.resolution import DEEPEST, series_of
+from spectral_contact.contact.resolution import DEEPEST, PROBE, series_of
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import ZoneState
@@ -29,8 +29,6 @@ Array = NDArray[np.float64]
 _PAST = 8.0
 #: Half the width, as a logit, of what a radius is told apart by.
 _NEAR = 0.02
-#: A small space does not tell a smaller violation of the friction law.
-_UNSEEN = 1e-2
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +52,7 @@ class PossibleRadius:
     @property
     def possible(self) -> bool:
         """Whether it may be a contact; the sense of its slip is not looked at."""
-        return self.positive and self.excess <= _UNSEEN
+        return self.positive and self.excess <= PROBE  # no smaller one is told
 
 
 def stick_radii(
