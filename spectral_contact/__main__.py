@@ -1,7 +1,407 @@
-"""Run the command line: ``python -m spectral_contact``."""
+"""The command line: ``spectral-contact solve``, ``inside``, ``sweep``, ``explore`` ...
 
+Also ``python -m spectral_contact``.
+
+Exit status: 0 if it is done; 1 if the tolerance was not met; 2 for a bad option, value, file or
+missing dependency; 130 when interrupted, 143 when terminated. Whatever fails is said in one line
+on stderr.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
 import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
 
-from spectral_contact.cli.commands import main
+from spectral_contact.cli import benchmark as cli_benchmark
+from spectral_contact.cli import explore as cli_explore
+from spectral_contact.cli import inside as cli_inside
+from spectral_contact.cli import scene as cli_scene
+from spectral_contact.cli import study as cli_study
+from spectral_contact.cli import sweep as cli_sweep
+from spectral_contact.cli.options import UsageError, joined, number, whole
+from spectral_contact.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
+from spectral_contact.errors import (
+    ConvergenceError,
+    NotComputedError,
+    SceneError,
+    SolutionFileError,
+    SpectralContactError,
+)
+from spectral_contact.inputs.choices import suggestion
+from spectral_contact.paper.figures import FIGURES
+from spectral_contact.paper.run import reproduce
+from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
+from spectral_contact.solution import GROWTH, QUANTITIES, Plan, Solution, StepState
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.solver import solve
+from spectral_contact.threads import one_thread
+from spectral_contact.view import plotting
+from spectral_contact.view.report import FIELDS, report, write_csv
 
-sys.exit(main())
+__all__ = ["main"]
+
+_OUTPUTS = (".json", ".csv", ".npz")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments without the program's name; by default those of the process.
+
+    Returns
+    -------
+    int
+        The exit status, see the module's description.
+    """
+    return guarded(lambda: _run(sys.argv[1:] if argv is None else argv))
+
+
+def _run(argv: Sequence[str]) -> int:
+    """Do what the arguments ask for, and return the exit status of it."""
+    try:
+        arguments = _parser().parse_args(joined(argv))
+        with one_thread():
+            arguments.run(arguments)
+    except SystemExit as stop:  # argparse, after --help and --version
+        return int(stop.code or 0)
+    except ConvergenceError as error:
+        hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
+        return failed(f"{error}{hint}", 1)
+    except SceneError as error:
+        return failed(cli_scene.in_options(error, in_si_units(arguments)), 2)
+    except SpectralContactError as error:
+        return failed(str(error), 2)
+    return 0
+
+
+# --- options --------------------------------------------------------------------------------------
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose complaint is one line, and suggests an option for one that is unknown."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            known = [name for action in self._actions for name in action.option_strings]
+            meant = suggestion(unknown[0].partition("=")[0], known)
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{meant}")
+        return found, unknown
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message} (see {self.prog} --help)")
+
+
+def _parser() -> _Parser:
+    parser = _Parser(
+        prog=PROGRAM,
+        description="Contact of a rigid flat punch with a rough elastic half-space.",
+        allow_abbrev=False,
+    )
+    version = f"{PROGRAM} {VERSION}"
+    parser.add_argument("--version", action="version", version=version)
+    commands = parser.add_subparsers(dest="command", metavar="command", required=True)
+    command = commands.add_parser(
+        "solve",
+        help="solve one scene",
+        description="Solve one scene; print quantities, error estimates, zones, plan and work.",
+        epilog="Exit status: 0 solved, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
+        allow_abbrev=False,
+    )
+    add_any_scene(command)
+    _add_request(command)
+    command.set_defaults(run=_solve)
+    _add_inside(commands)
+    _add_paper(commands)
+    _add_studies(commands)
+    _add_sweep(commands)
+    _add_benchmarks(commands)
+    _add_explore(commands)
+    return parser
+
+
+def _add_request(command: _Parser) -> None:
+    group = command.add_argument_group("request")
+    group.add_argument(
+        "--rtol",
+        type=number,
+        default=1e-10,
+        help="bound on relative errors, 1e-13 to 1e-2 (default: %(default)s)",
+    )
+    group.add_argument(
+        "--quantities",
+        type=lambda text: tuple(name.strip() for name in text.split(",")),
+        metavar="A,B,...",
+        help=f"what to compute (default: all): {', '.join(QUANTITIES)}",
+    )
+    group.add_argument(
+        "--max-unknowns",
+        type=whole,
+        metavar="N",
+        default=20_000,
+        help="most unknowns of one linear system (default: %(default)s)",
+    )
+    group.add_argument(
+        "--no-strict",
+        action="store_true",
+        help="if the tolerance cannot be met, print what was reached and exit with 0",
+    )
+    group.add_argument(
+        "--output",
+        metavar="FILE",
+        help="store the solution: .json or .npz whole and exact, .csv a table of the fields",
+    )
+    group.add_argument(
+        "--plot",
+        metavar="FILE",
+        help=f"plot the solution: {', '.join(plotting.FORMATS)} (needs the extra: plot)",
+    )
+    group.add_argument(
+        "--history",
+        metavar="FILE",
+        help="how a contact with friction has grown: .csv, a row for each contact radius",
+    )
+
+
+def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "inside",
+        help="stress and displacement inside the body",
+        description="Solve one scene; print the largest stresses and the energies, store and plot "
+        "stress and displacement below the surface.",
+        epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
+        allow_abbrev=False,
+    )
+    add_any_scene(command)
+    cli_inside.add_options(command)
+    command.set_defaults(run=_inside)
+
+
+def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "paper",
+        help="reproduce the figures of the paper",
+        description="Recompute Figures 2 to 6 of the paper, the figure that it lacks (where slip "
+        "starts, and the true critical friction) and what it says in numbers. Each figure becomes "
+        "a table (.csv) and a picture (.png). A run that was stopped goes on where it was.",
+        epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
+        allow_abbrev=False,
+    )
+    command.add_argument("--output", metavar="FOLDER", required=True, help="made if need be")
+    command.add_argument(
+        "--figures",
+        nargs="+",
+        choices=FIGURES,
+        default=FIGURES,
+        metavar="NAME",
+        help=f"which figures (default: all): {', '.join(FIGURES)}",
+    )
+    command.add_argument(
+        "--rtol",
+        type=number,
+        default=1e-9,
+        help="bound on relative errors of every solve, 1e-12 to 1e-2 (default: %(default)s)",
+    )
+    command.add_argument(
+        "--no-pictures", action="store_true", help="tables only (pictures need the extra: plot)"
+    )
+    command.set_defaults(run=_paper)
+
+
+def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
+    study = commands.add_parser(
+        "study",
+        help="measure the errors and times of solvers",
+        description="Measure errors against solutions to many digits, and times.",
+        allow_abbrev=False,
+    )
+    resumed = " A run that was stopped goes on from its --store."
+    for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth,"):
+        cli_scene.add_scene(command)
+        cli_study.add_options(command, kind)
+        command.set_defaults(run=_study)
+
+
+def _kinds(
+    parent: _Parser, kinds: Mapping[str, str], more: str = "", status: str = ""
+) -> Iterator[tuple[str, _Parser]]:
+    """Add the kinds of a command, and yield each with its parser."""
+    parsers = parent.add_subparsers(dest="kind", metavar="kind", required=True)
+    for kind, about in kinds.items():
+        yield (
+            kind,
+            parsers.add_parser(
+                kind,
+                help=about,
+                description=f"{about.capitalize()}.{more}",
+                epilog=f"Exit status: 0 done,{status} 2 bad input or file, 130 interrupted.",
+                allow_abbrev=False,
+            ),
+        )
+
+
+def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "sweep",
+        help="solve a grid of scenes",
+        description="Solve every combination of parameters. Each takes a number, several "
+        "(0.1,0.2), or a range LOW:HIGH:COUNT, with :log at its end in equal ratios. A run that "
+        "was stopped goes on from its --store.",
+        epilog="Exit status: 0 done, 2 bad input or file, 130 interrupted. Scenes that could not "
+        "be solved are counted; the files say which and why.",
+        allow_abbrev=False,
+    )
+    cli_sweep.add_options(command)
+    command.set_defaults(run=_sweep)
+
+
+def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
+    benchmark = commands.add_parser(
+        "benchmark",
+        help="problems to test other codes against",
+        description="Ten problems with numbers and fields to test other codes against.",
+        allow_abbrev=False,
+    )
+    for kind, command in _kinds(benchmark, cli_benchmark.KINDS):
+        cli_benchmark.add_options(command, kind)
+        command.set_defaults(run=lambda arguments: print(cli_benchmark.run(arguments)))
+
+
+def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "explore",
+        help="look at scenes while they are moved, in a browser",
+        description="Serve a page with sliders on this machine alone, until Ctrl-C (needs the "
+        "extra: explore). The scene is the one to begin with.",
+        epilog="Exit status: 0 ended by Ctrl-C, 2 bad input or no free port.",
+        allow_abbrev=False,
+    )
+    add_any_scene(command)
+    cli_explore.add_options(command)
+    command.set_defaults(
+        run=lambda arguments: cli_explore.run(
+            arguments, any_scene(arguments), lambda address: print(address, flush=True)
+        )
+    )
+
+
+# --- from options to a solution -------------------------------------------------------------------
+
+
+def _solve(arguments: argparse.Namespace) -> None:
+    """Check everything that can be checked, solve, write the files and print the report."""
+    shaped, scene = profile_given(arguments), any_scene(arguments)
+    quantities = arguments.quantities
+    if quantities is not None and "approach" in vars(arguments) and not shaped:
+        quantities = ("approach", *quantities)  # SI values hang on the load, hence on it
+    _check_files(arguments, plan(scene, quantities))
+    solution = solve(
+        scene,
+        arguments.rtol,
+        quantities,
+        max_unknowns=arguments.max_unknowns,
+        strict=not arguments.no_strict,
+    )
+    try:
+        _write(solution, arguments)
+    finally:  # a full disk must not cost the user the result
+        print(report(solution, [] if shaped else cli_scene.defaults(arguments)))
+
+
+def _inside(arguments: argparse.Namespace) -> None:
+    """Solve, write the files and print the largest stresses and the energies."""
+    _check_paths(arguments, cli_inside.OUTPUTS)
+    print(cli_inside.run(arguments))
+
+
+def _paper(arguments: argparse.Namespace) -> None:
+    """Reproduce the paper's figures and print what was written."""
+    made = reproduce(
+        arguments.output,
+        arguments.figures,
+        rtol=arguments.rtol,
+        pictures=not arguments.no_pictures,
+    )
+    print(made)
+
+
+def _study(arguments: argparse.Namespace) -> None:
+    """Run a study, write the files and print the tables."""
+    _check_paths(arguments, cli_study.OUTPUTS)
+    study = cli_study.run(arguments, cli_scene.scene(arguments))
+    try:
+        cli_study.write(study, arguments)
+    finally:
+        print(study)
+
+
+def _sweep(arguments: argparse.Namespace) -> None:
+    """Solve the grid, write the files and print what came of it."""
+    _check_paths(arguments, cli_sweep.OUTPUTS)
+    found = cli_sweep.run(arguments)
+    try:
+        cli_sweep.write(found, arguments)
+    finally:
+        print(cli_sweep.summary(found))
+
+
+def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:
+    """Refuse, before the work, files that could not be written after it."""
+    _check_paths(arguments, _OUTPUTS)
+    if _is_csv(arguments.output) and not set(FIELDS).intersection(todo.quantities):
+        raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
+    if arguments.plot is not None:
+        plotting.check(todo)
+    if arguments.history is not None:
+        _check_path(Path(arguments.history), (".csv",))
+        if not any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps):
+            raise NotComputedError("history", "it takes a profile, friction, and what they make")
+
+
+def _check_paths(arguments: argparse.Namespace, outputs: Iterable[str]) -> None:
+    for path, suffixes in ((arguments.output, outputs), (arguments.plot, plotting.FORMATS)):
+        if path is not None:
+            _check_path(Path(path), suffixes)
+
+
+def _is_csv(path: str | None) -> bool:
+    return path is not None and Path(path).suffix.lower() == ".csv"
+
+
+def _check_path(path: Path, suffixes: Iterable[str]) -> None:
+    if path.suffix.lower() not in suffixes:
+        raise SolutionFileError(str(path), f"the suffix must be one of {', '.join(suffixes)}")
+    try:
+        if path.is_dir():
+            raise SolutionFileError(str(path), "is a directory")
+        if not path.parent.is_dir():
+            raise SolutionFileError(str(path), "its directory does not exist")
+        # it is replaced by a file made beside it
+        needed = [Path(os.path.realpath(path)).parent, *([path] if path.exists() else [])]
+        if not all(os.access(one, os.W_OK) for one in needed):
+            raise SolutionFileError(str(path), "cannot be written: permission denied")
+    except OSError as error:  # a name too long, or a directory that may not be searched
+        reason = f"cannot be written: {error.strerror or error}"
+        raise SolutionFileError(str(path), reason) from error
+
+
+def _write(solution: Solution, arguments: argparse.Namespace) -> None:
+    if _is_csv(arguments.output):
+        write_csv(solution, arguments.output)
+    elif arguments.output is not None:
+        solution.save(arguments.output)
+    if arguments.plot is not None:
+        plotting.save(plotting.plot_solution(solution), arguments.plot)
+    if arguments.history is not None:
+        solution.history.to_csv(arguments.history)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -32,7 +32,6 @@ CAME_WITH = {
         "contact.indented",
         "contact.on_parts",
         "contact.smooth_indented",
-        "spectral.parted",
     ),
     "layers": (
         "contact.layered",
@@ -57,9 +56,9 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core, flat punches", 9_982, 6_500),
-    Gate("lines of the core with all else", 13_323, 6_500),
-    Gate("lines in all", 49_492, 23_000),
+    Gate("lines of the core, flat punches", 9_803, 6_500),
+    Gate("lines of the core with all else", 12_899, 6_500),
+    Gate("lines in all", 49_066, 23_000),
     Gate("float literals of the core, flat punches", 79, 90),
     Gate("float literals of the core with all else", 135, 90),
     Gate("functions above 15", 0, 0),
@@ -68,7 +67,7 @@ GATES = (
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 21, 12),
+    Gate("longest chain of imports", 14, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

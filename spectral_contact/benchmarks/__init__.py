@@ -6,13 +6,4 @@ them, a page each. Nothing here knows the solver: the folder can be copied into 
 
 from .loader import VERSION, Benchmark, CheckNumber, Recipe, Stiffness, export, load, names
 
-__all__ = [
-    "VERSION",
-    "Benchmark",
-    "CheckNumber",
-    "Recipe",
-    "Stiffness",
-    "export",
-    "load",
-    "names",
-]
+__all__ = ["VERSION", "Benchmark", "CheckNumber", "Recipe", "Stiffness", "export", "load", "names"]

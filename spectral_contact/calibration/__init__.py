@@ -6,13 +6,12 @@ forces and depths under a profile (`IndentationData`), which tells the modulus, 
 of a nonlinear layer's law. `compare_laws` says which of several laws such a curve speaks for.
 """
 
-from spectral_contact.calibration.estimate import fit
+from spectral_contact.calibration.estimate import LawComparison, compare_laws, fit
 from spectral_contact.calibration.indentation import (
     INDENTATION_PARAMETERS,
     IndentationData,
     IndentationFit,
 )
-from spectral_contact.calibration.laws import LawComparison, compare_laws
 from spectral_contact.calibration.measurements import ApproachData, PressureData, StickRadiusData
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit
 from spectral_contact.calibration.setting import PARAMETERS

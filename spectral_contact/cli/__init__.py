@@ -1,5 +1,3 @@
-"""The command line: `main` and its commands."""
+"""Options of the command line and what its subcommands do; the program is ``__main__``."""
 
-from spectral_contact.cli.commands import main
-
-__all__ = ["main"]
+__all__: list[str] = []

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from spectral_contact.cli.options import number, whole
 from spectral_contact.scene import Scene
-from spectral_contact.view.explorer import serve
+from spectral_contact.view.explorer.page import serve
 
 __all__ = ["add_options", "run"]
 

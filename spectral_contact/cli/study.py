@@ -10,15 +10,10 @@ from typing import Any, Final
 from spectral_contact.cli.options import resolution
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
-from spectral_contact.studies import (
-    QUANTITIES,
-    OwnSolver,
-    Stopwatch,
-    Study,
-    convergence,
-    named_solver,
-    work_precision,
-)
+from spectral_contact.studies.results import QUANTITIES, Study
+from spectral_contact.studies.solvers import OwnSolver, named_solver
+from spectral_contact.studies.study import convergence, work_precision
+from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
 
 __all__ = ["KINDS", "OUTPUTS", "add_options", "run", "write"]

@@ -28,8 +28,9 @@ from spectral_contact.contact.resolution import (
     starting_resolution,
 )
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight
-from spectral_contact.spectral.galerkin import disk_operators
+from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["solve_full_stick"]
 
@@ -59,10 +60,9 @@ class _StickProblem:
 
     def attempt(self, resolution: Resolution) -> Attempt[FullStick]:
         panels, compliance = resolution.panels, self.compliance
-        disk = disk_operators(panels)
-        space = disk.tangential.space(resolution.degrees)
+        space = unit_space(panels, resolution.degrees, shear=True)
         # not interpolated: its rounding, the same over a panel, would show in q/s at the centre
-        target = self.drive.target(disk.nodes.d)
+        target = self.drive.target(space.y)
         factored = space.factor(compliance)
         solution = factored.solve(target)
         change = factored.change(solution)
@@ -75,8 +75,9 @@ class _StickProblem:
         moved, swayed = np.zeros_like(solution), np.zeros(1)
         moments = space.shear_moments
         if self.drive.changes:
-            lacking = Drive.targets(self.drive.changes, disk.samples.distances).T
-            both = factored.solve(disk.samples.interpolate(lacking), correct=False)
+            nodes = graded_nodes(panels, resolution.degrees)
+            lacking = Drive.targets(self.drive.changes, nodes.samples).T
+            both = factored.solve(nodes.spread(lacking), correct=False)
             moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both
         size = series.at_ends()
         shares = expected_error(share_of_change(panels, change.coefficients, size), rates)
@@ -172,6 +173,6 @@ def solve_full_stick(
 
 def _smooth_shear(drive: Drive) -> float:
     """Return ``2 pi int t R dt``: at zero tangential compliance the half-integral is R itself."""
-    disk = disk_operators(starting_resolution(0.0, float(np.finfo(float).eps)).panels)
-    t = np.sqrt(disk.nodes.rest)
-    return 2.0 * pi * float((disk.nodes.weights * t) @ drive.target(disk.nodes.d))
+    space = starting_resolution(0.0, float(np.finfo(float).eps))
+    nodes = graded_nodes(space.panels, space.degrees)
+    return pi * float(nodes.weights @ drive.target(nodes.d))

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import inf, log, pi
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +29,8 @@ from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution, Used
-from spectral_contact.spectral.parted import PressureSpace, pressure_space
 from spectral_contact.spectral.regularised import Change, Regularised
+from spectral_contact.spectral.spaces import Space, disk_space
 
 __all__ = ["glance", "solve_indentation"]
 
@@ -72,7 +71,7 @@ class _TwoPressures:
         Pressure of the flat punch at the edge.
     """
 
-    factored: Regularised[Any]
+    factored: Regularised
     flat: Array
     whole: Array
     flat_half: Array
@@ -119,10 +118,10 @@ class _IndentationProblem(PartedProblem):
     def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
         """Solve in a space."""
         used = self.used(resolution)
-        space = pressure_space(self.parts, used)
+        space = disk_space(self.parts, used)
         return self._judged(space, used, self._solve(space, used[-1][0]))
 
-    def _solve(self, space: PressureSpace, edge: LogPanels) -> _TwoPressures:
+    def _solve(self, space: Space, edge: LogPanels) -> _TwoPressures:
         bracket = self.profile._bracket(self.radius, space.t, space.y, space.past)
         factored = space.factor(self.compliance)
         own = factored.solve(bracket)
@@ -136,12 +135,10 @@ class _IndentationProblem(PartedProblem):
     def glance(self, max_unknowns: int) -> Indentation:
         """Return the contact in the first space, whatever its errors are: they are 0."""
         used = self.used(fitted(self.start(), max_unknowns))
-        space = pressure_space(self.parts, used)
+        space = disk_space(self.parts, used)
         return self._contact(space, used, self._solve(space, used[-1][0]))
 
-    def _contact(
-        self, space: PressureSpace, used: tuple[Used, ...], solved: _TwoPressures
-    ) -> Indentation:
+    def _contact(self, space: Space, used: tuple[Used, ...], solved: _TwoPressures) -> Indentation:
         """Return the contact without its errors."""
         a, weights = self.radius, space.weights
         series = series_on_parts(used, solved.whole)
@@ -162,7 +159,7 @@ class _IndentationProblem(PartedProblem):
         return float(self.profile._transform(np.asarray(self.radius))) / (2.0 * self.radius)
 
     def _judged(
-        self, space: PressureSpace, used: tuple[Used, ...], solved: _TwoPressures
+        self, space: Space, used: tuple[Used, ...], solved: _TwoPressures
     ) -> Attempt[Indentation]:
         """Return the contact with its errors."""
         a, found = self.radius, self._contact(space, used, solved)

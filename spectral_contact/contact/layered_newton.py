@@ -157,7 +157,7 @@ class LayeredNewton:
 
     def __init__(self, setting: LayeredSetting, form: Form) -> None:
         self.setting, self.form, space = setting, form, form.space
-        self.functions = space.functions
+        self.functions = space
         self.sampling = form.sampling
         self._rows = np.zeros((len(self.functions.index), self.sampling.size))
         self._rows[:, self.functions.index] = self.functions.gram

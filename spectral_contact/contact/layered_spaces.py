@@ -8,17 +8,21 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.on_parts import edge_value, pointwise_errors, series_on_parts
-from spectral_contact.contact.resolution import expected_error, series_of, table_rates
+from spectral_contact.contact.resolution import (
+    NormalContact,
+    expected_error,
+    series_of,
+    table_rates,
+)
 from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
 from spectral_contact.spectral.panels import Used
-from spectral_contact.spectral.parted import PressureSpace, pressure_space
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
-from spectral_contact.spectral.regularised import Change
+from spectral_contact.spectral.regularised import Change, NodalSpace
+from spectral_contact.spectral.spaces import disk_space
 
 __all__ = ["CellForm", "Form", "PanelForm"]
 
@@ -31,7 +35,7 @@ class Form(Protocol):
 
     Attributes
     ----------
-    space : PressureSpace
+    space : Space
     sampling : Sampling
     z : ndarray
         ``s**2`` at the sampling points.
@@ -41,7 +45,7 @@ class Form(Protocol):
         How many panels are of the piece at the centre.
     """
 
-    space: PressureSpace
+    space: NodalSpace
     sampling: Sampling
     z: Array
     tail_extent: float
@@ -86,7 +90,7 @@ class PanelForm:
 
     def __init__(self, parts: Parts, used: tuple[Used, ...]) -> None:
         self._parts, self._used = parts, used
-        self.space: PressureSpace = pressure_space(parts, used)
+        self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
         self.z: Array = np.concatenate(
@@ -131,7 +135,7 @@ class PanelForm:
             By what factor one more degree lowers the change.
         """
         [(panels, _)] = self._used
-        functions = self.space.functions
+        functions = self.space
         last = np.zeros_like(pressure)
         last[functions.index[functions.kept_but_one :]] = 1.0
         whole, moved, lesser = (
@@ -179,7 +183,7 @@ class CellForm:
 
     def __init__(self, cells: DiskCells, degrees: tuple[int, ...]) -> None:
         self._cells, self._degrees = cells, degrees
-        self.space: PressureSpace = cell_space(cells, degrees)
+        self.space: NodalSpace = cell_space(cells, degrees)
         self.sampling = Sampling(polynomials=degrees)
         self.z: Array = cells.from_centre(self.sampling.places())
         self.tail_extent, self.central = cells.lengths[-1], 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
@@ -13,6 +12,7 @@ from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
     ROUNDING,
+    NormalContact,
     decay_rates,
     expected_error,
     load_vector,
@@ -21,8 +21,8 @@ from spectral_contact.contact.resolution import (
     starting_resolution,
 )
 from spectral_contact.fields.series import EdgeWeight, PressureField
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "by_compliance", "solve_normal"]
 
@@ -32,46 +32,6 @@ Array = NDArray[np.float64]
 SMALL_COMPLIANCE = 1e-2
 #: With ``1/sqrt(y + WEIGHT_SHIFT * c)`` the weight alone has the right edge value as c -> 0.
 WEIGHT_SHIFT = 4 / pi
-
-
-@dataclass(frozen=True, slots=True)
-class NormalContact:
-    """Solution of the normal problem for unit load.
-
-    Attributes
-    ----------
-    compliance : float
-        ``alpha*``.
-    approach : float
-        ``delta*``.
-    pressure : PressureField
-        ``p*``.
-    panels : LogPanels or None
-        Where the series lives; None on a smooth surface, which needs none.
-    coefficients : ndarray
-        Its coefficients, for the transforms of the tangential problem.
-    approach_error, pressure_error : float
-        Estimates of the relative errors; of the pressure, pointwise.
-    change : NormalContact or None
-        What the top two degrees of every panel contribute, as a contact of its own: everything
-        tangential is linear in the pressure, so this shows how its error propagates.
-    lesser : NormalContact or None
-        The same of the top degree alone: where signs make the first small by accident, they do
-        not make this one.
-    rate : float
-        By what factor one more degree lowers the change.
-    """
-
-    compliance: float
-    approach: float
-    pressure: PressureField
-    panels: LogPanels | None
-    coefficients: Array
-    approach_error: float
-    pressure_error: float
-    change: NormalContact | None = None
-    lesser: NormalContact | None = None
-    rate: float = 0.0
 
 
 class _NormalProblem:
@@ -92,13 +52,12 @@ class _NormalProblem:
 
     def attempt(self, resolution: Resolution) -> Attempt[NormalContact]:
         panels, compliance, weight = resolution.panels, self.compliance, self.weight
-        disk = disk_operators(panels)
-        space = disk.normal.space(resolution.degrees)
+        space = unit_space(panels, resolution.degrees)
         if weight is None:
             target: Array | float = 2.0
             load, known = None, 0.0
         else:
-            target = weight.deficit(disk.nodes.d)
+            target = weight.deficit(space.y)
             load = load_vector(panels, lambda d: 0.5 * weight(d))
             known = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
         factored = space.factor(compliance)
@@ -186,7 +145,7 @@ def by_compliance(solved: Refinement[NormalContact]) -> NormalContact:
     For unit approach ``(alpha + N) dp/dalpha = -p``.
     """
     contact, panels = solved.best.value, solved.resolution.panels
-    space = disk_operators(panels).normal.space(solved.resolution.degrees)
+    space = unit_space(panels, solved.resolution.degrees)
     known, weight = np.zeros(panels.size), contact.pressure.weight
     known[space.index] = space.mass @ contact.coefficients[space.index]
     if weight is not None:

@@ -58,9 +58,10 @@ from spectral_contact.contact.stick_radius import (
     slope_at,
 )
 from spectral_contact.fields.series import EDGE, DiskSeries, Radius
-from spectral_contact.spectral.galerkin import Factored, disk_operators
+from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import Resolution
-from spectral_contact.spectral.regularised import HARMLESS
+from spectral_contact.spectral.regularised import HARMLESS, Regularised
+from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["OneDisk", "OneDiskProblem", "solve_one_disk"]
 
@@ -100,7 +101,7 @@ class _Trial:
     mismatch: float
     coefficients: Array
     response: Array | None
-    factored: Factored
+    factored: Regularised
     target: Array
     unit: float
     unresolved: float
@@ -213,10 +214,10 @@ class OneDiskProblem:
         space = self._resolution(self.logit, self.tolerance)
         return on_mesh(space, self.drive.contact.panels)
 
-    def factored(self, resolution: Resolution, radius: Radius) -> Factored:
+    def factored(self, resolution: Resolution, radius: Radius) -> Regularised:
         """Return the equation of a disk in a space, factored."""
-        disk = disk_operators(resolution.panels)
-        return disk.tangential.space(resolution.degrees).factor(self.beta / radius.value)
+        space = unit_space(resolution.panels, resolution.degrees, shear=True)
+        return space.factor(self.beta / radius.value)
 
     def _trial(self, resolution: Resolution, logit: float, tolerance: float) -> _Trial:
         """Solve the disk of the given radius; the mismatch of the rim value decides."""
@@ -229,7 +230,7 @@ class OneDiskProblem:
         drives: list[Drive],
         resolution: Resolution,
         radius: Radius,
-        factored: Factored,
+        factored: Regularised,
         tolerance: float,
         friction: float | Array,
     ) -> list[_Trial]:
@@ -239,12 +240,12 @@ class OneDiskProblem:
         """
         panels, correct = resolution.panels, tolerance < ROUGH
         pressures = [drive.pressure for drive in drives]
-        samples = factored.space.operator.disk.samples
-        nearest = radius.square * float(samples.distances[-1])
-        source = SlipSource(pressures, radius, self.alpha, tolerance, nearest, samples=samples)
+        nodes = graded_nodes(panels, resolution.degrees)
+        nearest = radius.square * float(nodes.samples[-1])
+        source = SlipSource(pressures, radius, self.alpha, tolerance, nearest, nodes=nodes)
         keep = self.beta > 0.0
-        balance, sampled = rim_target(drives, radius, friction, source, samples, keep=keep)
-        values, unresolved = samples.interpolate(sampled), samples.unresolved(sampled)
+        balance, sampled = rim_target(drives, radius, friction, source, nodes.samples, keep=keep)
+        values, unresolved = nodes.spread(sampled), nodes.unresolved(sampled)
         rim, unit, slipping, response = -balance, 0.0, friction * source.at_rim, None
         solved = factored.solve(values, correct=correct)
         if self.beta > 0.0:
@@ -353,8 +354,8 @@ class OneDiskProblem:
         shift += 2.0 * CLOSED_FORM_ROUNDING * at_rim + trial.unresolved
         shift = float(shift / abs(self.slope) + np.finfo(float).eps * abs(radius.logit))
         misfit = trial.target - space.half_integral(coefficients)
-        disk = space.operator.disk
-        lost_misfit = Stuck.disk(radius, disk, space.half_integral(change))
+        nodes = graded_nodes(panels, resolution.degrees)
+        lost_misfit = Stuck.disk(radius, nodes, space.half_integral(change))
         stray += SAFETY * own * largest_displacement([lost_misfit], radius, EDGE)
         radius_error, edge_error = boundary_error(shift, radius)
         value = OneDisk(
@@ -362,7 +363,7 @@ class OneDiskProblem:
             states=(0, 1),
             approach=normal.approach,
             total_shear=shear,
-            stuck=[Stuck.disk(radius, disk, misfit)],
+            stuck=[Stuck.disk(radius, nodes, misfit)],
             approach_error=normal.approach_error,
             shear_error=lost / shear + 2.0 * shift**2 * radius.rest + FIELD_ROUNDING,
             pressure_error=normal.pressure_error,

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil, inf, log
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.fields.series import LogSeries, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import TAIL_TERMS, legendre_projection_matrix
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
-    from spectral_contact.spectral.galerkin import Change, Factored
+    from spectral_contact.spectral.regularised import Change, Regularised
 
 __all__ = [
     "CENTRE_ROUNDS",
@@ -34,6 +34,7 @@ __all__ = [
     "TINY",
     "TRACTION_ROUNDING",
     "TRIFLING",
+    "NormalContact",
     "boundary_error",
     "decay_rates",
     "expected_error",
@@ -106,6 +107,46 @@ _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], 
 )
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class NormalContact:
+    """Solution of the normal problem for unit load.
+
+    Attributes
+    ----------
+    compliance : float
+        ``alpha*``.
+    approach : float
+        ``delta*``.
+    pressure : PressureField
+        ``p*``.
+    panels : LogPanels or None
+        Where the series lives; None on a smooth surface, which needs none.
+    coefficients : ndarray
+        Its coefficients, for the transforms of the tangential problem.
+    approach_error, pressure_error : float
+        Estimates of the relative errors; of the pressure, pointwise.
+    change : NormalContact or None
+        What the top two degrees of every panel contribute, as a contact of its own: everything
+        tangential is linear in the pressure, so this shows how its error propagates.
+    lesser : NormalContact or None
+        The same of the top degree alone: where signs make the first small by accident, they do
+        not make this one.
+    rate : float
+        By what factor one more degree lowers the change.
+    """
+
+    compliance: float
+    approach: float
+    pressure: PressureField
+    panels: LogPanels | None
+    coefficients: Array
+    approach_error: float
+    pressure_error: float
+    change: NormalContact | None = None
+    lesser: NormalContact | None = None
+    rate: float = 0.0
 
 
 def starting_resolution(
@@ -264,7 +305,7 @@ def expected_error(change: Array, rates: Array) -> Array:
 
 
 def functional_error(
-    factored: Factored, functional: Array, change: Change, rates: Array, resolution: Resolution
+    factored: Regularised, functional: Array, change: Change, rates: Array, resolution: Resolution
 ) -> float:
     """Return the estimate of the error of a linear functional of a Galerkin solution.
 
@@ -273,7 +314,7 @@ def functional_error(
 
     Parameters
     ----------
-    factored : Factored
+    factored : Regularised
     functional : ndarray, shape (size,)
         Values of the functional on the basis.
     change : Change

@@ -18,7 +18,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import TRIFLING, starting_resolution
 from spectral_contact.fields.series import PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, Samples, root_sums
+from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels, Resolution
 
@@ -27,7 +27,7 @@ __all__ = ["RimRule", "SlipSource", "disk_resolution", "rim_target"]
 Array = NDArray[np.float64]
 
 _RULES: BoundedCache[tuple[int, int], RimRule] = BoundedCache("slip rules", 64)
-_GRIDS: BoundedCache[tuple[LogPanels, int], _Grid] = BoundedCache("slip at a rim", 24)
+_GRIDS: BoundedCache[tuple[LogPanels, int, int], _Grid] = BoundedCache("slip at a rim", 24)
 #: Width in ``-ln`` of the panels that are graded to an end: a unit takes 4.7 points, and 6 with 2.
 _WIDTH = 3.0
 
@@ -47,7 +47,7 @@ class SlipSource:
         Relative accuracy of the integrals.
     nearest : float
         The least ``inner**2 - t**2`` > 0 for which they are asked.
-    samples : Samples, optional
+    nodes : GradedNodes, optional
         Of the stick disk inside: what is near the rim is then summed with a
         matrix that is kept.
     """
@@ -59,7 +59,7 @@ class SlipSource:
         alpha: float,
         tolerance: float,
         nearest: float,
-        samples: Samples | None = None,
+        nodes: GradedNodes | None = None,
     ) -> None:
         width = inner.rest
         half = width / 2.0
@@ -69,8 +69,10 @@ class SlipSource:
         self._kernel: Array | None = None
         self._scale = inner.value
         grid = None
-        if samples is not None:
-            grid = _GRIDS.get((samples.panels, points), lambda: _Grid(samples, points))
+        if nodes is not None:
+            d = nodes.samples
+            # on the same panels as many samples are the same
+            grid = _GRIDS.get((nodes.panels, len(d), points), lambda: _Grid(d, points))
         if grid is not None and grid.reach < half / inner.square:
             near, near_weights, self._kernel = grid.from_rim(half / inner.square)
             offset, near_weights = inner.square * near, inner.square * near_weights
@@ -130,14 +132,13 @@ class _Grid:
 
     Parameters
     ----------
-    samples : Samples
-        Where the half-integrals are wanted.
+    d : ndarray
+        Where the half-integrals are wanted: distances, falling.
     points : int
         On a panel.
     """
 
-    def __init__(self, samples: Samples, points: int) -> None:
-        d = samples.distances
+    def __init__(self, d: Array, points: int) -> None:
         self._points = points
         self._panels = max(ceil(-log(float(d[-1])) / _WIDTH), 0)
         #: least extent of an annulus whose panels these are
@@ -220,7 +221,7 @@ def rim_target(
     radius: Radius,
     friction: float | Array,
     source: SlipSource,
-    samples: Samples,
+    d: Array,
     *,
     keep: bool,
 ) -> tuple[Array, Array]:
@@ -236,8 +237,8 @@ def rim_target(
         ``f / kappa``, one for all columns or one for each.
     source : SlipSource
         The slip zone outside, under the pressures of the drives.
-    samples : Samples
-        Of the disk.
+    d : ndarray
+        Distances of the samples of the disk, falling.
     keep : bool
         Whether the target includes the balance. It does not where the target must vanish at
         the rim, at zero compliance.
@@ -250,11 +251,11 @@ def rim_target(
         The targets. Near the rim they are built from differences that do not cancel; beyond, from
         the parts, whose noise falls with their size.
     """
-    demanded = Drive.targets_from(drives, radius, -radius.square, samples.distances)
+    demanded = Drive.targets_from(drives, radius, -radius.square, d)
     at_rim, far, near = (one.T for one in demanded)
     balance = at_rim - friction * source.at_rim
     at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
-    values, below = np.vstack([far - at_end, near + at_start]), radius.square * samples.distances
+    values, below = np.vstack([far - at_end, near + at_start]), radius.square * d
     split = len(far)
     values[:split] -= friction * source.half_integral(below[:split])
     values[split:] += friction * source.fall(below[split:])

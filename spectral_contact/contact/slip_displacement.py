@@ -35,8 +35,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.annulus import Annulus, transforms
 from spectral_contact.spectral.blocks import block
-from spectral_contact.spectral.galerkin import DiskOperators
-from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
+from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap, sampled_series
 
@@ -71,11 +70,11 @@ class Stuck:
     parts: tuple[tuple[Points, Array], ...]
 
     @classmethod
-    def disk(cls, rim: Radius, operators: DiskOperators, misfit: Array) -> Stuck:
+    def disk(cls, rim: Radius, nodes: GradedNodes, misfit: Array) -> Stuck:
         """Return a central disk, with E at its Galerkin nodes."""
-        nodes, samples = operators.nodes, operators.samples
-        weighted = samples.gather(rim.value**3 * nodes.weights * nodes.rest * misfit)
-        return cls(rim, ((Points(rim, -rim.square * samples.distances), weighted),))
+        weights = 0.5 * rim.value**3 * nodes.weights * np.sqrt(nodes.rest)
+        weighted = nodes.gathered((weights * misfit)[:, None])[:, 0]
+        return cls(rim, ((Points(rim, -rim.square * nodes.samples), weighted),))
 
 
 @dataclass(frozen=True, slots=True)

@@ -123,9 +123,9 @@ def bracketed_root(
     return middle, slope_at(function, middle)
 
 
-def slope_at(function: Callable[[float], float], x: float, beside: float = _BESIDE) -> float:
+def slope_at(function: Callable[[float], float], x: float) -> float:
     """Return the slope by a central difference."""
-    return (function(x + beside) - function(x - beside)) / (2.0 * beside)
+    return (function(x + _BESIDE) - function(x - _BESIDE)) / (2.0 * _BESIDE)
 
 
 def polished_root(
@@ -169,7 +169,8 @@ def _enclosed_root(
             raise NoStickDiskError(at_centre=value > 0.0)
         fresh = function(other)
     root = toms748(function, min(x, other), max(x, other), xtol=ROUNDING) if x != other else x
-    slope = slope_at(function, root, _SHORT)
+    # nearer by than that the difference may be rounding
+    slope = slope_at(function, root)
     if slope <= 0.0:
         raise NoStickDiskError(at_centre=root < 0.0)
     return root, slope

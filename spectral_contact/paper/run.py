@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from spectral_contact.inputs import checks, choices
-from spectral_contact.io.documents import path_text, replace_file, reported
-from spectral_contact.paper.figures import FIGURES, FigureData, PaperFigure, paper_figure
+from spectral_contact.io.documents import Refused, path_text, read_file, replace_file, reported
+from spectral_contact.paper.figures import FIGURES, paper_figure
 from spectral_contact.paper.pictures import check, draw
 from spectral_contact.paper.statements import Statement, statements, statements_table
-from spectral_contact.paper.tables import complete_csv
+from spectral_contact.paper.tables import FigureData, PaperFigure, complete_csv, whole_blocks
 from spectral_contact.view import plotting
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["Reproduced", "reproduce"]
+__all__ = ["Reproduced", "read_csv", "reproduce"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +128,38 @@ def _reproduced(
     files.append((path, f"{holding} of {len(found)} statements of the paper hold"))
     tell("")
     return Reproduced(tuple(made), found, tuple(files))
+
+
+def read_csv(path: str | os.PathLike[str], name: str, rtol: float = 1e-9) -> FigureData:
+    """Read the table of a figure that `reproduce` has written.
+
+    Parameters
+    ----------
+    path : str or path
+    name : str
+        Of the figure, out of ``FIGURES``.
+    rtol : float
+        The tolerance it was computed with.
+
+    Returns
+    -------
+    FigureData
+        Every number is the one that was computed.
+
+    Raises
+    ------
+    SceneError
+        For a name out of ``FIGURES``.
+    SolutionFileError
+        If the file cannot be read, is not whole, or is of another figure, version or tolerance.
+    """
+    figure, rtol = paper_figure(name), checks.tolerance(rtol)
+    source, content = read_file(path)
+    with reported(source, "cannot be read"):
+        blocks, _ = whole_blocks(content, figure, rtol)
+        if len(blocks) < len(figure.scenes):
+            raise Refused(f"is not the whole figure {name} of this version at rtol = {rtol!r}")
+    return FigureData(figure, rtol, np.concatenate(blocks))
 
 
 def _wanted(figures: Iterable[str]) -> list[PaperFigure]:

@@ -1,55 +1,170 @@
-"""Figures as CSV: exact numbers, a head that says whose they are, and going on where it stopped."""
+"""Figures as tables: what they show, their numbers, and both as CSV.
+
+Numbers are exact, and a head says whose they are; a table goes on where it stopped.
+"""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.inputs import checks
-from spectral_contact.io.documents import Refused, append_file, read_file, reported
-from spectral_contact.paper.figures import FigureData, PaperFigure, paper_figure
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs import checks, choices
+from spectral_contact.io.documents import append_file, reported
 from spectral_contact.processes import VERSION
+from spectral_contact.scene import Scene
+from spectral_contact.view.radii import Radii
 
-__all__ = ["complete_csv", "read_csv"]
+__all__ = ["PARAMETERS", "RADII", "FigureData", "PaperFigure", "complete_csv", "whole_blocks"]
 
 Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
+#: The columns that every table begins with; f is 0 without friction, and infinite in full stick.
+PARAMETERS = ("nu", "alpha", "beta", "f")
+
+#: The radii of fields.
+RADII = Radii(
+    np.arange(50) / 100.0,
+    np.concatenate(
+        [np.arange(50, 10, -1) / 100.0, 10.0 ** (np.arange(-16, -97, -1) / 16.0), [0.0]]
+    ),
+)
 
 
-def read_csv(path: str | os.PathLike[str], name: str, rtol: float = 1e-9) -> FigureData:
-    """Read the table of a figure that `reproduce` has written.
+@dataclass(frozen=True, slots=True, eq=False)
+class PaperFigure:
+    """What a figure shows, before anything is computed.
 
-    Parameters
+    Attributes
     ----------
-    path : str or path
     name : str
-        Of the figure, out of ``FIGURES``.
-    rtol : float
-        The tolerance it was computed with.
-
-    Returns
-    -------
-    FigureData
-        Every number is the one that was computed.
-
-    Raises
-    ------
-    SceneError
-        For a name out of ``FIGURES``.
-    SolutionFileError
-        If the file cannot be read, is not whole, or is of another figure, version or tolerance.
+        Out of ``FIGURES``.
+    title : str
+    given : str
+        Parameters that the paper's text prints.
+    chosen : str
+        Parameters that it does not print, and that are our choice.
+    values : tuple of str
+        Names of what is measured.
+    scenes : tuple of Scene
+        In order; every one is computed at one go.
+    radial : bool
+        Whether the values are functions of the radius.
+    measure : callable
+        From a scene and rtol to the values, each followed by the estimate of its relative error:
+        an array of shape (rows, 2 * values).
     """
-    figure, rtol = paper_figure(name), checks.tolerance(rtol)
-    source, content = read_file(path)
-    with reported(source, "cannot be read"):
-        blocks, _ = _whole_blocks(content, figure, rtol)
-        if len(blocks) < len(figure.scenes):
-            raise Refused(f"is not the whole figure {name} of this version at rtol = {rtol!r}")
-    return FigureData(figure, rtol, np.concatenate(blocks))
+
+    name: str
+    title: str
+    given: str
+    chosen: str
+    values: tuple[str, ...]
+    scenes: tuple[Scene, ...]
+    radial: bool
+    measure: Callable[[Scene, float], Array]
+
+    @property
+    def stem(self) -> str:
+        """Name of its files without the suffix."""
+        return f"figure_{self.name}" if self.name.isdigit() else self.name
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Names of the columns that are known beforehand."""
+        return (*PARAMETERS, "s", "one_minus_s") if self.radial else PARAMETERS
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of all columns."""
+        pairs = ((name, f"{name}_error") for name in self.values)
+        return (*self.keys, *(name for pair in pairs for name in pair))
+
+    def keys_of(self, scene: Scene) -> Array:
+        """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
+        choices.instance("scene", scene, Scene)
+        parameters = _parameters(scene)
+        if not self.radial:
+            return np.array([parameters])
+        radii = np.column_stack([RADII.s, RADII.from_edge])
+        return np.hstack([np.tile(parameters, (len(radii), 1)), radii])
+
+    def rows_of(self, scene: Scene, rtol: float) -> Array:
+        """Compute the rows of a scene, shape (rows, len(columns))."""
+        return np.hstack([self.keys_of(scene), self.measure(scene, checks.tolerance(rtol))])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FigureData:
+    """The numbers of a figure.
+
+    Attributes
+    ----------
+    figure : PaperFigure
+    rtol : float
+        The tolerance of every solve.
+    table : ndarray, shape (rows, len(figure.columns))
+        Dimensionless, as in the paper; read-only.
+    """
+
+    figure: PaperFigure
+    rtol: float
+    table: Array
+
+    def __post_init__(self) -> None:
+        choices.instance("figure", self.figure, PaperFigure)
+        checks.tolerance(self.rtol)
+        numbers = checks.reals("table", choices.instance("table", self.table, np.ndarray), "or NaN")
+        if numbers.shape[1:] != (len(self.figure.columns),):
+            allowed = f"of {len(self.figure.columns)} columns, as the figure is"
+            raise SceneError("table", self.table, allowed)
+        self.table.flags.writeable = False
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a column.
+
+        Raises
+        ------
+        SceneError
+            If there is no such column.
+        """
+        columns = self.figure.columns
+        return self.table[:, columns.index(choices.one_of("column", name, columns))]
+
+    def curves(self, *names: str) -> Iterator[tuple[tuple[float, ...], FigureData]]:
+        """Yield the runs of rows that agree in some columns: their values there, and the rows.
+
+        Raises
+        ------
+        SceneError
+            If there is no such column.
+        """
+        known = [choices.one_of("names", name, self.figure.columns) for name in names]
+        values = list(zip(*(self[name].tolist() for name in known), strict=True))
+        for value, rows in groupby(range(len(values)), key=values.__getitem__):
+            yield value, replace(self, table=self.table[list(rows)])
+
+    def largest_error(self, name: str) -> float:
+        """Return the largest estimate of the relative error of a value that is known at all.
+
+        Raises
+        ------
+        SceneError
+            If there is no such value.
+        """
+        errors = self[f"{choices.one_of('name', name, self.figure.values)}_error"]
+        return float(errors[np.isfinite(errors)].max())
+
+
+def _parameters(scene: Scene) -> tuple[float, ...]:
+    friction = 0.0 if scene.friction is None else scene.friction
+    alpha, beta = scene.normal_compliance, scene.tangential_compliance
+    return scene.poisson_ratio, alpha, beta, friction
 
 
 def complete_csv(
@@ -84,7 +199,7 @@ def complete_csv(
     with reported(str(path), "cannot be read"):
         for source in (path, partial):
             content = source.read_bytes() if source.exists() else b""
-            blocks, size = _whole_blocks(content, figure, rtol)
+            blocks, size = whole_blocks(content, figure, rtol)
             if len(blocks) == len(figure.scenes):
                 break
     for _ in blocks:
@@ -125,7 +240,7 @@ def _lines(rows: Array) -> bytes:
     return "".join(",".join(map(repr, row)) + "\n" for row in rows.tolist()).encode()
 
 
-def _whole_blocks(content: bytes, figure: PaperFigure, rtol: float) -> tuple[list[Array], int]:
+def whole_blocks(content: bytes, figure: PaperFigure, rtol: float) -> tuple[list[Array], int]:
     """Return the rows of the scenes that a table has whole, from the first on, and their end."""
     head = _head(figure, rtol)
     if not content.startswith(head):

@@ -16,9 +16,9 @@ import numpy as np
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.fixed import Fixed, FixedRule, Ints, root_rule
-from spectral_contact.spectral.galerkin import DiskOperators
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["MOST_SWEEPS", "Disk", "FarField", "PreciseMesh", "PreciseSeries"]
 
@@ -187,8 +187,6 @@ class Disk:
         Those of ``dt``.
     end : int
         Distance at which the tail begins.
-    double : DiskOperators
-        The same in double precision.
     """
 
     def __init__(self, mesh: PreciseMesh, fixed: Fixed) -> None:
@@ -201,7 +199,6 @@ class Disk:
         self._far = self._deeper_far()
         self._tails = self._deeper_tail()
         self._masses = [self._panel_mass(decay) for decay in (1, 2)]
-        self.double = DiskOperators(mesh.panels)
 
     # nodes
 
@@ -376,12 +373,12 @@ class Disk:
         ConvergenceError
             If refinement stalls before the digits of the mesh are reached.
         """
-        f, double = self.fixed, self.double
+        f = self.fixed
         weights = f.over(self.weights, f.of(f.mp.pi))
         if tangential:
             weights = f.times(weights, self.rest)
-        operator = double.tangential if tangential else double.normal
-        factored = operator.space(self.mesh.degrees).factor(float(f.numbers(compliance)))
+        space = unit_space(self.panels, self.mesh.degrees, shear=tangential)
+        factored = space.factor(float(f.numbers(compliance)))
         coefficients = np.zeros(self.panels.size, dtype=object)
         misfit, known = np.zeros(len(self.d), dtype=object) + target, 0
         goal = 10.0 ** -(self.mesh.digits + 2)

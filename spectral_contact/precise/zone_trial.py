@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, log, log10, pi, sqrt
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.precise.annulus import AnnulusMesh, Blocks, PreciseAnnulusSeries
 from spectral_contact.precise.between import Between
-from spectral_contact.precise.drive import PreciseDrive
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.parts import gap
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.precise.drive import PreciseDrive
 
 __all__ = ["PreciseLayout", "ZoneProblem", "ZoneTrial", "Zones", "panel_points"]
 

@@ -16,24 +16,26 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from spectral_contact.errors import NotComputedError
-from spectral_contact.solution import Solution
 from spectral_contact.solving.growth_panel import Panel, PowerCurve
-from spectral_contact.solving.nodes import chebyshev_value
-from spectral_contact.solving.stretch import RadiusStretch
+from spectral_contact.solving.stretch import RadiusStretch, chebyshev_value
 from spectral_contact.solving.weights import Weight, Weights
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.solution import Solution
 
 __all__ = ["Grower", "Growth", "Stage"]
 
 Array = NDArray[np.float64]
 #: Of a contact radius: the solution of a flat punch.
-Stage = Callable[[float], Solution]
+Stage: TypeAlias = "Callable[[float], Solution]"
 
 #: The widest panel, and what is left out with no point on it, as measured: from the first touch
 #: on, and past the onset of slip or a break, where little changes at first.

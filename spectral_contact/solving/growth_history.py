@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import Panel
-from spectral_contact.solving.nodes import chebyshev_series, chebyshev_value, left_out
-from spectral_contact.solving.stretch import RadiusStretch
+from spectral_contact.solving.stretch import (
+    RadiusStretch,
+    chebyshev_series,
+    chebyshev_value,
+    left_out,
+)
 from spectral_contact.spectral.jacobi import gauss_rule
 
 __all__ = ["history_of"]

@@ -5,18 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
-from spectral_contact.solution import Solution
-from spectral_contact.solving.flat_fields import FieldTable
-from spectral_contact.solving.nodes import chebyshev_nodes, chebyshev_value, left_out, slope
-from spectral_contact.solving.stretch import RadiusStretch
-from spectral_contact.solving.weights import Weights
+from spectral_contact.solving.stretch import (
+    FieldTable,
+    RadiusStretch,
+    chebyshev_nodes,
+    chebyshev_value,
+    left_out,
+    slope,
+)
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.solution import Solution
+    from spectral_contact.solving.weights import Weights
 
 __all__ = ["Panel", "PowerCurve"]
 

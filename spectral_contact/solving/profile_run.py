@@ -21,21 +21,23 @@ from spectral_contact.solution import (
     GROWTH,
     NORMAL,
     PROFILE_QUANTITIES,
+    Plan,
     PlannedStep,
     Solution,
     StepState,
 )
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import extrapolated
+from spectral_contact.solving.sharing import Shared, extrapolated
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     from spectral_contact.contact.normal import NormalContact
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.layers import Layer
+    from spectral_contact.scene import Scene
     from spectral_contact.solving.grown_fields import GrownFields
     from spectral_contact.solving.growth import Growth
-    from spectral_contact.solving.stages import Stages
+    from spectral_contact.solving.stages import FlatPunches, Stages
 
 __all__ = ["ProfileRun"]
 
@@ -49,11 +51,26 @@ _BEYOND = "the load is not reached where normal contact has it"
 
 
 class ProfileRun(Run):
-    """The steps of a plan for a scene with a profile."""
+    """The steps of a plan for a scene with a profile.
+
+    Parameters are those of `Run`, and what solves the flat punches of a history, see `Stages`.
+    """
 
     #: the traction is as certain as the flat punches of the history are
     bounded: tuple[str, ...] = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
     _driving: NormalContact | None = None
+
+    def __init__(
+        self,
+        scene: Scene,
+        todo: Plan,
+        rtol: float,
+        max_unknowns: int,
+        shared: Shared,
+        flat: FlatPunches,
+    ) -> None:
+        super().__init__(scene, todo, rtol, max_unknowns, shared)
+        self._flat = flat
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run normal contact, and friction if there is any."""
@@ -68,7 +85,8 @@ class ProfileRun(Run):
             from spectral_contact.solving.stages import Stages
 
             with ProgressLine(self.shared.progress) as tell:
-                history = Stages(self.scene, self.rtol, self.max_unknowns, tell, self._fields())
+                own, superposed = (self.scene, self.rtol, self.max_unknowns), self._fields()
+                history = Stages(*own, tell, superposed, self._flat)
                 if self.scene.couples:
                     self._grow_together(history)
                 else:

@@ -1,10 +1,9 @@
-"""One solve: the steps of its plan in order, in the paper's model."""
+"""One solve: the steps of its plan in order, and what every kind of scene has of them."""
 
 from __future__ import annotations
 
 import logging
 import math
-from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +29,7 @@ from spectral_contact.solution import (
     Work,
     Zone,
 )
-from spectral_contact.solving.sharing import Shared, ZonePath, place_of
+from spectral_contact.solving.sharing import Shared
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
 
-__all__ = ["FrictionOf", "Run"]
+__all__ = ["Run"]
 
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
@@ -48,23 +47,6 @@ _DRIVE = "drive"
 _BESIDE = ("opening", "domain_radius")
 #: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
 _TIGHTER, _TIGHTEST = 0.1, 1.2e-13
-
-
-@dataclass(frozen=True, slots=True)
-class FrictionOf:
-    """The friction that a stick disk has, and the shear that goes with it.
-
-    Attributes
-    ----------
-    friction, total_shear : float
-    friction_error, shear_error : float
-        Estimates of relative errors.
-    """
-
-    friction: float
-    friction_error: float
-    total_shear: float
-    shear_error: float
 
 
 class Run:
@@ -240,43 +222,17 @@ class Run:
             states[name] is not StepState.SKIPPED for name in (FULL_STICK, SLIP_FIELD)
         ):
             return
-        drive = self._drive(contact)
+        drive = self.drive(contact)
         if friction == 0.0 and states[SLIP_FIELD] is StepState.RUN:
             self._frictionless_slip(drive)
         if states[FULL_STICK] is StepState.RUN:
             self.stick(drive, states)
 
-    def _drive(self, contact: NormalContact) -> Drive:
+    def drive(self, contact: NormalContact) -> Drive:
+        """Return what drives the traction."""
         from spectral_contact.contact.drive import Drive
 
         return self.shared.get(_DRIVE, self.normal_key, lambda: Drive(contact))
-
-    def given_radius(self, logit: float) -> FrictionOf | None:
-        """Return the friction with which there is one stick disk of this radius.
-
-        That of the scene does not count. None if there is none, or the friction law does not hold,
-        or the tolerance is not met, or the traction is not positive: then alone the law holds
-        between two frictions at which it does (docs/internals).
-        """
-        from spectral_contact.contact.given_radius import solve_given_radius
-        from spectral_contact.contact.slip_outcome import one_disk_outcome
-        from spectral_contact.contact.stick_radius import NoStickDiskError
-
-        contact = self._normal({step.name: step.state for step in self.plan.steps})
-        drive, beta = self._drive(contact), self.scene.tangential_compliance
-        try:
-            disk = solve_given_radius(drive, beta, logit, self.rtol, self.max_unknowns).best.value
-        except NoStickDiskError:
-            return None
-        outcome = one_disk_outcome(drive, disk, beta, disk.friction, self.rtol)
-        assert disk.traction.series is not None
-        positive = bool((disk.traction.series.at_ends() >= 0.0).all())
-        if not (outcome.settled and positive) or disk.shear_error > self.rtol:
-            return None
-        kappa = self.scene.kappa
-        return FrictionOf(
-            kappa * disk.friction, disk.shift, kappa * disk.total_shear, disk.shear_error
-        )
 
     def all_stick(self) -> None:
         """Note that the whole contact sticks."""
@@ -297,7 +253,7 @@ class Run:
         stick = self._full_stick(drive)
         self.take_stick(stick, self.scene.kappa)
         if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
-            self._partial_slip(drive, stick)
+            self.slipping(drive, stick)
 
     def _full_stick(self, drive: Drive) -> FullStick:
         from spectral_contact.contact.full_stick import solve_full_stick
@@ -371,24 +327,9 @@ class Run:
         compliances = scene.normal_compliance, scene.tangential_compliance
         return Parameters(*compliances, 1.0, scene.friction / scene.kappa)
 
-    def _partial_slip(self, drive: Drive, stick: FullStick) -> None:
-        """Find the zones."""
-        from spectral_contact.contact.zone_search import DrivenSearch
-
-        parameters = self.parameters
-        path, place = self.shared.get(PARTIAL_SLIP, (), ZonePath), place_of(parameters)
-        solved = DrivenSearch(
-            parameters,
-            stick,
-            self.rtol,
-            self.max_unknowns,
-            self.record,
-            drive,
-            near=path.near(place),
-            pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
-        ).outcome()
-        path.add(place, solved.layout)
-        self.take(solved, self.scene.kappa)
+    def slipping(self, drive: Drive, stick: FullStick) -> None:
+        """Find the zones, where friction does not hold all: of this class there are none."""
+        raise NotImplementedError
 
     def take(self, solved: PartialSlip, scale: float) -> None:
         """Copy the outcome of partial slip, with everything tangential scaled."""

@@ -11,8 +11,9 @@ from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Plan, Solution
 from spectral_contact.solving.planning import checked_tolerance, closer_tolerance, plan
-from spectral_contact.solving.run import FrictionOf, Run
+from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import Shared
+from spectral_contact.solving.uncoupled_run import FrictionOf, UncoupledRun
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
@@ -136,9 +137,8 @@ class Continuation:
         """
         todo = plan(scene, self._quantities)
         with one_thread():
-            return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).given_radius(
-                logit
-            )
+            run = UncoupledRun(scene, todo, self._rtol, self._max_unknowns, self._shared)
+            return run.given_radius(logit)
 
 
 def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared) -> Run:
@@ -146,9 +146,12 @@ def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Share
     if scene.profile is not None:
         from spectral_contact.solving.profile_run import ProfileRun
 
-        return ProfileRun(scene, todo, rtol, max_unknowns, shared)
+        def flat(one: Scene, asked: Iterable[str], tolerance: float, others: Shared) -> Solution:
+            return _run(one, plan(one, asked), tolerance, max_unknowns, others).solution()
+
+        return ProfileRun(scene, todo, rtol, max_unknowns, shared, flat)
     if scene.coupling and scene.friction is not None and scene.poisson_ratio != 0.5:
         from spectral_contact.solving.coupled_run import CoupledRun
 
         return CoupledRun(scene, todo, rtol, max_unknowns, shared)
-    return Run(scene, todo, rtol, max_unknowns, shared)
+    return UncoupledRun(scene, todo, rtol, max_unknowns, shared)

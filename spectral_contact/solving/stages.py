@@ -16,14 +16,13 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import COUPLING, PARTIAL_SLIP, Solution
-from spectral_contact.solving.coupled_run import CoupledRun
 from spectral_contact.solving.growth import Grower
-from spectral_contact.solving.planning import plan
-from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import Shared, StickPath
 from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
 
-__all__ = ["Stages"]
+__all__ = ["FlatPunches", "Stages"]
+
+FlatPunches = Callable[[Scene, tuple[str, ...], float, Shared], Solution]
 
 #: What the flat punches of a history are solved for.
 _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
@@ -60,6 +59,9 @@ class Stages:
         Takes what is worked on.
     fields : tuple of str
         Those that are superposed.
+    solve : callable
+        Returns the solution of a flat punch: of its scene, quantities, a tolerance and what flat
+        punches before it have left.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class Stages:
         max_unknowns: int,
         tell: Callable[[str], None],
         fields: tuple[str, ...],
+        solve: FlatPunches,
     ) -> None:
         assert scene.profile is not None
         self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
@@ -79,7 +82,7 @@ class Stages:
         self._shared = Shared()
         self._path = StickPath(scene.normal_compliance, scene.tangential_compliance)
         self._shared.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
-        self._run = CoupledRun if scene.couples else Run
+        self._solve = solve
         self._last: tuple[Scene, Solution] | None = None
 
     def contact(self, radius: float) -> Indentation:
@@ -100,17 +103,14 @@ class Stages:
         scene = self._scene(radius)
         if self._last is None or self._last[0] != scene:  # on a smooth surface all are the same
             self._tell(f"as the contact grew: radius {radius:.4g}")
-            todo = plan(scene, {*_FLAT, *self._fields})
-            run = self._run(scene, todo, self._tight, self.max_unknowns, self._shared)
-            self._last = scene, run.solution()
+            asked = (*_FLAT, *self._fields)
+            self._last = scene, self._solve(scene, asked, self._tight, self._shared)
         return self._last[1]
 
     def critical(self, radius: float) -> float:
         """Return the critical friction of a flat punch."""
-        scene = self._scene(radius)
-        todo = plan(scene, ("critical_friction",))
-        run = self._run(scene, todo, _CRITICAL, self.max_unknowns, self._shared)
-        return run.solution().critical_friction
+        asked = ("critical_friction",)
+        return self._solve(self._scene(radius), asked, _CRITICAL, self._shared).critical_friction
 
     def weight(self, least: float) -> Weight:
         """Return the weight of a history that begins at a radius."""

@@ -18,21 +18,22 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
-from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import LogSeries
-from spectral_contact.profiles import Profile
-from spectral_contact.solution import Solution
-from spectral_contact.solving.nodes import interpolation_weights, left_out
+from spectral_contact.profiles.base import Profile
 from spectral_contact.solving.outside import outside_displacement, reached
-from spectral_contact.solving.stretch import RadiusStretch
+from spectral_contact.solving.stretch import RadiusStretch, interpolation_weights, left_out
 from spectral_contact.spectral.jacobi import gauss_rule, graded_rule
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.on_parts import Indentation
+    from spectral_contact.solution import Solution
 
 __all__ = ["CoupledWeight", "NormalWeight", "SmoothWeight", "Weight", "Weights"]
 

@@ -21,6 +21,8 @@ from spectral_contact.spectral.abel import (
     beyond_tail,
     charges_on,
     deeper,
+    deeper_blocks,
+    deeper_tail,
     fall,
     fall_of_tail,
     far_fall,
@@ -36,6 +38,7 @@ from spectral_contact.spectral.graded import (
     far_values,
     graded_nodes,
     root_sums,
+    smooth_nodes,
 )
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
@@ -57,6 +60,9 @@ _FAR = 1.0 - float(np.sqrt(np.finfo(float).eps))
 _PLACES: Array = (1.0 + FAR_NODES) / 2.0
 
 _OWN: BoundedCache[tuple[LogPanels, Degrees, Used], _Own] = BoundedCache("own integrals", 48)
+_DEEPER: BoundedCache[tuple[tuple[int, ...], int, float, int, float], list[Array]] = BoundedCache(
+    "half-integrals", 24
+)
 _HALVES: BoundedCache[tuple[LogPanels, Degrees, LogPanels, Used, bool], Block] = BoundedCache(
     "halves", 32
 )
@@ -114,14 +120,17 @@ class Block:
 class _Own:
     """Integrals of the functions of a part, of unit extent, at its own nodes."""
 
-    def __init__(self, panels: LogPanels, degrees: Degrees, d: Array) -> None:
+    def __init__(self, panels: LogPanels, degrees: Degrees, nodes: Nodes) -> None:
         self._form = panels.panels, panels.width, panels.degree
-        self._power, self._d = panels.power, d
+        self._panels, self._nodes, self._d = panels, nodes, nodes.d
+        self._power = panels.power
         self._columns = panels.functions(degrees)
 
     @cached_property
     def toward(self) -> Block:
         """What lies between the nodes and the boundary, which vanishes there."""
+        if isinstance(self._nodes, GradedNodes):
+            return _vanishing(_half_integrals(self._panels, self._columns, self._nodes))
         return _vanishing(deeper(self._d, *self._form, self._power)[:, self._columns])
 
     @cached_property
@@ -134,6 +143,33 @@ class _Own:
         """The same for other boundaries."""
         at = beyond(np.zeros(1), *self._form)[0, self._columns]
         return Block(at, rise(self._d, *self._form)[:, self._columns], self.beyond.whole, False)
+
+
+def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedNodes) -> Array:
+    """Return half-integrals at Galerkin nodes, which see their own panel and deeper ones.
+
+    Of panels with as many nodes the blocks depend on how much deeper the functions are alone.
+    """
+    terms, form = panels.degree + 1, (panels.panels, panels.width, panels.degree, panels.power)
+    starts = np.searchsorted(columns, np.arange(panels.panels + 1) * terms).tolist()
+    last, root = starts[-1], nodes.d[:, None] ** (0.5 + panels.power)
+    alike = {len(end): (start, end) for start, end in zip(nodes.start, nodes.end, strict=True)}
+
+    def made() -> list[Array]:
+        from_start, to_end = (np.concatenate(one) for one in zip(*alike.values(), strict=True))
+        blocks = deeper_blocks(to_end, *form, from_start).reshape(len(to_end), -1)
+        return np.split(blocks, np.cumsum(list(alike))[:-1])
+
+    kept = dict(zip(alike, _DEEPER.get((tuple(alike), *form), made), strict=True))
+    matrix = np.zeros((len(root), len(columns)))
+    stop = 0
+    for j, end in enumerate(nodes.end):
+        start, stop = stop, stop + len(end)
+        values = kept[len(end)].take(columns[starts[j] : last] - j * terms, axis=1)
+        np.multiply(values, root[start:stop], out=matrix[start:stop, starts[j] : last])
+    form_of_tail = panels.end, panels.tail_terms, panels.power, panels.root_tail
+    matrix[:, last:] = deeper_tail(nodes.d, *form_of_tail)
+    return matrix
 
 
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
@@ -160,7 +196,7 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
 
 def _own(panels: LogPanels, degrees: Degrees, used: Used, nodes: Nodes) -> _Own:
     key = panels, degrees, used
-    return _OWN.get(key, lambda: _Own(panels, degrees, nodes.d))
+    return _OWN.get(key, lambda: _Own(panels, degrees, nodes))
 
 
 def block(
@@ -252,7 +288,7 @@ def points_of(panels: LogPanels, used: Used) -> Nodes:
     """Return the points of a part of unit extent; for `used` see `block`."""
     if isinstance(used, LogPanels):
         return PlainNodes(used.distances)
-    return graded_nodes(panels, used)
+    return graded_nodes(panels, used) if used else smooth_nodes(panels)
 
 
 def _same_annulus(source: Family, target: Family, side: int, apart: float) -> bool:

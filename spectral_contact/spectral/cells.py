@@ -24,7 +24,11 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+)
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.threads import cached_property
 
@@ -137,7 +141,8 @@ class CellSpace(NodalSpace):
             self._below.append(length * v**2)
             y.append((self._cells.pivot.rest - offsets[k + 1]) + length * v**2)
         self.t, self.y, self.weights = np.concatenate(t), np.concatenate(y), np.concatenate(weights)
-        self.past: Array = np.zeros(len(self.t))
+        self.measure = self.weights / pi
+        self.past = np.zeros(len(self.t))
 
     @cached_property
     def _matrix(self) -> Array:
@@ -171,7 +176,7 @@ class CellSpace(NodalSpace):
     @cached_property
     def gram(self) -> Array:
         """Gram matrix of the half-integrals."""
-        weighted = self._matrix * np.sqrt(self.weights / pi)[:, None]
+        weighted = self._matrix * np.sqrt(self.measure)[:, None]
         return np.asarray(weighted.T @ weighted)
 
     @cached_property
@@ -179,9 +184,9 @@ class CellSpace(NodalSpace):
         """Mass matrix ``int phi psi s ds``."""
         return np.diag(self._mass)
 
-    def moments(self, density: Array) -> Array:
-        """Return the inner products of the half-integrals with a density, in order of `index`."""
-        return np.asarray((self.weights / pi * density) @ self._matrix)
+    def tested(self, weighted: Array) -> Array:
+        """Return the sums of the half-integrals times weighted values at the nodes."""
+        return np.asarray(weighted @ self._matrix)
 
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""

@@ -97,10 +97,7 @@ def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
 
 def unit_masses(panels: LogPanels, degrees: tuple[int, ...]) -> tuple[Array, Array]:
     """Return ``int phi psi dd`` and ``int phi psi d dd`` of functions, on a part of unit extent."""
-    columns = panels.functions(degrees)
-    return _MASSES.get(
-        (panels, degrees), lambda: (panels.mass(columns, 1.0, 0.0), panels.mass(columns, 0.0, 1.0))
-    )
+    return _MASSES.get((panels, degrees), lambda: panels.masses(degrees))
 
 
 class BasisRule(NamedTuple):

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ from spectral_contact.spectral.jacobi import (
     tail_values,
 )
 
-__all__ = ["LEAST_DEGREE", "LogPanels", "Nodes", "PanelNodes", "Resolution", "Used"]
+__all__ = ["LEAST_DEGREE", "LogPanels", "Resolution", "Used"]
 
 Array = NDArray[np.float64]
 
@@ -31,42 +30,6 @@ _FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_
     "functions in use", 256
 )
 _DISTANCES: BoundedCache[LogPanels, Array] = BoundedCache("sampling points", 48)
-
-
-@dataclass(frozen=True, slots=True)
-class Nodes:
-    """Quadrature nodes in the distance ``d`` from a boundary.
-
-    Attributes
-    ----------
-    d : ndarray
-        Distances in (0, 1], panel by panel and then the tail.
-    rest : ndarray
-        ``1 - d`` to full relative accuracy.
-    weights : ndarray
-        Weights of ``int_0^1 . dd / (2 sqrt(1 - d))``, the measure ``dt`` with ``d = 1 - t**2``.
-    """
-
-    d: Array
-    rest: Array
-    weights: Array
-
-
-class PanelNodes(NamedTuple):
-    """The Galerkin nodes and their distances to the panel ends.
-
-    Attributes
-    ----------
-    nodes : Nodes
-        All nodes, `node_counts` on the panels.
-    first, other : tuple of ndarray
-        Distances in ``x`` of each node of the first panel, and of any other, from the shallow and
-        to the deep end of its panel.
-    """
-
-    nodes: Nodes
-    first: tuple[Array, Array]
-    other: tuple[Array, Array]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,16 +76,6 @@ class LogPanels:
     def tail_points(self) -> int:
         """Number of sampling points on the tail."""
         return self.tail_terms + 1
-
-    @property
-    def node_counts(self) -> tuple[int, int]:
-        """Galerkin nodes on the first panel, and on every other one and the tail.
-
-        Products of two half-integrals have degree ``4 degree + 2`` in the node variable times
-        analytic factors: with these counts rounding is all that is left.
-        """
-        extra = max(10, 22 - self.degree)
-        return 2 * self.degree + extra + 8, 2 * self.degree + extra
 
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
@@ -179,37 +132,6 @@ class LogPanels:
         x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
         return x, np.broadcast_to(w * self.width / 2.0, x.shape)
 
-    def nodes(self) -> PanelNodes:
-        """Return the Galerkin nodes and their distances to the panel ends.
-
-        Notes
-        -----
-        Half-integrals of single basis functions have square-root singularities at the deep end of
-        each panel, and the measure has one at the centre of the disk: ``x = h (1 - v**2)`` on a
-        panel, ``x = h sin(phi)**2`` on the first and ``d = end * v**2`` on the tail remove them.
-        """
-        h = self.width
-        g, w = gauss_rule(self.node_counts[0])
-        phi = np.pi / 4 * (1.0 + g)
-        first = h * np.cos(phi) ** 2
-        first_x = h * np.sin(phi) ** 2
-        first_dx = w * np.pi / 2.0 * h * np.sin(phi) * np.cos(phi)
-        g, w = gauss_rule(self.node_counts[1])
-        v = (1.0 + g) / 2.0
-        other = h * v**2
-        x = np.concatenate([first_x, (h * np.arange(2, self.panels + 1)[:, None] - other).ravel()])
-        dx = np.concatenate([first_dx, np.tile(w * h * v, self.panels - 1)])
-        d, rest = np.exp(-x), -np.expm1(-x)
-        weights = dx * d / (2.0 * np.sqrt(rest))
-        tail = self.end * v**2
-        tail_weights = w * v * self.end / (2.0 * np.sqrt(1.0 - tail))
-        nodes = Nodes(
-            np.concatenate([d, tail]),
-            np.concatenate([rest, 1.0 - tail]),
-            np.concatenate([weights, tail_weights]),
-        )
-        return PanelNodes(nodes, (first_x, first), (h * (1.0 - g) / 2.0 * (1.0 + v), other))
-
     def panel_gram(self, decay: float) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""
         g, w = gauss_rule(self.degree + EXTRA)
@@ -217,36 +139,30 @@ class LogPanels:
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)
 
-    def mass(self, columns: NDArray[np.int_], a: float, b: float) -> Array:
-        """Return ``int_0^1 phi psi (a + b d) dd`` of some of the functions, block diagonal.
+    def masses(self, degrees: tuple[int, ...]) -> tuple[Array, Array]:
+        """Return ``int_0^1 phi psi dd`` and ``int_0^1 phi psi d dd``, block diagonal.
 
-        Parameters
-        ----------
-        columns : ndarray of int
-            The functions, increasing. They have no endpoint weight.
-        a, b : float
-
-        Returns
-        -------
-        ndarray, shape (len(columns), len(columns))
+        Of the functions up to these degrees on the panels, and of the tail.
         """
-        matrix = np.zeros((len(columns), len(columns)))
+        last = sum(degrees) + len(degrees)
+        shape = (last + self.tail_terms,) * 2
+        zeroth, first = np.zeros(shape), np.zeros(shape)
+        if self.power != 0.0:  # not square integrable: such panels serve zero compliance
+            return zeroth, first
         one, two = self.panel_gram(1.0), self.panel_gram(2.0)
-        terms = self.degree + 1
-        bounds = np.searchsorted(columns, np.arange(self.panels + 1) * terms).tolist()
-        last = bounds[-1]
-        for j, (low, high) in enumerate(pairwise(bounds)):
-            grid = np.ix_(*[columns[low:high] - j * terms] * 2)
-            d = np.exp(-j * self.width)
-            matrix[low:high, low:high] = d * (a * one[grid] + b * d * two[grid])
+        stop = 0
+        for j, n in enumerate(degrees):
+            start, stop, d = stop, stop + n + 1, np.exp(-j * self.width)
+            zeroth[start:stop, start:stop] = d * one[: n + 1, : n + 1]
+            first[start:stop, start:stop] = d * d * two[: n + 1, : n + 1]
         g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)  # those of its half-integrals
         v = (1.0 + g) / 2.0
         d = self.end * v**2
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
-        values = values[:, columns[last:] - self.panels * terms]
-        weight = w * v * self.end * (a + b * d)
-        matrix[last:, last:] = (values.T * weight) @ values
-        return matrix
+        weight = w * v * self.end
+        zeroth[last:, last:] = (values.T * weight) @ values
+        first[last:, last:] = (values.T * (weight * d)) @ values
+        return zeroth, first
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,15 @@
-"""The regularised least-squares problem of a space: solved, corrected, and its changes told."""
+"""The regularised least-squares problem of a space: solved, corrected, and its changes told.
+
+The first-kind part of ``(c M + K) a = H^T W target - c load`` cancels in the normal equations,
+which loses ``eps/sqrt(c)`` at the edge; one correction with the residual taken in the
+half-integral, where nothing cancels, restores it (corrected seminormal equations).
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +17,7 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.threads import cached_property
 
-__all__ = ["HARMLESS", "Change", "Factorable", "NodalSpace", "Regularised"]
+__all__ = ["HARMLESS", "Change", "NodalSpace", "Regularised"]
 
 Array = NDArray[np.float64]
 
@@ -38,56 +43,88 @@ class Change:
     energies: Array
 
 
-class Factorable(Protocol):
-    """What is factored: a `Space`, or one of several parts.
+class NodalSpace(ABC):
+    """Functions with the half-integrals that they have at nodes.
 
     Attributes
     ----------
-    size : int
-        Length of a vector of coefficients.
-    panels : int
-        Number of panels.
-    index, panel : ndarray of int
+    t, y : ndarray, shape (nodes,)
+        Nodes of the half-integral, and ``1 - t**2`` without cancellation.
+    past : ndarray, shape (nodes,)
+        ``t**2 - b**2`` without cancellation for the last break b before t, 0 if there is none.
+    weights, measure : ndarray, shape (nodes,)
+        Weights of ``dt``, and of the measure of inner products.
+    index, panel : ndarray of int, shape (unknowns,)
         Places of the unknowns among the coefficients, and the panels that they belong to.
+    size, panels : int
+        Length of a vector of coefficients, and number of panels.
     kept, kept_but_one : int
         How many unknowns the spaces have with two degrees less on every panel, and with one less.
-    gram, mass, constant_moments : ndarray
-        In the order of `index`.
     """
 
-    size: int
-    panels: int
+    t: Array
+    y: Array
+    past: Array
+    weights: Array
+    measure: Array
     index: NDArray[np.int_]
     panel: NDArray[np.int_]
+    size: int
+    panels: int
     kept: int
     kept_but_one: int
 
     @property
+    def unknowns(self) -> int:
+        """Number of unknowns."""
+        return len(self.index)
+
+    @property
+    @abstractmethod
     def gram(self) -> Array:
-        """Gram matrix of the half-integrals."""
+        """Gram matrix of the half-integrals, in the order of `index`."""
 
     @property
+    @abstractmethod
     def mass(self) -> Array:
-        """Mass matrix."""
+        """Mass matrix, in the order of `index`."""
 
-    @property
+    @cached_property
     def constant_moments(self) -> Array:
-        """Moments of the density 1."""
+        """Moments of the density 1: the load of a pressure is 4 pi times its product with them."""
+        return self.moments(np.ones(len(self.weights)))
 
     def moments(self, density: Array) -> Array:
-        """Return the inner products of the half-integrals with a density."""
+        """Return the inner products of the half-integrals with a density, in order of `index`.
 
+        The density is given at the nodes, several as rows.
+        """
+        return self.tested(self.measure * density)
+
+    @cached_property
+    def shear_moments(self) -> Array:
+        """Vector of ``2 pi int q s ds = 2 pi int t F dt`` for ``q = s phi``, (4.3), (size,)."""
+        moments = np.zeros(self.size)
+        moments[self.index] = self.tested(2.0 * pi * self.weights * self.t)
+        return moments
+
+    @abstractmethod
+    def tested(self, weighted: Array) -> Array:
+        """Return the sums of the half-integrals times weighted values at the nodes, likewise."""
+
+    @abstractmethod
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
 
+    def factor(self, compliance: float) -> Regularised:
+        """Factor ``compliance * mass + gram``."""
+        return Regularised(self, compliance)
 
-S = TypeVar("S", bound=Factorable)
 
-
-class Regularised(Generic[S]):
+class Regularised:
     """The regularised least-squares problem of a space, factored once for many targets."""
 
-    def __init__(self, space: S, compliance: float) -> None:
+    def __init__(self, space: NodalSpace, compliance: float) -> None:
         self.space = space
         self.compliance = compliance
         matrix = compliance * space.mass
@@ -162,58 +199,3 @@ class Regularised(Generic[S]):
         places = self.space.panels + 1
         energies = np.bincount(self.space.panel, shed**2 * self._cholesky.diagonal, places)
         return Change(change, np.asarray(energies, dtype=float))
-
-
-class NodalSpace(ABC):
-    """Functions with the half-integrals that they have at nodes.
-
-    Attributes are those of `Factorable`, and of `PressureSpace` in `parted`.
-    """
-
-    t: Array
-    y: Array
-    past: Array
-    weights: Array
-    index: NDArray[np.int_]
-    panel: NDArray[np.int_]
-    size: int
-    panels: int
-    kept: int
-    kept_but_one: int
-
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-        return len(self.index)
-
-    @property
-    def functions(self) -> Factorable:
-        """The functions with their matrices."""
-        return self
-
-    @property
-    @abstractmethod
-    def gram(self) -> Array:
-        """Gram matrix of the half-integrals."""
-
-    @property
-    @abstractmethod
-    def mass(self) -> Array:
-        """Mass matrix ``int phi psi s ds``."""
-
-    @cached_property
-    def constant_moments(self) -> Array:
-        """Moments of the density 1."""
-        return self.moments(np.ones(len(self.weights)))
-
-    @abstractmethod
-    def moments(self, density: Array) -> Array:
-        """Return the inner products of the half-integrals with a density, in order of `index`."""
-
-    @abstractmethod
-    def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes."""
-
-    def factor(self, compliance: float) -> Regularised[Any]:
-        """Factor the problem with a compliance."""
-        return Regularised(self, compliance)

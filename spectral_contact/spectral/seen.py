@@ -70,7 +70,8 @@ class Seen:
 
     def tested(self, weighted: Array) -> Iterable[tuple[int, Array]]:
         """Yield, part by part, the sums of weighted values at the nodes times its integrals."""
-        gathered = self.nodes.gathered(weighted)
+        smooth = any(one.sampled for one in self.blocks.values())
+        gathered = self.nodes.gathered(weighted) if smooth else weighted
         for k, one in self.blocks.items():
             yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.blocks import disk_gram
-from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes
+from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes, smooth_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels
@@ -207,7 +207,8 @@ class Tangential(ABC):
         self.shear_weights: list[Array] = []
         for part, degrees in zip(self.parts, each, strict=False):
             family, b = part.family, part.family.boundary
-            nodes = graded_nodes(family.panels, degrees)
+            on = family.panels
+            nodes = graded_nodes(on, degrees) if degrees else smooth_nodes(on)
             offset = family.sign * family.reach * nodes.d
             t = b.value * np.sqrt(nodes.rest) if part.zone == 0 else np.sqrt(b.square + offset)
             self.nodes.append(nodes)

@@ -13,9 +13,9 @@ from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
 from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import QUANTITIES, Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.solvers import OwnSolver, named_solver
-from spectral_contact.studies.study import convergence, work_precision
+from spectral_contact.studies.study import convergence, truth_of, work_precision
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
-from spectral_contact.studies.truth import Truth, truth_of
+from spectral_contact.studies.truth import Truth
 
 __all__ = [
     "QUANTITIES",

@@ -18,13 +18,15 @@ from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.solvers import Solver, solver_name
 from spectral_contact.studies.store import StudyStore
 from spectral_contact.studies.timing import Stopwatch, Times, times_of
-from spectral_contact.studies.truth import Truth, chosen, estimate_of, truth_named, truth_of
+from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["convergence", "work_precision"]
+__all__ = ["convergence", "truth_of", "work_precision"]
 
 _STOPWATCH: Final = Stopwatch()
 _OF_SCENES: Final = "a scene and a resolution"
+#: Digits of a reference that is the truth.
+_DIGITS: Final = 20
 
 
 def convergence(
@@ -173,7 +175,7 @@ def work_precision(
     tell = ProgressLine(progress)
     called = _solvers(solvers, goals)
     found = [
-        truth_named("truths", scene, truth, progress)
+        _truth_named("truths", scene, truth, progress)
         for scene, truth in zip(solved, given, strict=True)
     ]
     cases = [_Case(name, *one, true) for true in found for name, one in called.items()]
@@ -198,6 +200,56 @@ def work_precision(
         stopwatch,
         run.machine,
     )
+
+
+def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -> Truth:
+    """Return the truth about a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    truth : object, optional
+        A `GoldSolution`, a `ReferenceSolution`, or anything with some of the same attributes: a
+        `Solution` to a tolerance far below the errors to be measured, a closed form. By default it
+        is the gold solution of the scene if there is one, else `reference` to 20 digits, which
+        takes from seconds to minutes.
+    progress : bool, optional
+        Whether to show that of `reference`; by default on a terminal and in notebooks.
+
+    Returns
+    -------
+    Truth
+
+    Raises
+    ------
+    SceneError
+        If `truth` belongs to another scene, or has nothing to compare with.
+    NotComputedError
+        If `reference` does not solve the scene; give the truth then.
+    """
+    return _truth_named("truth", scene, truth, progress)
+
+
+def _truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> Truth:
+    """Return the truth about a scene; an error calls what is given by its name."""
+    instance("scene", scene, Scene)
+    ProgressLine(progress)  # refuses what it cannot be
+    if truth is not None:
+        return given_truth(name, scene, truth)
+    source, truth = _best(scene, progress)
+    return given_truth(name, scene, truth, source)
+
+
+def _best(scene: Scene, progress: bool | None) -> tuple[str, Any]:
+    """Return the gold solution of a scene, or its reference, and what to call it."""
+    # mpmath, on which both of them are built, is imported for studies alone
+    from spectral_contact import gold
+    from spectral_contact.precise import reference
+
+    solution = gold.find(scene)
+    if solution is not None:
+        return f"gold table {solution.table}, {solution.digits} digits", solution
+    return f"reference, {_DIGITS} digits", reference(scene, _DIGITS, progress=progress)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.inputs.checks import scalar
-from spectral_contact.inputs.choices import instance, names
+from spectral_contact.inputs.choices import names
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.studies.results import QUANTITIES
 from spectral_contact.testing.checks import field_of
-from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["PLACES", "Truth", "chosen", "estimate_of", "truth_named", "truth_of"]
+__all__ = ["PLACES", "Truth", "chosen", "estimate_of", "given_truth"]
 
 Array = NDArray[np.float64]
 
@@ -28,7 +27,6 @@ _FIELDS = ("pressure", "traction")
 PLACES = np.array(
     [1.0, *(k / 8.0 for k in range(7, 0, -1)), *(10.0**-k for k in range(1, 13)), 0.0]
 )
-_DIGITS = 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,48 +119,14 @@ class Truth:
         return float(np.max(errors))
 
 
-def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -> Truth:
-    """Return the truth about a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-    truth : object, optional
-        A `GoldSolution`, a `ReferenceSolution`, or anything with some of the same attributes: a
-        `Solution` to a tolerance far below the errors to be measured, a closed form. By default it
-        is the gold solution of the scene if there is one, else `reference` to 20 digits, which
-        takes from seconds to minutes.
-    progress : bool, optional
-        Whether to show that of `reference`; by default on a terminal and in notebooks.
-
-    Returns
-    -------
-    Truth
-
-    Raises
-    ------
-    SceneError
-        If `truth` belongs to another scene, or has nothing to compare with.
-    NotComputedError
-        If `reference` does not solve the scene; give the truth then.
-    """
-    return truth_named("truth", scene, truth, progress)
-
-
-def truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> Truth:
-    """Return the truth about a scene; an error calls what is given by its name."""
-    instance("scene", scene, Scene)
-    ProgressLine(progress)  # refuses what it cannot be
-    source = "given"
-    if truth is None:
-        source, truth = _best(scene, progress)
+def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
+    """Return what anything says of a scene as its truth; an error calls it by its name."""
     own = getattr(truth, "scene", scene)
     if isinstance(own, Scene) and not same_problem(own, scene):
         raise SceneError(name, own, f"that of {scene}")
     if isinstance(truth, Truth):
         return replace(truth, scene=scene)
-    if source == "given":
-        source = f"{type(truth).__name__}, given"
+    source = source or f"{type(truth).__name__}, given"
     points, fields = _fields(truth, name)
     scalars = _scalars(truth, scene, name)
     if "pressure" in fields and points[-1] == 0.0 and math.isfinite(fields["pressure"][-1]):
@@ -205,19 +169,6 @@ def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[s
 
 def _attribute(name: str) -> str:
     return "pressure" if name == "edge_pressure" else name
-
-
-def _best(scene: Scene, progress: bool | None) -> tuple[str, Any]:
-    """Return the gold solution of a scene, or its reference, and what to call it."""
-    # mpmath, on which both of them are built, is imported for studies alone
-    from spectral_contact import gold
-    from spectral_contact.precise import reference
-
-    solution = gold.find(scene)
-    if solution is not None:
-        return f"gold table {solution.table}, {solution.digits} digits", solution
-
-    return f"reference, {_DIGITS} digits", reference(scene, _DIGITS, progress=progress)
 
 
 def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:

@@ -1,49 +1,35 @@
-"""The work of a sweep, cut in chunks: scenes in, columns of results out; any process can do it."""
+"""The work of a sweep, cut in chunks: scenes in, columns of results out; any process can do it.
+
+Chunks go through an executor, or one after another in this process.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import logging
+import os
+from collections.abc import Generator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spectral_contact.errors import NotComputedError
 from spectral_contact.processes import end_with_parent
 from spectral_contact.solution import Ending, Solution
-from spectral_contact.solving.run import FrictionOf
 from spectral_contact.solving.solver import Continuation
+from spectral_contact.solving.uncoupled_run import FrictionOf
 from spectral_contact.sweeps.lines import between, lines
-from spectral_contact.sweeps.parameters import Columns, Indices, changed
+from spectral_contact.sweeps.parameters import Columns, Indices, SweepParameters, changed
 from spectral_contact.sweeps.pressed import along, indentation_curves
-from spectral_contact.sweeps.request import ENDINGS, FIELDS, Request
-from spectral_contact.sweeps.shortcuts import Served, served
+from spectral_contact.sweeps.request import Outcome, Request, Rows
+from spectral_contact.sweeps.shortcuts import served
 from spectral_contact.threads import one_thread
 
-__all__ = ["Outcome", "outcome_of", "solve_chunk"]
+__all__ = ["outcomes", "solve_chunk"]
 
-_CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")
-#: Codes of the kinds of zones; 0 is none.
-_KINDS: Final = {"stick": 1, "slip": 2}
+_LOG = logging.getLogger(__name__)
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
-    """What came of some scenes.
-
-    Attributes
-    ----------
-    values : dict of str to ndarray, shape (scenes, ...)
-        By the name of a variable; NaN where there is no value.
-    endings : ndarray of int8, shape (scenes,)
-        Places in `ENDINGS`.
-    messages : dict of int to str
-        What is to be said of a scene of this chunk, if it did not converge.
-    """
-
-    values: dict[str, NDArray[np.generic]]
-    endings: NDArray[np.int8]
-    messages: dict[int, str] = field(default_factory=dict)
+#: Chunks that wait for a worker at any time; more would only hold memory.
+_AHEAD: Final = 64
 
 
 @one_thread()
@@ -71,21 +57,13 @@ def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
     return work.rows.outcome()
 
 
-def outcome_of(solution: Solution, request: Request) -> Outcome:
-    """Return what is asked of a scene that is solved."""
-    rows = _Rows(1, request)
-    rows.take(0, solution)
-    return rows.outcome()
-
-
 class _Chunk:
     """The scenes of a chunk as they are solved, each with what the one before it hands on."""
 
     def __init__(self, columns: Columns, request: Request) -> None:
-        self.rows = _Rows(len(columns), request)
+        self.rows = Rows(len(columns), request)
         self.columns = columns
-        own = request.rtol, request.quantities, request.max_unknowns
-        self.path = Continuation(*own)
+        self.path = Continuation(request.rtol, request.quantities, request.max_unknowns)
 
     def solve(self, i: int) -> None:
         """Solve a scene."""
@@ -134,82 +112,59 @@ class _OnLine:
             return None
 
 
-class _Rows:
-    """Results as they come, row by row."""
+def outcomes(
+    parameters: SweepParameters,
+    chunks: Sequence[tuple[int, Indices]],
+    request: Request,
+    executor: Executor | None,
+) -> Generator[tuple[int, Outcome], None, None]:
+    """Yield the number and the outcome of every chunk as it is done.
 
-    def __init__(self, count: int, request: Request) -> None:
-        self._request = request
-        self._endings = np.full(count, _FAILED, dtype=np.int8)
-        self._done = np.zeros(count, dtype=bool)
-        self._messages: dict[int, str] = {}
-        self._values: dict[str, NDArray[np.generic]] = {}
-        self._zones: dict[int, Solution] = {}
-        for name in request.quantities:
-            if name in FIELDS:
-                self._values[name] = np.full((count, len(request.s)), np.nan)
-            elif name != "zones":
-                self._values[name] = np.full(count, np.nan)
-            self._values[f"{name}_error"] = np.full(count, np.nan)
+    What a broken executor (a worker that was killed) leaves is done in this process. When the
+    consumer stops, chunks that have not begun are called off.
 
-    @property
-    def left(self) -> Indices:
-        """The scenes that need work."""
-        return np.flatnonzero(~self._done)
-
-    def take(self, i: int, solution: Solution) -> None:
-        """Keep what was asked of a solution."""
-        request = self._request
-        self._done[i] = True
-        self._endings[i] = ENDINGS.index(solution.ending.name.lower())
-        if solution.ending is not Ending.CONVERGED:
-            self._messages[i] = solution.ending.value
-        for name in request.quantities:
-            try:
-                value = getattr(solution, name)
-            except NotComputedError:  # a scene without friction has no slip and no ratios
-                continue
-            error = getattr(solution.error, name)
-            if error is not None:
-                self._values[f"{name}_error"][i] = error
-            if name in FIELDS:
-                self._values[name][i] = value(**{request.places: getattr(request, request.places)})
-            elif name == "zones":
-                self._zones[i] = solution
-            elif value is not None:
-                self._values[name][i] = value
-
-    def put(self, scenes: Indices, known: Served) -> None:
-        """Keep what is known of some scenes without a solve of their own."""
-        own = scenes[known.mask]
-        self._endings[own] = _CONVERGED
-        self._done[own] = True
-        for name in known.values:
-            self._values[name][own] = known.values[name]
-            self._values[f"{name}_error"][own] = known.errors[name]
-
-    def fail(self, i: int, error: Exception) -> None:
-        """Note that a scene could not be solved."""
-        self._endings[i] = _FAILED
-        text = " ".join(str(error).split())
-        self._messages[i] = f"{type(error).__name__}: {text}" if text else type(error).__name__
-        self._zones.pop(i, None)
-        for values in self._values.values():
-            values[i] = np.nan
-
-    def outcome(self) -> Outcome:
-        """Return everything."""
-        if "zones" in self._request.quantities:
-            self._values.update(_zone_columns(len(self._endings), self._zones))
-        return Outcome(self._values, self._endings, self._messages)
+    Parameters
+    ----------
+    parameters : SweepParameters
+    chunks : sequence of (int, ndarray)
+        Number and scenes of each.
+    request : Request
+    executor : Executor or None
+        None is this process.
+    """
+    left = dict(chunks)
+    if executor is not None:
+        try:
+            for number, outcome in _through(executor, parameters, chunks, request):
+                del left[number]
+                yield number, outcome
+        except BrokenExecutor as error:
+            _LOG.warning("the executor broke (%s): %d chunks are done here", error, len(left))
+    for number, scenes in left.items():
+        yield number, solve_chunk(parameters.columns(scenes), request, os.getpid())
 
 
-def _zone_columns(count: int, solved: dict[int, Solution]) -> dict[str, NDArray[np.generic]]:
-    """Return kind and outer radius of every zone, from the centre; 0 and NaN where is none."""
-    most = max((len(one.zones) for one in solved.values()), default=0)
-    kinds = np.zeros((count, most), dtype=np.int8)
-    outer = np.full((2, count, most), np.nan)
-    for i, solution in solved.items():
-        for k, zone in enumerate(solution.zones):
-            kinds[i, k] = _KINDS[zone.kind]
-            outer[:, i, k] = zone.outer, zone.outer_from_edge
-    return {"zone_kind": kinds, "zone_outer": outer[0], "zone_outer_from_edge": outer[1]}
+def _through(
+    executor: Executor,
+    parameters: SweepParameters,
+    chunks: Sequence[tuple[int, Indices]],
+    request: Request,
+) -> Generator[tuple[int, Outcome], None, None]:
+    """Keep the executor busy, and yield what it has done."""
+    running: dict[Future[Outcome], int] = {}
+    queue = iter(chunks)
+    try:
+        while True:
+            for number, scenes in queue:
+                columns: Columns = parameters.columns(scenes)
+                running[executor.submit(solve_chunk, columns, request, os.getpid())] = number
+                if len(running) >= _AHEAD:
+                    break
+            if not running:
+                return
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield running.pop(future), future.result()
+    finally:
+        for future in running:
+            future.cancel()

@@ -21,11 +21,10 @@ from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, Placed, nodes_needed
 from spectral_contact.sweeps.parameters import Columns, Indices
-from spectral_contact.sweeps.request import SCALARS, Request
-from spectral_contact.sweeps.shortcuts import Served
+from spectral_contact.sweeps.request import SCALARS, Request, Served
 
 if TYPE_CHECKING:
-    from spectral_contact.solving.run import FrictionOf
+    from spectral_contact.solving.uncoupled_run import FrictionOf
 
 __all__ = ["Solver", "between", "lines"]
 

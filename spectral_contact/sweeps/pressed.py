@@ -20,8 +20,7 @@ from spectral_contact.profiles import Profile
 from spectral_contact.solution import PROFILE_QUANTITIES, Solution
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, nodes_needed
 from spectral_contact.sweeps.parameters import PARAMETERS, Columns, Indices
-from spectral_contact.sweeps.request import Request
-from spectral_contact.sweeps.shortcuts import Served
+from spectral_contact.sweeps.request import Request, Served
 
 __all__ = ["CURVED", "PressedSolver", "along", "indentation_curves", "pressed_alone"]
 

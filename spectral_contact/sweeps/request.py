@@ -1,20 +1,31 @@
-"""What is asked of every scene of a sweep, checked once."""
+"""What is asked of every scene of a sweep, checked once, and what comes of it, row by row."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.inputs import checks
-from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES
+from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, Solution
 from spectral_contact.solving.planning import asked_quantities, checked_tolerance
+from spectral_contact.sweeps.parameters import Indices
 
-__all__ = ["ENDINGS", "FIELDS", "SCALARS", "Request", "requested"]
+__all__ = [
+    "ENDINGS",
+    "FIELDS",
+    "SCALARS",
+    "Outcome",
+    "Request",
+    "Rows",
+    "Served",
+    "outcome_of",
+    "requested",
+]
 
 Array = NDArray[np.float64]
 
@@ -26,6 +37,9 @@ _PROFILE_SCALARS: Final = (*PROFILE_QUANTITIES, *SCALARS[:3])
 FIELDS: Final = ("pressure", "traction", "slip")
 #: How a scene can end, by code: the endings of `solve` in small letters, and failure.
 ENDINGS: Final = ("converged", "unknowns", "rounding", "zones", "failed")
+_CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")
+#: Codes of the kinds of zones; 0 is none.
+_KINDS: Final = {"stick": 1, "slip": 2}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,3 +133,127 @@ def _radii(places: str, fields: list[str], s: Any, from_edge: Any) -> tuple[Arra
     if radii.ndim != 1 or radii.size == 0:
         raise SceneError(places, given, "a list of radii")
     return radii, distances
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Served:
+    """What the spectra know.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (scenes,)
+        Of which scenes.
+    values, errors : dict of str to ndarray
+        By quantity, of these scenes alone.
+    """
+
+    mask: NDArray[np.bool_]
+    values: dict[str, Array]
+    errors: dict[str, Array]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """What came of some scenes.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray, shape (scenes, ...)
+        By the name of a variable; NaN where there is no value.
+    endings : ndarray of int8, shape (scenes,)
+        Places in `ENDINGS`.
+    messages : dict of int to str
+        What is to be said of a scene of this chunk, if it did not converge.
+    """
+
+    values: dict[str, NDArray[np.generic]]
+    endings: NDArray[np.int8]
+    messages: dict[int, str] = field(default_factory=dict)
+
+
+def outcome_of(solution: Solution, request: Request) -> Outcome:
+    """Return what is asked of a scene that is solved."""
+    rows = Rows(1, request)
+    rows.take(0, solution)
+    return rows.outcome()
+
+
+class Rows:
+    """Results as they come, row by row."""
+
+    def __init__(self, count: int, request: Request) -> None:
+        self._request = request
+        self._endings = np.full(count, _FAILED, dtype=np.int8)
+        self._done = np.zeros(count, dtype=bool)
+        self._messages: dict[int, str] = {}
+        self._values: dict[str, NDArray[np.generic]] = {}
+        self._zones: dict[int, Solution] = {}
+        for name in request.quantities:
+            if name in FIELDS:
+                self._values[name] = np.full((count, len(request.s)), np.nan)
+            elif name != "zones":
+                self._values[name] = np.full(count, np.nan)
+            self._values[f"{name}_error"] = np.full(count, np.nan)
+
+    @property
+    def left(self) -> Indices:
+        """The scenes that need work."""
+        return np.flatnonzero(~self._done)
+
+    def take(self, i: int, solution: Solution) -> None:
+        """Keep what was asked of a solution."""
+        request = self._request
+        self._done[i] = True
+        self._endings[i] = ENDINGS.index(solution.ending.name.lower())
+        if solution.ending is not Ending.CONVERGED:
+            self._messages[i] = solution.ending.value
+        for name in request.quantities:
+            try:
+                value = getattr(solution, name)
+            except NotComputedError:  # a scene without friction has no slip and no ratios
+                continue
+            error = getattr(solution.error, name)
+            if error is not None:
+                self._values[f"{name}_error"][i] = error
+            if name in FIELDS:
+                self._values[name][i] = value(**{request.places: getattr(request, request.places)})
+            elif name == "zones":
+                self._zones[i] = solution
+            elif value is not None:
+                self._values[name][i] = value
+
+    def put(self, scenes: Indices, known: Served) -> None:
+        """Keep what is known of some scenes without a solve of their own."""
+        own = scenes[known.mask]
+        self._endings[own] = _CONVERGED
+        self._done[own] = True
+        for name in known.values:
+            self._values[name][own] = known.values[name]
+            self._values[f"{name}_error"][own] = known.errors[name]
+
+    def fail(self, i: int, error: Exception) -> None:
+        """Note that a scene could not be solved."""
+        self._endings[i] = _FAILED
+        text = " ".join(str(error).split())
+        self._messages[i] = f"{type(error).__name__}: {text}" if text else type(error).__name__
+        self._zones.pop(i, None)
+        for values in self._values.values():
+            values[i] = np.nan
+
+    def outcome(self) -> Outcome:
+        """Return everything."""
+        if "zones" in self._request.quantities:
+            self._values.update(_zone_columns(len(self._endings), self._zones))
+        return Outcome(self._values, self._endings, self._messages)
+
+
+def _zone_columns(count: int, solved: dict[int, Solution]) -> dict[str, NDArray[np.generic]]:
+    """Return kind and outer radius of every zone, from the centre; 0 and NaN where is none."""
+    most = max((len(one.zones) for one in solved.values()), default=0)
+    kinds = np.zeros((count, most), dtype=np.int8)
+    outer = np.full((2, count, most), np.nan)
+    for i, solution in solved.items():
+        for k, zone in enumerate(solution.zones):
+            kinds[i, k] = _KINDS[zone.kind]
+            outer[:, i, k] = zone.outer, zone.outer_from_edge
+    return {"zone_kind": kinds, "zone_outer": outer[0], "zone_outer_from_edge": outer[1]}

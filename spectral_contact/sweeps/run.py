@@ -18,9 +18,9 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
+from spectral_contact.sweeps.chunk import outcomes
 from spectral_contact.sweeps.curves import LEAST
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
-from spectral_contact.sweeps.execution import outcomes
 from spectral_contact.sweeps.parameters import (
     PARAMETERS,
     Indices,

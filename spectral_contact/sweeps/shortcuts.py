@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -10,9 +9,9 @@ from numpy.typing import NDArray
 
 from spectral_contact.sweeps.error_maps import certified_normal, certified_stick
 from spectral_contact.sweeps.parameters import Columns
-from spectral_contact.sweeps.request import Request
+from spectral_contact.sweeps.request import Request, Served
 
-__all__ = ["Served", "eligible", "served"]
+__all__ = ["eligible", "served"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,23 +23,6 @@ _STICKING: Final = frozenset({"total_shear", "stick_radius"})
 #: Below this compliance the layers are so thin that pointwise values need what `solve` does for
 #: them: an endpoint weight, a correction. Modes lose eps/sqrt(alpha), and now and then much more.
 _LEAST_POINTWISE: Final = 1e-6
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Served:
-    """What the spectra know.
-
-    Attributes
-    ----------
-    mask : ndarray of bool, shape (scenes,)
-        Of which scenes.
-    values, errors : dict of str to ndarray
-        By quantity, of these scenes alone.
-    """
-
-    mask: Mask
-    values: dict[str, Array]
-    errors: dict[str, Array]
 
 
 def eligible(columns: Columns, request: Request) -> Mask:

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import PANEL_WIDTH
 from spectral_contact.fields.legendre import legendre_rows
 from spectral_contact.spectral.annulus import transforms
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import sampled_series
+from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["NormalSpectrum", "StickSpectrum"]
 
@@ -52,7 +52,7 @@ class NormalSpectrum:
 
     def __init__(self, degree: int) -> None:
         self.panels = LogPanels(_PANELS, PANEL_WIDTH, degree)
-        space = disk_operators(self.panels).normal.space((degree,) * _PANELS)
+        space = unit_space(self.panels, (degree,) * _PANELS)
         self.values, self.modes = space.spectrum()
         #: ``int v_k s ds``
         self.moments = 2.0 * space.constant_moments @ self.modes[space.index]
@@ -86,12 +86,11 @@ class StickSpectrum:
     def __init__(self, degree: int) -> None:
         self.normal = NormalSpectrum(degree)
         self.panels = self.normal.panels
-        disk = disk_operators(self.panels)
-        space = disk.tangential.space((degree,) * _PANELS)
+        space = unit_space(self.panels, (degree,) * _PANELS, shear=True)
         self.values, self.modes = space.spectrum()
         own = self.modes[space.index]
         #: what a mode of the pressure demands of a mode of the traction, (tangential, normal)
-        self.coupling = own.T @ space.moments(self._targets(disk.nodes.d)).T
+        self.coupling = own.T @ space.moments(self._targets(space.y)).T
         self.shear = space.shear_moments @ self.modes
         tail = self.panels.tail_terms
         #: ``q/s`` of the modes at the edge: Legendre polynomials at -1

@@ -30,7 +30,7 @@ from spectral_contact.io.documents import (
     replace_file,
     reported,
 )
-from spectral_contact.sweeps.chunk import Outcome
+from spectral_contact.sweeps.request import Outcome
 
 __all__ = ["Store"]
 

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,8 +16,10 @@ from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
-from spectral_contact.view.physical import PhysicalSolution
 from spectral_contact.view.radii import graded_radii
+
+if TYPE_CHECKING:
+    from spectral_contact.view.physical import PhysicalSolution
 
 __all__ = [
     "FIELDS",

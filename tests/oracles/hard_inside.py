@@ -12,7 +12,7 @@ import numpy as np
 from spectral_contact.contact import resolution as first_spaces
 from spectral_contact.contact import zone_problem
 from spectral_contact.spectral import factored as factors
-from spectral_contact.spectral import galerkin
+from spectral_contact.spectral import regularised
 from spectral_contact.spectral.cache import clear_caches
 from spectral_contact.spectral.cholesky import Cholesky
 
@@ -47,7 +47,7 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
 def condition_numbers() -> Iterator[dict[str, float]]:
     """Collect the condition of the last scaled matrix of each kind that the solver factors."""
     found: dict[str, float] = {}
-    last: dict[str, galerkin.Factored] = {}
+    last: dict[str, regularised.Regularised] = {}
     pairs: list[np.ndarray] = []
     systems: list[factors.Factored] = []
 
@@ -57,10 +57,10 @@ def condition_numbers() -> Iterator[dict[str, float]]:
             pairs[:] = [matrix * scale * scale[:, None]]
             super().__init__(matrix)
 
-    class Recorded(galerkin.Factored):
+    class Recorded(regularised.Regularised):
         def __init__(self, space, compliance):
             super().__init__(space, compliance)
-            last["T" if space.operator.measure[1] else "N"] = self
+            last["T" if space.shear else "N"] = self
 
     class RecordedSystem(factors.Factored):
         def __init__(self, system, *, exact=True):
@@ -68,7 +68,7 @@ def condition_numbers() -> Iterator[dict[str, float]]:
             systems[:] = [self]
 
     with (
-        mock.patch.object(galerkin, "Factored", Recorded),
+        mock.patch.object(regularised, "Regularised", Recorded),
         mock.patch.object(factors, "Factored", RecordedSystem),
         mock.patch.object(factors, "Cholesky", RecordedCholesky),
     ):

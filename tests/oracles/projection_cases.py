@@ -12,6 +12,7 @@ from math import log, pi, sqrt
 import numpy as np
 
 from oracles.projection_oracle import Place, basis, entries, moments, mp, rows
+from oracles.whole_spaces import ordered
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
@@ -19,9 +20,9 @@ from spectral_contact.contact.resolution import load_vector
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.contact.zone_spaces import first_spaces, with_known_slip
 from spectral_contact.fields.series import EdgeWeight, Radius
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.spaces import unit_space
 
 TAIL = -1
 
@@ -51,10 +52,8 @@ class Case:
 @cache
 def solver_matrix(resolution: Resolution, kernel: str):
     """Return the Gram matrix of a space of the solver, and the functions it has, increasing."""
-    disk = disk_operators(resolution.panels)
-    operator = disk.normal if kernel == "K1" else disk.tangential
-    columns = np.sort(operator.space(resolution.degrees).index)
-    return operator.gram_of(disk.strips(columns)), columns
+    space = unit_space(resolution.panels, resolution.degrees, shear=kernel == "K2")
+    return ordered(space, space.gram), np.sort(space.index)
 
 
 def extremes(resolution: Resolution, number: int) -> tuple[int, int]:
@@ -92,24 +91,25 @@ def lift_case(resolution: Resolution, compliance: float, number: int) -> Case:
     The scale of the first column is the energy norm of what the lift leaves, that of the second
     is the lift's norm in ``s ds``.
     """
-    panels, disk = resolution.panels, disk_operators(resolution.panels)
+    panels = resolution.panels
     weight = EdgeWeight(4.0 / pi, WEIGHT_SHIFT * compliance)
     degrees = extremes(resolution, number)
     place = rows(panels, number, degrees)
-    space = disk.normal.space(resolution.degrees)
-    deficit = weight.deficit(disk.nodes.d)
+    space = unit_space(panels, resolution.degrees)
+    deficit = weight.deficit(space.y)
     gram, columns = solver_matrix(resolution, "K1")
     right = np.zeros(panels.size)
     right[space.index] = space.moments(deficit)
     load = load_vector(panels, lambda d: 0.5 * weight(d))
-    scale = np.sqrt(gram.diagonal()[np.searchsorted(columns, place)])
-    left = sqrt(float(disk.normal.weights @ deficit**2))
+    own = np.searchsorted(columns, place)
+    scale = np.sqrt(gram.diagonal()[own])
+    left = sqrt(float(space.measure @ deficit**2))
     norm = weight.amplitude * sqrt(log((1.0 + weight.shift) / weight.shift) / 2.0)
     doubles = {
         "K1": (right[place, None], scale, np.array([left])),
         "load": (
             load[place, None],
-            np.sqrt(disk.normal.mass.diagonal()[place]),
+            np.sqrt(ordered(space, space.mass).diagonal()[own]),
             np.array([norm]),
         ),
     }

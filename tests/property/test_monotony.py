@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from oracles.property_settings import few
 
 from spectral_contact import Scene, solve
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.testing.strategies import (
     frictionless_scenes,
     full_stick_scenes,
@@ -36,16 +36,16 @@ meshes = st.builds(
 @few
 @given(meshes, powers_of_ten(-10, 6), st.data())
 def test_projections_are_symmetric_and_definite(panels, compliance, data):
-    operator = data.draw(st.sampled_from(["normal", "tangential"]))
-    operator = getattr(disk_operators(panels), operator)
-    gram, mass = operator.gram, operator.mass
+    shear = data.draw(st.booleans())
+    space = unit_space(panels, (panels.degree,) * panels.panels, shear=shear)
+    gram, mass = space.gram, space.mass
     scale = 1 / np.sqrt(gram.diagonal())
     assert np.all(np.abs(gram - gram.T) * scale * scale[:, None] <= 1e-14)
     matrix = compliance * mass + gram
     scale = 1 / np.sqrt(matrix.diagonal())
     assert np.linalg.eigvalsh(matrix * scale * scale[:, None])[0] > 0
     degrees = tuple(data.draw(st.integers(0, panels.degree)) for _ in range(panels.panels))
-    operator.space(degrees).factor(compliance)  # raises unless it is positive definite
+    unit_space(panels, degrees, shear=shear).factor(compliance)  # raises if it is not
 
 
 @few
@@ -54,7 +54,7 @@ def test_the_approach_of_nested_spaces_decreases(compliance):
     panels = LogPanels(max(math.ceil((20 - math.log(compliance)) / 2), 2), 2.0, 10)
     approaches = []
     for degree in range(0, 10):
-        space = disk_operators(panels).normal.space((degree,) * panels.panels)
+        space = unit_space(panels, (degree,) * panels.panels)
         unit = space.factor(compliance).solve(2.0)
         moment = 2.0 * float(space.constant_moments @ unit[space.index])
         approaches.append(1.0 / (2.0 * math.pi * moment))

@@ -14,8 +14,8 @@ from numpy.testing import assert_array_equal
 from oracles.kept import Kept
 from oracles.projection_cases import TAIL, interior_slip, lift_case
 from oracles.projection_oracle import Piece, basis, entries, kernels, mp, rows
+from oracles.whole_spaces import ordered, whole_space
 
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels, Resolution
 
 TRUTHS = Kept("galerkin_entries", every=16)
@@ -60,6 +60,7 @@ def test_oracle_has_the_exact_eigenvalues():
 
 # --- the library against the oracle ---------------------------------------------------------------
 
+KINDS = "normal", "tangential"
 PLAIN = LogPanels(6, 2.0, 12)
 FINE = LogPanels(4, 2.0, 20)
 SINGULAR = LogPanels(3, 2.0, 8, power=-0.5)
@@ -92,12 +93,13 @@ def test_gram_entries(name):
     panels, first, first_degrees, second, second_degrees = SAMPLE[name]
     one = basis(panels, first, first_degrees)
     two = one if first == second else basis(panels, second, second_degrees)
-    disk = disk_operators(panels)
     index = rows(panels, first, first_degrees), rows(panels, second, second_degrees)
     truths = said(name, lambda: entries(one, two))
-    for operator, exact in zip((disk.normal, disk.tangential), truths, strict=True):
-        scale = np.sqrt(operator.gram.diagonal())
-        difference = operator.gram[np.ix_(*index)] - exact
+    for kind, exact in zip(KINDS, truths, strict=True):
+        space = whole_space(panels, kind)
+        gram = ordered(space, space.gram)
+        scale = np.sqrt(gram.diagonal())
+        difference = gram[np.ix_(*index)] - exact
         relative = difference / np.outer(scale[index[0]], scale[index[1]])
         assert np.abs(relative).max() <= 1e-14
 
@@ -110,9 +112,10 @@ def test_mass_entries(kind, number):
     degrees = (0, 1, last)
     piece = basis(panels, number, degrees)
     index = rows(panels, number, degrees)
-    disk = disk_operators(panels)
     # s ds = dd/2; the traction is s psi, hence one more s^2 = 1 - d
-    for mass, extra in ((disk.normal.mass, 0), (disk.tangential.mass, 1)):
+    for extra, one in enumerate(KINDS):
+        space = whole_space(panels, one)
+        mass = ordered(space, space.mass)
 
         def entry(k, m, extra=extra):
             def integrand(d):
@@ -132,8 +135,9 @@ def test_mass_entries(kind, number):
 def test_mass_is_block_diagonal():
     owner = np.minimum(np.arange(PLAIN.size) // (PLAIN.degree + 1), PLAIN.panels)
     apart = owner[:, None] != owner
-    disk = disk_operators(PLAIN)
-    for mass in (disk.normal.mass, disk.tangential.mass):
+    for kind in KINDS:
+        space = whole_space(PLAIN, kind)
+        mass = ordered(space, space.mass)
         assert_array_equal(mass[apart], 0.0)
         assert np.all(mass.diagonal() > 0.0)
 

@@ -16,7 +16,7 @@ from spectral_contact import (
     solve,
 )
 from spectral_contact import Scene as FullScene
-from spectral_contact.cli.commands import main
+from spectral_contact.__main__ import main
 
 PARABOLA = profiles.Parabola(1.0)
 NAMES = ("load", "approach", "total_shear", "stick_radius")

@@ -17,7 +17,7 @@ from spectral_contact import (
     profiles,
     solve,
 )
-from spectral_contact.view.explorer.look import texts_of
+from spectral_contact.view.explorer.state import texts_of
 
 pytest.importorskip("matplotlib", reason="part of the extra: plot")
 pytest.importorskip("xarray", reason="part of the extra: sweep")

@@ -68,7 +68,9 @@ def children(number):
 # --- Ctrl-C and TERM ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("module", ["numpy", "spectral_contact.cli", "spectral_contact.sweeps.run"])
+@pytest.mark.parametrize(
+    "module", ["numpy", "spectral_contact.cli.sweep", "spectral_contact.sweeps.run"]
+)
 def test_ctrl_c_while_it_imports_is_one_line(tmp_path, module):
     (tmp_path / "sitecustomize.py").write_text(SITE.format(name=module))
     reached = tmp_path / "reached"

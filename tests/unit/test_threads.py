@@ -15,14 +15,14 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import spectral_contact
 from spectral_contact import ConvergenceError, Scene, solve
-from spectral_contact.cli import commands as cli
+from spectral_contact import __main__ as cli
 from spectral_contact.precise import reference
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import chunk, sweep
 from spectral_contact.sweeps import run as sweep_run
 from spectral_contact.sweeps.parameters import listed
-from spectral_contact.sweeps.request import requested
+from spectral_contact.sweeps.request import Rows, requested
 from spectral_contact.threads import _Hold, one_thread
 
 SCENE = Scene(0.1, 0.5)
@@ -63,7 +63,7 @@ CALLS = {
         "_compare",
     ),
     "sweep": (lambda: sweep(SCENE, poisson_ratio=[0.1, 0.2]), sweep_run._SweepRun, "finish"),
-    "chunk": (solve_chunk, chunk._Rows, "take"),
+    "chunk": (solve_chunk, Rows, "take"),
     "command": (lambda: cli.main(["solve", "--poisson-ratio", "0.1"]), cli, "report"),
 }
 

@@ -26,8 +26,9 @@ sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 import browser
 
-from spectral_contact.view.explorer.look import KNOBS, look_at, texts_from
+from spectral_contact.view.explorer.look import look_at
 from spectral_contact.view.explorer.page import Page
+from spectral_contact.view.explorer.state import KNOBS, texts_from
 
 ROOT = Path(__file__).parents[2]
 #: What is moved, from where to where, in which scene.

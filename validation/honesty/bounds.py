@@ -16,8 +16,8 @@ from spectral_contact import __version__
 from spectral_contact.contact.resolution import series_of
 from spectral_contact.equations.bounds import approach_bounds
 from spectral_contact.fields.series import PressureField
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.spaces import unit_space
 
 RESULTS = Path(__file__).parents[1] / "results"
 DEGREES = range(1, 11)
@@ -27,7 +27,7 @@ COMPLIANCES = (0.5, 1e-2, 1e-4)
 def bracket(compliance: float, degree: int) -> tuple[float, float, int]:
     """Return both bounds from degree p, and the unknowns."""
     panels = LogPanels(math.ceil((30.0 - math.log(compliance)) / 2.0), 2.0, max(DEGREES))
-    space = disk_operators(panels).normal.space((degree,) * panels.panels)
+    space = unit_space(panels, (degree,) * panels.panels)
     unit = space.factor(compliance).solve(2.0)
     moment = 2.0 * float(space.constant_moments @ unit[space.index])
     approach = 1.0 / (2.0 * math.pi * moment)

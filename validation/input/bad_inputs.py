@@ -45,7 +45,7 @@ from bad_input_cases import (
 from bad_input_files import bad_arguments, file_case, path_case
 
 from spectral_contact import Scene, SceneError, __version__, solve
-from spectral_contact.cli import commands as cli
+from spectral_contact import __main__ as cli
 
 RESULTS = Path(__file__).parents[1] / "results"
 SECONDS = 10.0

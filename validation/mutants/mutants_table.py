@@ -389,7 +389,7 @@ MUTANTS = (
     ),
     Mutant(
         "a scene that fails in a sweep keeps its numbers",
-        f"{_PACKAGE}/sweeps/chunk.py",
+        f"{_PACKAGE}/sweeps/request.py",
         "            values[i] = np.nan\n",
         "            values[i] = 0.0\n",
         f"{_UNIT}/sweeps/test_sweep.py -k a_scene_that_fails",

@@ -29,8 +29,8 @@ from spectral_contact import Scene, __version__, solve
 from spectral_contact.contact.resolution import load_vector, series_of, starting_resolution
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
 from spectral_contact.fields.series import EdgeWeight
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.spaces import unit_space
 
 RESULTS = Path(__file__).parents[1] / "results"
 SCHEMA, VERSION = "spectral_contact.validation.naive", 1
@@ -140,8 +140,7 @@ def edge_rows() -> list[dict[str, Any]]:
     rows = []
     for compliance in EDGES:
         space_of = starting_resolution(-math.log(compliance), 1e-14)
-        disk = disk_operators(space_of.panels)
-        space = disk.normal.space(space_of.degrees)
+        space = unit_space(space_of.panels, space_of.degrees)
         factored = space.factor(compliance)
         weight = EdgeWeight(4.0 / np.pi, 4.0 / np.pi * compliance)
         load = load_vector(space_of.panels, lambda d, weight=weight: 0.5 * weight(d))
@@ -150,7 +149,7 @@ def edge_rows() -> list[dict[str, Any]]:
         ways: dict[str, Any] = {
             "plain": factored.solve(2.0, correct=False),
             "corrected": factored.solve(2.0),
-            "weight": factored.solve(weight.deficit(disk.nodes.d), load, correct=False),
+            "weight": factored.solve(weight.deficit(space.y), load, correct=False),
         }
         for name, unit in ways.items():
             lift = name == "weight"

@@ -11,7 +11,8 @@ from typing import Any, Final
 from spectral_contact.errors import SceneError, optional
 from spectral_contact.inputs.checks import whole
 from spectral_contact.scene import Scene
-from spectral_contact.view.explorer.look import Look, look_at, query_of, texts_from, texts_of
+from spectral_contact.view.explorer.look import Look, look_at
+from spectral_contact.view.explorer.state import query_of, texts_from, texts_of
 from spectral_contact.view.explorer.widgets import Controls, Figures, grid
 
 __all__ = ["ADDRESS", "Page", "explore", "serve"]

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from spectral_contact.profiles.control import CONTROLS, SHAPES
-from spectral_contact.view.explorer.look import FLAT, KNOBS, RTOL, Look
+from spectral_contact.view.explorer.state import FLAT, KNOBS, RTOL
 from spectral_contact.view.figures import BLACK, BLUE, GREEN, SLIP_GREY, VERMILION
+
+if TYPE_CHECKING:
+    from spectral_contact.view.explorer.look import Look
 
 __all__ = ["Controls", "Figures", "grid"]
 

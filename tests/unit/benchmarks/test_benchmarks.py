@@ -8,8 +8,8 @@ from importlib import resources
 import pytest
 
 from spectral_contact import SceneError, SolutionFileError, benchmarks
+from spectral_contact.__main__ import main
 from spectral_contact.benchmarks import loader
-from spectral_contact.cli import main
 
 DATA = resources.files("spectral_contact.benchmarks") / "data"
 

@@ -10,8 +10,8 @@ import pytest
 
 import spectral_contact
 from spectral_contact import ErrorEstimates, Scene, Solution, solve
-from spectral_contact.cli import commands as cli
-from spectral_contact.cli import main
+from spectral_contact import __main__ as cli
+from spectral_contact.__main__ import main
 from spectral_contact.cli.options import number
 from spectral_contact.inputs import units
 

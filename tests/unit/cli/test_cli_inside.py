@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, solve
-from spectral_contact.cli import main
+from spectral_contact.__main__ import main
 
 FRICTIONLESS = ("--friction", "none", "--normal-compliance", "0", "--poisson-ratio", "0.3")
 

@@ -3,7 +3,7 @@
 import pytest
 
 from spectral_contact import Scene, Solution, layers, profiles
-from spectral_contact.cli import main
+from spectral_contact.__main__ import main
 
 BALL = ("--profile", "parabola", "--radius", "1", "--approach", "0.2", "--rtol", "1e-4")
 POWER = ("--layer", "power-law", "--layer-coefficient", "5", "--layer-exponent", "2")

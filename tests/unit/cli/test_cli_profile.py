@@ -5,7 +5,7 @@ import math
 import pytest
 
 from spectral_contact import Scene, Solution, profiles
-from spectral_contact.cli import main
+from spectral_contact.__main__ import main
 
 
 def run(capsys, *options):

@@ -7,8 +7,8 @@ import peers
 import pytest
 
 from spectral_contact import Scene
-from spectral_contact.cli import commands as cli
-from spectral_contact.cli import main
+from spectral_contact import __main__ as cli
+from spectral_contact.__main__ import main
 from spectral_contact.cli import study as cli_study
 from spectral_contact.studies import OwnSolver, Stopwatch, convergence, load, work_precision
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SceneError, solve
-from spectral_contact.cli import main
+from spectral_contact.__main__ import main
 from spectral_contact.cli import sweep as cli_sweep
 from spectral_contact.sweeps import plot_slice, sweep
 from spectral_contact.sweeps.pictures import varying

@@ -15,7 +15,7 @@ from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.blocks import across, block
-from spectral_contact.spectral.graded import graded_nodes
+from spectral_contact.spectral.graded import smooth_nodes
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family
@@ -105,7 +105,7 @@ def test_known_functions_across_a_boundary_are_those_of_their_block():
 
 
 def test_smooth_nodes_integrate_and_are_their_own_samples():
-    nodes = graded_nodes(LogPanels(9, 2.0, 12), ())
+    nodes = smooth_nodes(LogPanels(9, 2.0, 12))
     assert nodes.samples is nodes.d
     for power in (0, 0.5, 1, 3):
         exact = 1.0 / (power + 1.0)

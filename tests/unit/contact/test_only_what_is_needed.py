@@ -12,7 +12,7 @@ import pytest
 
 from spectral_contact import Scene, cache_sizes, clear_caches, contact, solve
 from spectral_contact.contact import ratio
-from spectral_contact.spectral import galerkin
+from spectral_contact.spectral import spaces
 
 #: Every module of the contact, and those that each kind of scene may load: a module that is new
 #: is needed by nothing until it is listed, and a name that is gone is missed.
@@ -97,13 +97,13 @@ def imported_by(scene, rtol=1e-6, quantities=None):
 def assembled(monkeypatch):
     """Names of the operators assembled, in order, from empty caches on."""
     names = []
-    original = galerkin.DiskOperators._projected
+    original = spaces.Space.__init__
 
-    def spy(disk, density, measure):
-        names.append("tangential" if measure[1] else "normal")
-        return original(disk, density, measure)
+    def spy(space, parts, used, *, shear=False):
+        names.append("tangential" if shear else "normal")
+        original(space, parts, used, shear=shear)
 
-    monkeypatch.setattr(galerkin.DiskOperators, "_projected", spy)
+    monkeypatch.setattr(spaces.Space, "__init__", spy)
     clear_caches()
     yield names
     clear_caches()

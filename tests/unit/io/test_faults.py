@@ -27,7 +27,7 @@ from spectral_contact.paper.statements import Statement
 from spectral_contact.paper.tables import complete_csv
 from spectral_contact.studies import convergence
 from spectral_contact.sweeps import sweep
-from spectral_contact.sweeps.chunk import Outcome
+from spectral_contact.sweeps.request import Outcome
 from spectral_contact.sweeps.store import Store
 from spectral_contact.view import plotting
 from spectral_contact.view.report import write_csv

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SceneError, SolutionFileError, solve
-from spectral_contact.cli import main
+from spectral_contact.__main__ import main
 from spectral_contact.paper import (
     FIGURES,
     PARAMETERS,

@@ -18,7 +18,7 @@ from spectral_contact import (
     solve,
 )
 from spectral_contact.scene import same_problem
-from spectral_contact.studies.truth import truth_of
+from spectral_contact.studies.study import truth_of
 from spectral_contact.view.report import report
 
 COT = 1.0 / math.tan(1.1)

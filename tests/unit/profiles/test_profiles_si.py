@@ -14,7 +14,7 @@ from spectral_contact import (
     profiles,
     solve,
 )
-from spectral_contact.cli import main
+from spectral_contact.__main__ import main
 from spectral_contact.scene import PhysicalData
 from spectral_contact.view.report import report
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SolutionFileError
-from spectral_contact.sweeps import chunk, execution, sweep
+from spectral_contact.sweeps import chunk, sweep
 
 pytest.importorskip("xarray", reason="part of the extra: sweep")
 
@@ -57,7 +57,7 @@ class Watched(ThreadPoolExecutor):
 
 
 def test_chunks_are_handed_in_a_few_at_a_time(expected, monkeypatch):
-    monkeypatch.setattr(execution, "_AHEAD", 2)
+    monkeypatch.setattr(chunk, "_AHEAD", 2)
     with Watched() as pool:
         assert sweep(BASE, **ASKED, executor=pool).identical(expected)
     assert len(pool.futures) == 4
@@ -77,7 +77,7 @@ def test_chunks_that_have_not_begun_are_called_off(monkeypatch, tmp_path):
     def full(*_):
         raise SolutionFileError("store", "cannot be written (No space left on device)")
 
-    monkeypatch.setattr(execution, "solve_chunk", slow)
+    monkeypatch.setattr(chunk, "solve_chunk", slow)
     monkeypatch.setattr("spectral_contact.sweeps.run.Store.put", full)
     with ThreadPoolExecutor(1) as pool, pytest.raises(SolutionFileError, match="No space left"):
         sweep(BASE, **ASKED, executor=pool, store=tmp_path)

@@ -17,7 +17,7 @@ import pytest
 import spectral_contact
 from spectral_contact import Scene, SolutionFileError
 from spectral_contact.io import documents
-from spectral_contact.sweeps import execution, store, sweep
+from spectral_contact.sweeps import chunk, store, sweep
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 
@@ -28,14 +28,14 @@ SLEEPY = """
 import signal, sys, time
 import numpy as np
 from spectral_contact import Scene
-from spectral_contact.sweeps import execution, sweep
+from spectral_contact.sweeps import chunk, sweep
 signal.signal(signal.SIGINT, signal.default_int_handler)  # where it is ignored, as after nohup
-original, begun = execution.solve_chunk, []
+original, begun = chunk.solve_chunk, []
 def slow(*arguments):
     begun.append(1)
     time.sleep(60.0 if len(begun) > 3 else 0.05)  # there it waits to be stopped
     return original(*arguments)
-execution.solve_chunk = slow
+chunk.solve_chunk = slow
 {more}
 sweep(Scene(0.3, 0.5, 0.5, 0.1), normal_compliance=np.linspace(0.1, 1.0, 10),
       quantities=["approach", "zones"], chunk=2, store=sys.argv[1])
@@ -50,13 +50,13 @@ def files(folder):
 def solved(monkeypatch):
     """Numbers of scenes of the chunks that are solved."""
     counts = []
-    original = execution.solve_chunk
+    original = chunk.solve_chunk
 
     def counted(columns, *rest):
         counts.append(len(columns))
         return original(columns, *rest)
 
-    monkeypatch.setattr(execution, "solve_chunk", counted)
+    monkeypatch.setattr(chunk, "solve_chunk", counted)
     return counts
 
 

@@ -14,11 +14,10 @@ import pytest
 
 import spectral_contact as sc
 from spectral_contact import Scene, SceneError, profiles
-from spectral_contact.view.explorer.look import (
+from spectral_contact.view.explorer.look import Look, look_at
+from spectral_contact.view.explorer.state import (
     KNOBS,
-    Look,
     code_of,
-    look_at,
     query_of,
     scene_of,
     texts_from,

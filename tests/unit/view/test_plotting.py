@@ -324,7 +324,7 @@ def python(code):
 
 def test_importing_imports_no_matplotlib():
     python(
-        "import sys, spectral_contact, spectral_contact.cli, spectral_contact.view.plotting\n"
+        "import sys, spectral_contact, spectral_contact.__main__, spectral_contact.view.plotting\n"
         "assert not [name for name in sys.modules if name.startswith('matplotlib')]"
     )
 

@@ -1,123 +1,72 @@
-r"""Spaces for a pressure on a disk in several parts: panels graded to the breaks of a profile.
+r"""Galerkin projections of K1 and K2 on a disk.
 
-A part is a disk, or one half of an annulus, with panels in the logarithm of the distance to one of
-its ends (`Family`); the centre is such an end where a punch has a tip. Half-integrals between parts
-are those of `blocks`. A disk in one part is `galerkin`'s own space.
+With ``z = s**2`` the half-integral ``F(t) = 1/2 int_{t^2}^1 phi dz / sqrt(z - t^2)`` factors both
+kernels (docs/theory, Abel factorisation):
+
+    <phi, N psi> = (1/pi) int F_phi F_psi dt           (normal, phi in p)
+    <s phi, T s psi> = (1/pi) int t^2 F_phi F_psi dt   (tangential, q = s u, phi in u)
+
+so each matrix is a Gram matrix: symmetric and positive definite by construction, with no logarithm
+left to integrate. Spaces know nothing of compliance, friction or Poisson's ratio; by homogeneity
+they also serve a stick disk of any radius c, with ``compliance / c``.
+
+A disk is one part, with panels in the logarithm of the distance to its edge, or several, with
+panels graded to the breaks of a profile. Each is a disk, or one half of an annulus (`Family`); the
+centre is an end of one where a punch has a tip. Half-integrals between parts are those of `blocks`.
 """
 
 from __future__ import annotations
 
 from itertools import pairwise
 from math import pi
-from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, eigh
 
 from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.galerkin import disk_operators
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels, Used
 from spectral_contact.spectral.parts import Family, Parts
-from spectral_contact.spectral.regularised import Factorable, NodalSpace, Regularised
+from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
-__all__ = ["DiskSpace", "PartedSpace", "PressureSpace", "pressure_space"]
+__all__ = ["WHOLE", "Space", "disk_space", "unit_space"]
 
 Array = NDArray[np.float64]
 
-_SPACES: BoundedCache[tuple[Parts, tuple[Used, ...]], PressureSpace] = BoundedCache(
-    "spaces in parts", 8
-)
-_ORDERS: BoundedCache[tuple[Used, ...], _Order] = BoundedCache("orders of functions", 16)
+_SPACES: BoundedCache[tuple[Parts, tuple[Used, ...], bool], Space] = BoundedCache("spaces", 96)
+_ORDERS: BoundedCache[tuple[Used, ...], _Order] = BoundedCache("orders of functions", 96)
 
 
-class PressureSpace(Protocol):
-    """What a problem for the pressure asks of a space.
-
-    Attributes
-    ----------
-    t, y, weights : ndarray, shape (nodes,)
-        Nodes of the half-integral, ``1 - t**2`` without cancellation, and weights of ``dt``.
-    past : ndarray, shape (nodes,)
-        ``t**2 - b**2`` without cancellation for the last break b before t, 0 if there is none.
-    """
-
-    t: Array
-    y: Array
-    past: Array
-    weights: Array
-
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-
-    @property
-    def functions(self) -> Factorable:
-        """The functions with their matrices."""
-
-    def factor(self, compliance: float) -> Regularised[Any]:
-        """Factor the problem with a compliance."""
-
-    def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes."""
+#: A disk in one part.
+WHOLE = Parts((), pointed=False)
 
 
-class DiskSpace:
-    """A disk in one part.
+class Space(NodalSpace):
+    r"""Functions on a disk, in one part or in several.
 
-    Parameters
-    ----------
-    panels : LogPanels
-    degrees : tuple of int
-    """
-
-    def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
-        disk = disk_operators(panels)
-        self._space = disk.normal.space(degrees)
-        self.t: Array = np.sqrt(disk.nodes.rest)
-        self.y: Array = disk.nodes.d
-        self.past: Array = np.zeros(len(self.y))
-        self.weights: Array = disk.nodes.weights
-
-    @property
-    def unknowns(self) -> int:
-        """Number of unknowns."""
-        return self._space.unknowns
-
-    @property
-    def functions(self) -> Factorable:
-        """The functions with their matrices."""
-        return self._space
-
-    def factor(self, compliance: float) -> Regularised[Any]:
-        """Factor the problem with a compliance."""
-        return self._space.factor(compliance)
-
-    def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes."""
-        return self._space.half_integral(coefficients)
-
-
-class PartedSpace(NodalSpace):
-    """A disk in several parts.
+    Their inner products are those of K1, ``1/pi int F_phi F_psi dt``, with the mass
+    ``int phi psi s ds``; or those of K2 for tractions ``q = s u``, ``1/pi int t^2 F_phi F_psi dt``
+    with the mass ``int u v s**3 ds``.
 
     Parameters
     ----------
     parts : Parts
     used : tuple of (LogPanels, tuple of int)
         Panels of every part, and the degrees on them.
+    shear : bool
+        Those of K2.
     """
 
-    def __init__(self, parts: Parts, used: tuple[Used, ...]) -> None:
+    def __init__(self, parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> None:
         pairs = zip(parts.ends, used, strict=True)
         self._families = families = [Family(*end, panels) for end, (panels, _) in pairs]
-        self._used = used
+        self._used, self.shear = used, shear
         self._order = order = _ORDERS.get(used, lambda: _Order(used))
         self.size, self.panels = order.size, order.panels
         self.index, self.panel = order.places
@@ -129,16 +78,17 @@ class PartedSpace(NodalSpace):
             f.reach * n.rest if f.sign < 0 and f.reach == f.boundary.square else p.z
             for f, n, p in zip(families, nodes, points, strict=True)
         ]
-        self.t: Array = np.sqrt(np.concatenate(squares))
-        self.y: Array = np.concatenate([p.y for p in points])
-        self.past: Array = np.concatenate(
+        self.t = np.sqrt(np.concatenate(squares))
+        self.y = np.concatenate([p.y for p in points])
+        self.past = np.concatenate(
             [
                 np.zeros(len(p.offset)) if inner is CENTRE else -p.before(inner)
                 for p, inner in zip(points, parts.inner, strict=True)
             ]
         )
         extents = [f.reach * n.weights for f, n in zip(families, nodes, strict=True)]
-        self.weights: Array = np.concatenate(extents) / (2.0 * self.t)
+        self.weights = np.concatenate(extents) / (2.0 * self.t)
+        self.measure = self.weights / pi * (self.t**2 if shear else 1.0)
         self._ends = np.cumsum([len(n.d) for n in nodes])[:-1]
 
     @cached_property
@@ -157,30 +107,34 @@ class PartedSpace(NodalSpace):
 
     @cached_property
     def gram(self) -> Array:
-        """Gram matrix of the half-integrals."""
+        """Gram matrix of the half-integrals, in the order of `index`."""
         gram = np.zeros((self.unknowns,) * 2)
         columns = self._order.columns
-        weights = np.split(self.weights / pi, self._ends)
-        for seen, own in zip(self._seen, weights, strict=True):
+        for seen, own in zip(self._seen, np.split(self.measure, self._ends), strict=True):
             for k, j, sums in seen.gram(own):
                 gram[columns[k], columns[j]] += sums
-        place = self._order.place
-        return gram.take(place, axis=0).take(place, axis=1)
+        return self._order.of(gram)
 
     @cached_property
     def mass(self) -> Array:
-        """Mass matrix ``int phi psi s ds``."""
+        """Mass matrix, in the order of `index`."""
         halves = np.array([f.reach / 2.0 for f in self._families])
-        return np.asarray(halves[self._order.part][:, None] * self._order.masses)
+        squares = np.array([f.boundary.square for f in self._families])
+        rises = np.array([f.sign * f.reach for f in self._families])
+        part, order = self._order.part, self._order
+        if not self.shear:
+            return np.asarray(halves[part][:, None] * order.masses)
+        at, more = halves * squares, halves * rises
+        return np.asarray(at[part][:, None] * order.masses + more[part][:, None] * order.rising)
 
-    def moments(self, density: Array) -> Array:
-        """Return the inner products of the half-integrals with a density, in order of `index`."""
-        sums = np.zeros((self.unknowns, len(np.atleast_2d(density))))
-        weighted = np.atleast_2d(self.weights / pi * density).T
-        for seen, own in zip(self._seen, np.split(weighted, self._ends), strict=True):
+    def tested(self, weighted: Array) -> Array:
+        """Return the sums of the half-integrals times weighted values, in order of `index`."""
+        rows = np.atleast_2d(weighted).T
+        sums = np.zeros((self.unknowns, rows.shape[1]))
+        for seen, own in zip(self._seen, np.split(rows, self._ends), strict=True):
             for k, one in seen.tested(own):
                 sums[self._order.columns[k]] += one
-        return np.asarray(sums[self._order.place].T.reshape(*density.shape[:-1], -1))
+        return np.asarray(sums[self._order.place].T.reshape(*weighted.shape[:-1], -1))
 
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
@@ -189,9 +143,29 @@ class PartedSpace(NodalSpace):
         each = [values[one] for one in self._order.columns]
         return np.concatenate([seen.whole(each)[:, 0] for seen in self._seen])
 
+    def spectrum(self) -> tuple[Array, Array]:
+        """Return eigenvalues and modes: ``gram v = value mass v``, normalised by the mass.
+
+        They solve the problem for every compliance at once (docs/maps).
+
+        Returns
+        -------
+        values : ndarray, shape (unknowns,)
+            At least 0, increasing.
+        modes : ndarray, shape (size, unknowns)
+            Coefficients, zero outside the space.
+        """
+        # the mass of a panel falls like its width: with unit diagonal it is well conditioned
+        scale = 1.0 / np.sqrt(self.mass.diagonal())
+        square = np.outer(scale, scale)
+        values, vectors = eigh(self.gram * square, self.mass * square)
+        modes = np.zeros((self.size, len(values)))
+        modes[self.index] = vectors * scale[:, None]
+        return np.maximum(values, 0.0), modes
+
 
 class _Order:
-    """The functions on several parts, those of the coarser spaces first, as `galerkin.Space` does.
+    """The functions on all parts, those of the coarser spaces first.
 
     Attributes
     ----------
@@ -207,8 +181,6 @@ class _Order:
         Where they are in that order.
     part : ndarray of int
         Whose they are.
-    masses : ndarray
-        ``int phi psi dd`` for parts of unit extent.
     """
 
     def __init__(self, used: tuple[Used, ...]) -> None:
@@ -225,7 +197,8 @@ class _Order:
             shed = np.where(own < count, highest[own] - degree, 2 * (degree < highest[-1]))
             left.append(np.where((own < count) & (degree == 0), 2, np.minimum(shed, 2)))
             place.append(start + functions)
-            panel.append(first + np.minimum(own, count - 1))
+            # of one part the tail counts by itself
+            panel.append(first + np.minimum(own, count - (len(used) > 1)))
             part.append(np.full(len(functions), k))
             starts.append(starts[-1] + len(functions))
             start, first = start + panels.size, first + count
@@ -235,17 +208,35 @@ class _Order:
         self.columns = [slice(*ends) for ends in pairwise(starts)]
         self.places = np.concatenate(place)[self.place], np.concatenate(panel)[self.place]
         self.part = np.concatenate(part)[self.place]
-        masses = block_diag(*(unit_masses(*one)[0] for one in used))
-        self.masses: Array = masses.take(self.place, axis=0).take(self.place, axis=1)
+        self._used = used
+
+    def of(self, matrix: Array) -> Array:
+        """Return a matrix of functions part by part in this order."""
+        return matrix.take(self.place, axis=0).take(self.place, axis=1)
+
+    @cached_property
+    def masses(self) -> Array:
+        """``int phi psi dd`` for parts of unit extent."""
+        return self.of(block_diag(*(unit_masses(*one)[0] for one in self._used)))
+
+    @cached_property
+    def rising(self) -> Array:
+        """``int phi psi d dd``."""
+        return self.of(block_diag(*(unit_masses(*one)[1] for one in self._used)))
 
 
-def pressure_space(parts: Parts, used: tuple[Used, ...]) -> PressureSpace:
+def disk_space(parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> Space:
     """Return the space on these parts (cached where there are no breaks).
 
     Those of breaks are seldom the same, and what is kept of them are their blocks.
     """
 
-    def made() -> PressureSpace:
-        return DiskSpace(*used[0]) if len(used) == 1 else PartedSpace(parts, used)
+    def made() -> Space:
+        return Space(parts, used, shear=shear)
 
-    return made() if parts.breaks else _SPACES.get((parts, used), made)
+    return made() if parts.breaks else _SPACES.get((parts, used, shear), made)
+
+
+def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:
+    """Return the space on a disk in one part (cached)."""
+    return disk_space(WHOLE, ((panels, degrees),), shear=shear)

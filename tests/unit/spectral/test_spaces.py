@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
+from oracles.whole_spaces import half_integrals, ordered, whole_space
 from scipy import linalg, special
 
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.spectral.cache import BoundedCache, cache_sizes, clear_caches
-from spectral_contact.spectral.galerkin import DiskOperators, GalerkinOperator, disk_operators
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.spaces import WHOLE, Space, unit_space
 
 mp = MPContext()
 mp.dps = 30
@@ -52,20 +53,20 @@ def basis_values(panels, d):
 @MESHES
 @KINDS
 def test_gram_is_symmetric_and_positive_definite(panels, kind):
-    operator = getattr(disk_operators(panels), kind)
-    assert_array_equal(operator.gram, operator.gram.T)
-    scale = 1 / np.sqrt(operator.gram.diagonal())
-    assert np.linalg.eigvalsh(operator.gram * scale * scale[:, None])[0] > 1e-8
+    gram = whole_space(panels, kind).gram
+    assert_array_equal(gram, gram.T)
+    scale = 1 / np.sqrt(gram.diagonal())
+    assert np.linalg.eigvalsh(gram * scale * scale[:, None])[0] > 1e-8
 
 
 @MESHES
 @KINDS
 def test_gram_is_the_product_of_half_integrals(panels, kind):
-    operator = getattr(disk_operators(panels), kind)
-    h, w = operator.disk.half_integral, operator.weights
-    scale = np.sqrt(operator.gram.diagonal())
+    space = whole_space(panels, kind)
+    h, w, gram = half_integrals(space), space.measure, ordered(space, space.gram)
+    scale = np.sqrt(gram.diagonal())
     product = h.T @ (w[:, None] * h)
-    assert (np.abs(product - operator.gram) / np.outer(scale, scale)).max() < 3e-15
+    assert (np.abs(product - gram) / np.outer(scale, scale)).max() < 3e-15
 
 
 @pytest.mark.parametrize("degree", [1, 2, 4, 8, 12, 16, 20])
@@ -81,8 +82,8 @@ def test_quadrature_is_converged_for_every_entry(kind, power, root, degree):
             np.arange(4 * (many.degree + 1), many.size),
         ]
     )
-    gram = getattr(DiskOperators(few), kind).gram
-    finer = getattr(DiskOperators(many), kind).gram[np.ix_(shared, shared)]
+    gram, finer = (ordered(one, one.gram) for one in (whole_space(p, kind) for p in (few, many)))
+    finer = finer[np.ix_(shared, shared)]
     scale = np.sqrt(finer.diagonal())
     assert (np.abs(gram - finer) / np.outer(scale, scale)).max() < 3e-14
 
@@ -90,24 +91,24 @@ def test_quadrature_is_converged_for_every_entry(kind, power, root, degree):
 @MESHES
 def test_half_integrals_of_the_constant(panels):
     # 1/2 int dz / sqrt(z - t^2) = sqrt(d); with the weight 1/sqrt(d) it is pi/2
-    disk = disk_operators(panels)
-    exact = np.pi / 2 if panels.power else np.sqrt(disk.nodes.d)
-    found = disk.half_integral @ constant(panels)
+    space = whole_space(panels)
+    exact = np.pi / 2 if panels.power else np.sqrt(space.y)
+    found = space.half_integral(constant(panels))
     # in the mean: next to the tail the rounding of d stands under a root
-    assert disk.nodes.weights @ np.abs(found / exact - 1) < 2e-15
+    assert space.weights @ np.abs(found / exact - 1) < 2e-15
     assert np.abs(found / exact - 1).max() < 1e-11
 
 
 @MESHES
 @KINDS
 def test_energy_of_the_constant(panels, kind):
-    disk = disk_operators(panels)
+    space = whole_space(panels, kind)
     # (1/pi) int F^2 t^(0 or 2) dt with F = sqrt(1 - t^2) or pi/2
     fields = {("normal", 0): 2 / 3, ("tangential", 0): 2 / 15}
     weighted = {("normal", 1): np.pi**2 / 4, ("tangential", 1): np.pi**2 / 12}
     exact = (fields | weighted)[kind, int(panels.power != 0)] / np.pi
     ones = constant(panels)
-    assert_allclose(ones @ getattr(disk, kind).gram @ ones, exact, rtol=3e-15)
+    assert_allclose(ones @ ordered(space, space.gram) @ ones, exact, rtol=3e-15)
 
 
 def eigenvalue(degree, order):
@@ -120,14 +121,14 @@ def eigenvalue(degree, order):
 def test_eigenvalues_are_the_exact_ones(kind, root):
     # N[u] = lambda sqrt(y) u for u = P_l(sqrt y)/sqrt(y), and T[s u] likewise with P_l^1
     panels = LogPanels(16, 2.0, 20, -0.5, root)
-    disk = disk_operators(panels)
-    values = basis_values(panels, disk.nodes.d)
+    space = whole_space(panels, kind)
+    values = basis_values(panels, space.y)
     order = int(kind == "tangential")
     # int phi psi sqrt(y) s^(1 or 3) ds, with ds = dt on the nodes
-    density = disk.nodes.weights * np.sqrt(disk.nodes.d) * disk.nodes.rest ** (order + 0.5)
+    density = space.weights * np.sqrt(space.y) * space.t ** (2 * order + 1)
     mass = values.T @ (density[:, None] * values)
     scale = 1 / np.sqrt(mass.diagonal())
-    gram = getattr(disk, kind).gram
+    gram = ordered(space, space.gram)
     found = linalg.eigvalsh(gram * scale * scale[:, None], mass * scale * scale[:, None])[::-1]
     exact = [eigenvalue(2 * k + order, order) for k in range(7)]
     assert_allclose(found[:7], exact, rtol=2e-14)
@@ -135,17 +136,14 @@ def test_eigenvalues_are_the_exact_ones(kind, root):
 
 @MESHES
 def test_weights_integrate_over_the_radius(panels):
-    disk = disk_operators(panels)
-    assert_allclose(disk.normal.weights.sum() * np.pi, 1.0, rtol=3e-15)
-    assert_allclose(disk.tangential.weights.sum() * np.pi, 1 / 3, rtol=3e-15)
+    for kind, exact in (("normal", 1.0), ("tangential", 1 / 3)):
+        assert_allclose(whole_space(panels, kind).measure.sum() * np.pi, exact, rtol=3e-15)
 
 
 @MESHES
 def test_shear_moments(panels):
     # 2 pi int s u s ds = pi int u sqrt(1 - d) dd
-    moments = (
-        disk_operators(panels).tangential.space((panels.degree,) * panels.panels).shear_moments
-    )
+    moments = whole_space(panels, "tangential").shear_moments
     exact = np.pi * special.beta(1 + panels.power, 1.5)
     assert_allclose(moments @ constant(panels), exact, rtol=3e-15)
     end = mp.exp(-mp.mpf(panels.width))
@@ -162,7 +160,7 @@ def test_shear_moments(panels):
 
 def test_weighted_functions_have_no_mass():
     # 1/sqrt(y) is not square integrable: such panels serve zero compliance alone
-    assert not np.any(disk_operators(LogPanels(4, 2.0, 8, power=-0.5)).normal.mass)
+    assert not np.any(whole_space(LogPanels(4, 2.0, 8, power=-0.5)).mass)
 
 
 # --- spaces ---------------------------------------------------------------------------------------
@@ -170,7 +168,7 @@ def test_weighted_functions_have_no_mass():
 
 def test_a_space_chooses_degrees():
     panels = LogPanels(4, 2.0, 6)
-    space = disk_operators(panels).normal.space((6, 3, 1, 0))
+    space = unit_space(panels, (6, 3, 1, 0))
     expected = [*range(7), *range(7, 11), 14, 15, 21, *range(28, 31)]
     assert space.unknowns == len(expected)
     assert sorted(space.index.tolist()) == expected
@@ -180,25 +178,22 @@ def test_a_space_chooses_degrees():
 
 
 def dense(space, compliance):
-    operator = space.operator
-    grid = np.ix_(space.index, space.index)
-    return operator.gram[grid] + compliance * operator.mass[grid]
+    return space.gram + compliance * space.mass
 
 
 def moments(space, target):
-    operator = space.operator
-    return (operator.disk.half_integral[:, space.index].T * operator.weights) @ target
+    return (half_integrals(space)[:, space.index].T * space.measure) @ target
 
 
 DEGREES = (8, 7, 6, 6, 4, 2)
 
 
 def some_space(kind="normal"):
-    return getattr(disk_operators(LogPanels(6, 2.0, 8)), kind).space(DEGREES)
+    return unit_space(LogPanels(6, 2.0, 8), DEGREES, shear=kind == "tangential")
 
 
 def some_targets():
-    d = disk_operators(LogPanels(6, 2.0, 8)).nodes.d
+    d = some_space().y
     return np.stack([np.full(len(d), 2.0), d, np.cos(3 * d)], axis=1)
 
 
@@ -211,7 +206,7 @@ def test_solve_is_the_regularised_least_squares_problem(kind, compliance):
     space, targets = some_space(kind), some_targets()
     matrix = dense(space, compliance)
     solution = space.factor(compliance).solve(targets[:, 0])
-    assert solution.shape == (space.operator.panels.size,)
+    assert solution.shape == (space.size,)
     expected = np.linalg.solve(matrix, moments(space, targets[:, 0]))
     scale = np.sqrt(matrix.diagonal())
     difference = scale * (solution[space.index] - expected)
@@ -226,10 +221,10 @@ def test_solve_is_the_regularised_least_squares_problem(kind, compliance):
 @pytest.mark.parametrize("lifted", [False, True])
 def test_many_columns_are_many_solves(kind, compliance, lifted):
     space, targets = some_space(kind), some_targets()
-    load = np.cos(np.arange(space.operator.panels.size)) if lifted else None
+    load = np.cos(np.arange(space.size)) if lifted else None
     factored = space.factor(compliance)
     together = factored.solve(targets, load)
-    assert together.shape == (space.operator.panels.size, 3)
+    assert together.shape == (space.size, 3)
     for column, target in zip(together.T, targets.T, strict=True):
         alone = factored.solve(target, load)
         assert_allclose(column, alone, rtol=0, atol=1e-11 * np.abs(alone).max())
@@ -239,7 +234,7 @@ def test_many_columns_are_many_solves(kind, compliance, lifted):
 def test_the_load_of_a_lift(compliance):
     # (c M + K) a = H^T W target - c load
     space, target = some_space(), some_targets()[:, 1]
-    load = 1e-3 / (1 + np.arange(space.operator.panels.size))
+    load = 1e-3 / (1 + np.arange(space.size))
     solution = space.factor(compliance).solve(target, load)[space.index]
     matrix = dense(space, compliance)
     right = moments(space, target) - compliance * load[space.index]
@@ -252,8 +247,8 @@ def test_the_load_of_a_lift(compliance):
 def test_very_compliant_layers_are_winkler_foundations():
     # alpha p = delta, with relative corrections of 1/alpha
     panels = LogPanels(6, 2.0, 8)
-    space = disk_operators(panels).normal.space((8,) * 6)
-    solution = space.factor(1e14).solve(np.full(len(disk_operators(panels).nodes.d), 2.0))
+    space = whole_space(panels)
+    solution = space.factor(1e14).solve(np.full(len(space.y), 2.0))
     d = np.geomspace(1e-9, 1, 50)
     assert_allclose(1e14 * series(panels, solution)(d), 1.0, rtol=3e-14)
 
@@ -267,31 +262,30 @@ REFERENCE = {  # theory, table 7: delta and p(1)
 @pytest.mark.parametrize("alpha", REFERENCE)
 def test_normal_contact_by_hand(alpha):
     panels = LogPanels(18, 2.0, 16)
-    disk = disk_operators(panels)
-    space = disk.normal.space((16,) * 18)
-    unit = space.factor(alpha).solve(np.full(len(disk.nodes.d), 2.0))
-    load = 4 * disk.nodes.weights @ (disk.half_integral @ unit)  # 2 pi int p s ds
+    space = whole_space(panels)
+    unit = space.factor(alpha).solve(np.full(len(space.y), 2.0))
+    load = 4 * space.weights @ space.half_integral(unit)  # 2 pi int p s ds
     approach, pressure = 1 / load, unit / load
     edge = series(panels, pressure).limit
     exact_approach, exact_edge = REFERENCE[alpha]
     assert_allclose(approach, exact_approach, rtol=3e-15)
     assert_allclose(edge, exact_edge, rtol=3e-14)
     # 2 pi alpha p(1)^2 = delta + alpha d delta/d alpha, d delta/d alpha = 2 pi int p^2 s ds
-    slope = 2 * np.pi * pressure @ disk.normal.mass @ pressure
+    slope = 2 * np.pi * pressure @ ordered(space, space.mass) @ pressure
     assert_allclose(2 * np.pi * alpha * edge**2, approach + alpha * slope, rtol=3e-14)
 
 
 @pytest.mark.parametrize("alpha", [1e-12, 1e-9])
 def test_the_correction_saves_the_edge_where_the_layer_is_stiff(alpha):
     panels = LogPanels(30, 2.0, 16)
-    disk = disk_operators(panels)
-    factored = disk.normal.space((16,) * 30).factor(alpha)
+    space = whole_space(panels)
+    factored, mass = space.factor(alpha), ordered(space, space.mass)
     errors = []
     for correct in (True, False):
-        unit = factored.solve(np.full(len(disk.nodes.d), 2.0), correct=correct)
-        pressure = unit / (4 * disk.nodes.weights @ (disk.half_integral @ unit))
-        slope = 2 * np.pi * pressure @ disk.normal.mass @ pressure
-        approach = 1 / (4 * disk.nodes.weights @ (disk.half_integral @ unit))
+        unit = factored.solve(np.full(len(space.y), 2.0), correct=correct)
+        approach = 1 / (4 * space.weights @ space.half_integral(unit))
+        pressure = unit * approach
+        slope = 2 * np.pi * pressure @ mass @ pressure
         edge = series(panels, pressure).limit
         errors.append(abs(2 * np.pi * alpha * edge**2 / (approach + alpha * slope) - 1))
         if alpha == 1e-12 and correct:
@@ -303,21 +297,19 @@ def test_the_correction_saves_the_edge_where_the_layer_is_stiff(alpha):
 
 @pytest.mark.parametrize("alpha", [1e-2, 0.5])
 def test_the_approach_falls_as_the_space_grows(alpha):
-    disk = disk_operators(LogPanels(10, 2.0, 12))
-    target = np.full(len(disk.nodes.d), 2.0)
     found = []
     for degree in (0, 1, 2, 3, 4):
-        unit = disk.normal.space((degree,) * 10).factor(alpha).solve(target)
-        found.append(1 / (4 * disk.nodes.weights @ (disk.half_integral @ unit)))
+        space = unit_space(LogPanels(10, 2.0, 12), (degree,) * 10)
+        unit = space.factor(alpha).solve(np.full(len(space.y), 2.0))
+        found.append(1 / (4 * space.weights @ space.half_integral(unit)))
     assert np.all(np.diff(found) < 0)
 
 
 def test_an_indefinite_matrix_is_refused():
-    disk = disk_operators(LogPanels(2, 1.0, 3))
-    operator = GalerkinOperator(disk, disk.normal.weights, (0.5, 0.0))
-    operator.mass_of = lambda columns: 1e3 * (1 - np.eye(len(columns)))
+    space = Space(WHOLE, ((LogPanels(2, 1.0, 3), (3, 3)),))
+    space.mass = 1e3 * (1 - np.eye(space.unknowns))
     with pytest.raises(ArithmeticError, match="not positive definite at pivot 2"):
-        operator.space((3, 3)).factor(1.0)
+        space.factor(1.0)
 
 
 # --- the change to the coarser space --------------------------------------------------------------
@@ -328,8 +320,8 @@ def test_an_indefinite_matrix_is_refused():
 @pytest.mark.parametrize("degrees", [DEGREES, (8,) * 6, (3, 2, 1, 0, 0, 1)])
 @pytest.mark.parametrize("shed", [2, 1])
 def test_change_is_the_difference_to_the_coarser_solution(kind, compliance, degrees, shed):
-    operator = getattr(disk_operators(LogPanels(6, 2.0, 8)), kind)
-    space, target = operator.space(degrees), some_targets()[:, 2]
+    space = unit_space(LogPanels(6, 2.0, 8), degrees, shear=kind == "tangential")
+    target = np.cos(3 * space.y)
     factored = space.factor(compliance)
     solution = factored.solve(target)
     change = factored.change(solution, degrees=shed)
@@ -344,8 +336,8 @@ def test_change_is_the_difference_to_the_coarser_solution(kind, compliance, degr
 
 
 def test_a_panel_sheds_its_highest_degrees_and_the_tail_one_function():
-    space = disk_operators(LogPanels(4, 2.0, 5)).normal.space((5, 2, 1, 0))
-    terms, size = 6, space.operator.panels.size
+    space = unit_space(LogPanels(4, 2.0, 5), (5, 2, 1, 0))
+    terms, size = 6, space.size
     both = {4, 5, terms + 1, terms + 2, 2 * terms + 1, size - 1}
     assert set(space.index[space.kept :]) == both
     assert set(space.index[space.kept_but_one :]) == both - {4, terms + 1}
@@ -364,9 +356,9 @@ def test_energies_of_the_change_are_by_panel():
 def test_change_keeps_its_digits_where_the_difference_has_none():
     # converged to rounding: the two solutions agree to 1e-15, and the change is still known
     panels = LogPanels(14, 2.0, 16)
-    disk = disk_operators(panels)
-    factored = disk.normal.space((16,) * 14).factor(0.5)
-    solution = factored.solve(np.full(len(disk.nodes.d), 2.0))
+    space = whole_space(panels)
+    factored = space.factor(0.5)
+    solution = factored.solve(np.full(len(space.y), 2.0))
     change = factored.change(solution)
     shed = np.abs(change.coefficients).max()
     assert 0 < shed < 1e-11 * np.abs(solution).max()
@@ -375,38 +367,35 @@ def test_change_keeps_its_digits_where_the_difference_has_none():
 # --- caches ---------------------------------------------------------------------------------------
 
 
-def test_operators_and_spaces_are_assembled_once():
-    panels = LogPanels(3, 2.0, 5)
-    disk = disk_operators(panels)
-    assert disk_operators(LogPanels(3, 2.0, 5)) is disk
-    assert disk.normal is disk.normal
-    assert disk.normal.space((5, 4, 3)) is disk.normal.space((5, 4, 3))
-    assert disk.normal.space((5, 4, 3)) is not disk.normal.space((5, 4, 2))
-    assert disk_operators(LogPanels(3, 2.0, 5, root_tail=True)) is not disk
+def test_spaces_are_assembled_once():
+    space = unit_space(LogPanels(3, 2.0, 5), (5, 4, 3))
+    assert unit_space(LogPanels(3, 2.0, 5), (5, 4, 3)) is space
+    assert unit_space(LogPanels(3, 2.0, 5), (5, 4, 3), shear=True) is not space
+    assert unit_space(LogPanels(3, 2.0, 5), (5, 4, 2)) is not space
+    assert unit_space(LogPanels(3, 2.0, 5, root_tail=True), (5, 4, 3)) is not space
 
 
-def test_clearing_forgets_the_operators_but_breaks_none():
+def test_clearing_forgets_the_spaces_but_breaks_none():
     panels = LogPanels(3, 2.0, 5)
-    disk = disk_operators(panels)
-    gram = disk.normal.gram.copy()
-    disk.normal.space((5, 4, 3))
+    space = whole_space(panels)
+    gram = space.gram.copy()
     sizes = cache_sizes()
-    assert sizes["disk operators"] >= 1
-    assert sizes["Galerkin spaces"] >= 1
+    assert sizes["spaces"] >= 1
+    assert sizes["half-integrals"] >= 1
     clear_caches()
-    assert set(cache_sizes()) >= {"disk operators", "Galerkin spaces"}
+    assert set(cache_sizes()) >= {"spaces", "half-integrals"}
     assert not any(cache_sizes().values())
-    again = disk_operators(panels)
-    assert again is not disk
-    assert_array_equal(again.normal.gram, gram)
-    assert_array_equal(disk.normal.gram, gram)
+    again = whole_space(panels)
+    assert again is not space
+    assert_array_equal(again.gram, gram)
+    assert_array_equal(space.gram, gram)
 
 
-def test_the_cache_of_operators_is_bounded():
+def test_the_cache_of_spaces_is_bounded():
     clear_caches()
-    for n in range(1, 41):
-        disk_operators(LogPanels(1, 0.1 * n, 1))
-    assert 1 <= cache_sizes()["disk operators"] < 40
+    for n in range(1, 121):
+        unit_space(LogPanels(1, 0.1 * n, 1), (1,))
+    assert 1 <= cache_sizes()["spaces"] < 120
 
 
 def test_the_least_recently_used_entry_goes():
@@ -492,9 +481,8 @@ def test_threads_solve_alike():
 
     def work():
         start.wait()
-        disk = disk_operators(LogPanels(5, 2.0, 10))
-        space = disk.normal.space((10,) * 5)
-        results.append(space.factor(0.5).solve(np.full(len(disk.nodes.d), 2.0)))
+        space = unit_space(LogPanels(5, 2.0, 10), (10,) * 5)
+        results.append(space.factor(0.5).solve(np.full(len(space.y), 2.0)))
 
     threads = [threading.Thread(target=work) for _ in range(4)]
     for thread in threads:
@@ -507,5 +495,5 @@ def test_threads_solve_alike():
 
 
 def test_assembly_itself_is_repeatable():
-    panels = LogPanels(3, 2.0, 5)
-    assert_array_equal(DiskOperators(panels).normal.gram, DiskOperators(panels).normal.gram)
+    first, second = (Space(WHOLE, ((LogPanels(3, 2.0, 5), (5, 4, 3)),)) for _ in range(2))
+    assert_array_equal(first.gram, second.gram)

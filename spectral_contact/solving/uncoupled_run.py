@@ -1,0 +1,83 @@
+"""One solve in the paper's model: partial slip under a pressure that is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from spectral_contact.solution import PARTIAL_SLIP
+from spectral_contact.solving.run import Run
+from spectral_contact.solving.sharing import ZonePath, place_of
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
+    from spectral_contact.contact.ratio import FullStick
+
+__all__ = ["FrictionOf", "UncoupledRun"]
+
+
+@dataclass(frozen=True, slots=True)
+class FrictionOf:
+    """The friction that a stick disk has, and the shear that goes with it.
+
+    Attributes
+    ----------
+    friction, total_shear : float
+    friction_error, shear_error : float
+        Estimates of relative errors.
+    """
+
+    friction: float
+    friction_error: float
+    total_shear: float
+    shear_error: float
+
+
+class UncoupledRun(Run):
+    """The steps of a plan without elastic coupling; parameters are those of `Run`."""
+
+    def given_radius(self, logit: float) -> FrictionOf | None:
+        """Return the friction with which there is one stick disk of this radius.
+
+        That of the scene does not count. None if there is none, or the friction law does not hold,
+        or the tolerance is not met, or the traction is not positive: then alone the law holds
+        between two frictions at which it does (docs/internals).
+        """
+        from spectral_contact.contact.given_radius import solve_given_radius
+        from spectral_contact.contact.slip_outcome import one_disk_outcome
+        from spectral_contact.contact.stick_radius import NoStickDiskError
+
+        contact = self._normal({step.name: step.state for step in self.plan.steps})
+        drive, beta = self.drive(contact), self.scene.tangential_compliance
+        try:
+            disk = solve_given_radius(drive, beta, logit, self.rtol, self.max_unknowns).best.value
+        except NoStickDiskError:
+            return None
+        outcome = one_disk_outcome(drive, disk, beta, disk.friction, self.rtol)
+        assert disk.traction.series is not None
+        positive = bool((disk.traction.series.at_ends() >= 0.0).all())
+        if not (outcome.settled and positive) or disk.shear_error > self.rtol:
+            return None
+        kappa = self.scene.kappa
+        return FrictionOf(
+            kappa * disk.friction, disk.shift, kappa * disk.total_shear, disk.shear_error
+        )
+
+    def slipping(self, drive: Drive, stick: FullStick) -> None:
+        """Find the zones."""
+        from spectral_contact.contact.zone_search import DrivenSearch
+
+        parameters = self.parameters
+        path, place = self.shared.get(PARTIAL_SLIP, (), ZonePath), place_of(parameters)
+        solved = DrivenSearch(
+            parameters,
+            stick,
+            self.rtol,
+            self.max_unknowns,
+            self.record,
+            drive,
+            near=path.near(place),
+            pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
+        ).outcome()
+        path.add(place, solved.layout)
+        self.take(solved, self.scene.kappa)
