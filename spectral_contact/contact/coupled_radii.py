@@ -51,8 +51,8 @@ class PossibleRadius:
 
     @property
     def possible(self) -> bool:
-        """Whether it may be a contact, as far as the space tells; its slip is not looked at."""
-        return self.positive and self.excess <= PROBE
+        """Whether it may be a contact; the sense of its slip is not looked at."""
+        return self.positive and self.excess <= PROBE  # no smaller one is told
 
 
 def stick_radii(

@@ -17,7 +17,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.one_disk import OneDisk, OneDiskProblem
 from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.resolution import ROUNDING, series_of
 from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import Resolution
@@ -44,7 +44,7 @@ class _GivenRadius(OneDiskProblem):
         radius = Radius.from_logit(self.logit)
         factored, drives = self.factored(resolution, radius), [self.drive] * 2
         frictions: Array = np.array([0.0, 1.0])
-        none, full = self.at(drives, resolution, radius, factored, self.quadrature, frictions)
+        none, full = self.at(drives, resolution, radius, factored, ROUNDING, frictions)
         rise = none.mismatch - full.mismatch
         if not (none.mismatch > 0.0 and rise > 0.0):
             raise NoStickDiskError(at_centre=False)
@@ -70,9 +70,7 @@ class _GivenRadius(OneDiskProblem):
         drives, frictions = [self.drive, self.drive], [friction, 0.0]
         if change is not None:
             drives, frictions = [*drives, change], [*frictions, friction]
-        own, none, *moved = self.at(
-            drives, space, radius, factors, self.quadrature, np.array(frictions)
-        )
+        own, none, *moved = self.at(drives, space, radius, factors, ROUNDING, np.array(frictions))
         rise = [one.mismatch for one in moved] or [np.nan]
         rise += [np.nan, (own.mismatch - none.mismatch) / friction]
         if self.beta > 0.0:
@@ -81,8 +79,7 @@ class _GivenRadius(OneDiskProblem):
             by_beta = factors.solve(0.0, load)
             rise[1] = series_of(space.panels, by_beta).limit / own.unit
         ends = [
-            self._trial(space, self.logit + step, self.quadrature).mismatch
-            for step in (-_STEP, _STEP)
+            self._trial(space, self.logit + step, ROUNDING).mismatch for step in (-_STEP, _STEP)
         ]
         return np.array(rise), (ends[1] - ends[0]) / (2.0 * _STEP)
 

@@ -29,11 +29,15 @@ from spectral_contact.contact.layout import SolvedZones
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
+    CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
     LEAST_RATE,
+    PROBE,
+    ROUGH,
     ROUNDING,
     SAFETY,
     TRACTION_ROUNDING,
+    TRIFLING,
     boundary_error,
     decay_rates,
     expected_error,
@@ -47,7 +51,6 @@ from spectral_contact.contact.slip_displacement import Stuck, largest_displaceme
 from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
     LEAST_LOGIT,
-    SETTLED,
     NoStickDiskError,
     bracketed_root,
     polished_root,
@@ -57,7 +60,7 @@ from spectral_contact.contact.stick_radius import (
 from spectral_contact.fields.series import EDGE, DiskSeries, Radius
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import Resolution
-from spectral_contact.spectral.regularised import Regularised
+from spectral_contact.spectral.regularised import HARMLESS, Regularised
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["OneDisk", "OneDiskProblem", "solve_one_disk"]
@@ -66,17 +69,9 @@ Array = NDArray[np.float64]
 
 #: Error of the radius, as a logit, from which the finer spaces start.
 _NEAR = 1e-5
-#: That from which the small spaces start.
-_ROUGH = 0.03
-#: Share of the tolerance to which the slope at a guess is found.
-_GUESSED = 0.01
-#: Compliance of the disk above which rounding of q/s at the centre is that of any place.
-_SOFT = 0.1
 #: Panels cancel in both changes of the pressure at times: of 2000 errors of a radius one was 4.5
 #: times what the rate makes of the changes, and another 3.5 times.
 _CANCELLING = 6.0
-#: Tolerance of trials that only look for the radius, or carry a change.
-_ROUGHLY = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,7 +125,7 @@ class OneDiskProblem:
             space = self._resolution(guess, tolerance)
 
             def mismatch(logit: float) -> float:
-                return self._trial(space, logit, _GUESSED * tolerance).mismatch
+                return self._trial(space, logit, TRIFLING * tolerance).mismatch
 
             self.logit, self.slope = guess, slope_at(mismatch, guess)
             return
@@ -152,8 +147,6 @@ class OneDiskProblem:
         self.beta = beta
         self.friction = friction
         self.tolerance = tolerance
-        # never coarse: noise in the target looks like detail to resolve, and digits here are cheap
-        self.quadrature = min(max(1e-3 * tolerance, 1e-14), 1e-13)
         self.alpha = drive.contact.compliance
 
     def _smooth_root(self) -> tuple[float, float]:
@@ -187,7 +180,7 @@ class OneDiskProblem:
         at_rim = self.drive.pressure.value(radius.rest)
         slope = 2.0 * self.friction * at_rim * self.beta / radius.value * radius.rest
         try:
-            return root_near(self._pressure_mismatch, start, self.slope + slope, _ROUGH, 1.0)
+            return root_near(self._pressure_mismatch, start, self.slope + slope, PROBE, 1.0)
         except NoStickDiskError:  # that of the estimate, not of the disk
             return start, self.slope
 
@@ -198,19 +191,19 @@ class OneDiskProblem:
         of its displacement; what is added for less is fitted.
         """
         radius = Radius.from_logit(logit)
-        source = SlipSource([self.drive.pressure], radius, self.alpha, _ROUGHLY, radius.rest)
+        source = SlipSource([self.drive.pressure], radius, self.alpha, ROUGH, radius.rest)
         mismatch = self.drive.value(radius.rest)
         mismatch -= self.friction * float(source.at_rim[0])
         if self.beta > 0.0:
             soft = self.beta / radius.value
-            more = 0.55 * log(1.0 + radius.rest / soft) / sqrt(radius.rest)
+            more = 0.5 * log(1.0 + radius.rest / soft) / sqrt(radius.rest)
             at_rim = self.drive.pressure.value(radius.rest)
             mismatch -= self.friction * at_rim * soft * (4 + more)
         return mismatch
 
     def _rough_mismatch(self, logit: float) -> float:
         """Return the mismatch in a small space."""
-        return self._trial(self._resolution(logit, _ROUGHLY), logit, _ROUGHLY).mismatch
+        return self._trial(self._resolution(logit, ROUGH), logit, ROUGH).mismatch
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
         """Return the first space for a disk of this radius."""
@@ -245,7 +238,7 @@ class OneDiskProblem:
 
         Each may have a friction of its own.
         """
-        panels, correct = resolution.panels, tolerance < _ROUGHLY
+        panels, correct = resolution.panels, tolerance < ROUGH
         pressures = [drive.pressure for drive in drives]
         nodes = graded_nodes(panels, resolution.degrees)
         nearest = radius.square * float(nodes.samples[-1])
@@ -272,16 +265,17 @@ class OneDiskProblem:
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:
         """Solve in a space."""
+        # to rounding at any tolerance: noise in the target looks like detail, and digits are cheap
         trials: list[tuple[float, _Trial]] = []
 
         def mismatch(logit: float) -> float:
-            trials.append((logit, self._trial(resolution, logit, self.quadrature)))
+            trials.append((logit, self._trial(resolution, logit, ROUNDING)))
             return trials[-1][1].mismatch
 
         self.logit, self.slope = polished_root(mismatch, self.logit, self.slope)
         (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
         step, lag = self.logit - last, self.logit - before
-        if before != last and abs(step * lag) <= SETTLED:
+        if before != last and abs(step * lag) <= ROUNDING:
             # what is linear in the last two trials is right to the product of the steps
             ratio = step / (last - before)
             final = replace(
@@ -292,7 +286,7 @@ class OneDiskProblem:
                 target=second.target + ratio * (second.target - first.target),
             )
         else:
-            final = self._trial(resolution, self.logit, self.quadrature)
+            final = self._trial(resolution, self.logit, ROUNDING)
         return self.assess(resolution, final)
 
     def assess(self, resolution: Resolution, trial: _Trial) -> Attempt[OneDisk]:
@@ -313,7 +307,7 @@ class OneDiskProblem:
         at_rim = self.drive.value(radius.rest)
         cancelled = at_rim / float(np.abs(trial.target).max())
         # under little compliance the noise of the target is amplified at the centre
-        stiff = self.beta < _SOFT * radius.value
+        stiff = self.beta < HARMLESS * radius.value
         rounding = (CENTRE_ROUNDS if stiff else 1.0) * TRACTION_ROUNDING
         error = float(indicators.max()) + rounding + 2.0 * ROUNDING * cancelled
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
@@ -332,7 +326,7 @@ class OneDiskProblem:
             shift = kept * max(limits) / abs(trial.unit)
         changes = self.drive.changes
         if changes:
-            trials = self.at(changes, resolution, radius, trial.factored, _ROUGHLY, self.friction)
+            trials = self.at(changes, resolution, radius, trial.factored, ROUGH, self.friction)
             moved = trials[0]
             share = float(share_of_change(panels, moved.coefficients, series.at_ends()).max())
             error += propagated * share
@@ -357,8 +351,7 @@ class OneDiskProblem:
             strays = moved.target - space.half_integral(moved.coefficients)
             stray = propagated * float(np.abs(strays).max())
         # rounding, and what the quadrature of the source and interpolation of the target leave out
-        noise = 8.0 * ROUNDING + 0.05 * self.quadrature
-        shift += noise * at_rim + trial.unresolved
+        shift += 2.0 * CLOSED_FORM_ROUNDING * at_rim + trial.unresolved
         shift = float(shift / abs(self.slope) + np.finfo(float).eps * abs(radius.logit))
         misfit = trial.target - space.half_integral(coefficients)
         nodes = graded_nodes(panels, resolution.degrees)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import LEADING, places
+from spectral_contact.contact.resolution import DEEPEST, LEADING, places
 from spectral_contact.fields.series import PressureField, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -26,8 +26,6 @@ UNRESOLVED_SLIP = 1e-6
 _WIDENED = 4.0
 #: Slip narrower than this, as a logit, may fall between rings; full stick has its place then.
 _NARROW = 0.25
-#: The places next to the largest ratio that are looked at.
-_CLOSEST = 1e-10
 
 
 def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
@@ -92,22 +90,14 @@ def full_stick_violations(
 
     x = places(depth, 4001)
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
-    aside = np.geomspace(_CLOSEST, 1.0, 200)
+    aside = np.exp(-places(DEEPEST, 200))
     near = peak + np.concatenate([-aside, [0.0], aside])
     x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))
     above = excess(x) > 0.0
-    intervals: list[tuple[float, float]] = []
-    start: float | None = None
-    for i in range(len(x)):
-        if above[i] and start is None:
-            start = float(x[0]) if i == 0 else _crossing(excess, x[i - 1], x[i])
-        if start is not None and not above[i]:
-            end = _crossing(excess, x[i - 1], x[i])
-            intervals.append((start, end))
-            start = None
-    if start is not None:
-        intervals.append((start, inf))
-    return intervals
+    turns = np.flatnonzero(above[1:] != above[:-1]).tolist()
+    ends = [float(x[0])] * bool(above[0]) + [_crossing(excess, x[i], x[i + 1]) for i in turns]
+    ends += [inf] * bool(above[-1])
+    return list(zip(ends[::2], ends[1::2], strict=True))
 
 
 def _crossing(function: Callable[[Array], Array], a: float, b: float) -> float:

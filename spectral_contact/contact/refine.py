@@ -102,7 +102,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         history.append(step)
         _LOG.debug("%d unknowns: estimate %.1e", step.unknowns, step.error)
         if best is None or attempt.error < best.best.error:
-            stalled = 0 if best is None or attempt.error < 0.9 * best.best.error else stalled + 1
+            stalled = 0
             best = Refinement(attempt, resolution, Ending.CONVERGED, ())
         else:
             stalled += 1

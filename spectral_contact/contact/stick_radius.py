@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import copysign
 
+from spectral_contact.contact.resolution import ROUNDING
+
 __all__ = [
     "LARGEST_LOGIT",
     "LEAST_LOGIT",
-    "SETTLED",
+    "NOISE",
     "NoStickDiskError",
     "bracketed_root",
     "polished_root",
@@ -18,11 +20,11 @@ __all__ = [
 
 #: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
 LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
-#: What is linear in the radius may be off by this much.
-SETTLED = 1e-15
-#: A change of the condition as small as this after a step as short as this is rounding by one
+#: What rounding leaves of the condition of a boundary, and of fields that are corrected.
+NOISE = 1e-13
+#: A change of the condition as small as its noise after a step as short as this is rounding by one
 #: per cent, and no slope follows.
-_NOISE, _SHORT = 1e-13, 1e-3
+_SHORT = 1e-3
 #: Half the step of a difference that is a slope to two digits.
 _BESIDE = 0.05
 #: Steps of the secant, of which 4 are enough but next to onsets.
@@ -137,12 +139,12 @@ def polished_root(
     for _ in range(_SECANTS):
         step = max(min(-value / slope, 2.0), -2.0)
         # a secant step errs by the product of itself and the one before
-        if abs(step) * lag <= SETTLED * max(1.0, abs(x)):
+        if abs(step) * lag <= ROUNDING * max(1.0, abs(x)):
             return x + step, slope
         fresh = function(x + step)
         if fresh == value:
             return x + step, slope
-        if abs(fresh - value) > _NOISE or abs(step) > _SHORT:
+        if abs(fresh - value) > NOISE or abs(step) > _SHORT:
             slope = (fresh - value) / step
         x, value, lag = x + step, fresh, abs(step)
         if not LEAST_LOGIT < x < LARGEST_LOGIT:
@@ -166,7 +168,7 @@ def _enclosed_root(
         if not LEAST_LOGIT < other < LARGEST_LOGIT:
             raise NoStickDiskError(at_centre=value > 0.0)
         fresh = function(other)
-    root = toms748(function, min(x, other), max(x, other), xtol=SETTLED) if x != other else x
+    root = toms748(function, min(x, other), max(x, other), xtol=ROUNDING) if x != other else x
     # nearer by than that the difference may be rounding
     slope = slope_at(function, root)
     if slope <= 0.0:

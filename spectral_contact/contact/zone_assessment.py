@@ -135,7 +135,7 @@ BENT = 8.0
 #: What rounding leaves of approach and shear, with boundaries, under a pressure that is given, and
 #: without boundaries. Of 60 random scenes solved as one disk and as zones at 1e-12 the shears
 #: differ by 9.6 ROUNDING or less, half of them by 0.1.
-_NOISE, _GIVEN_NOISE, _STUCK_NOISE = 40.0 * ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
+_NOISE, _GIVEN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
 #: Degrees that the panels of the displacement have beyond those of the pressure: the far end of an
 #: annulus is a singularity ln 2 before the first panel.
 _FINER = 8

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError
-from spectral_contact.contact.resolution import LEFT, TINY
+from spectral_contact.contact.resolution import LEFT, TINY, TRIFLING
+from spectral_contact.contact.stick_radius import NOISE
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.threads import cached_property
@@ -153,17 +154,15 @@ _SLOW = 0.2
 _FIRST, _DRIFT = 2, 3.0
 #: Most corrections.
 _STEPS = 40
-#: What of a step of the boundaries the fields may be off by, for that step and for its slopes: a
-#: scene of a sweep takes 3.1 systems, 4.5 with 0.3 and 0.03. And conditions that miss as little as
-#: the last say nothing of slopes.
-_SHARE, _KNOWN, _MEANT = 0.01, 0.003, 1e-11
+#: What of a step of the boundaries the fields may be off by for its slopes, for the step itself it
+#: is TRIFLING: a scene of a sweep takes 3.1 systems, 4.5 with 0.3 for the step and 0.03. And
+#: conditions that miss as little as the last say nothing of slopes.
+_KNOWN, _MEANT = 0.003, 1e-11
 #: A step that is more than so much of the one before does not show that they become shorter.
 _SHRINKS = 0.5
 #: Where boundaries are near by at most so many steps in a row do not become shorter. Next to the
 #: second threshold with coupling 2 refuse 6 of 24 scenes and tolerances, 4 one, 8 none.
 _MOST_STALLED = 6
-#: What is left of the fields where no correction makes conditions any better.
-_CORRECTED = 1e-13
 #: A correction that is smaller and does not fall any more is rounding.
 _ROUNDED = 1e-9
 
@@ -309,11 +308,11 @@ class ZonesNewton:
 
     def _telling(self, off: float) -> bool:
         """Return whether the fields are good enough for a step, and more than made from nothing."""
-        return self._pace.alike >= 0 and off > max(0.5 * self._settle, self._noise / _SHARE)
+        return self._pace.alike >= 0 and off > max(0.5 * self._settle, self._noise / TRIFLING)
 
     def _remember(self, aim: float) -> None:
         """Keep the best there is, next to the onset of a zone."""
-        if self.left < max(aim, _CORRECTED) and self._missed < self._least:
+        if self.left < max(aim, NOISE) and self._missed < self._least:
             self._least, self._best = self._missed, (self.state, self._problem.logits)
 
     @property
@@ -323,7 +322,7 @@ class ZonesNewton:
     @property
     def _noise(self) -> float:
         """What is left makes of a step: next to a narrow zone conditions hardly change."""
-        return self.left / self._problem.narrowest if self.left > _CORRECTED else 0.0
+        return self.left / self._problem.narrowest if self.left > NOISE else 0.0
 
     def _corrected(self) -> Array:
         """Correct the fields, learn from the last step, and return the next one."""

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout, NoBoundariesError
+from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import LEFT, PROBE, ROUNDING, TINY, joined
-from spectral_contact.contact.stick_radius import root_near
+from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TINY, TRIFLING, joined
+from spectral_contact.contact.stick_radius import NOISE, root_near
 from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
 from spectral_contact.contact.zone_spaces import first_spaces, parted, with_known_slip
@@ -37,32 +38,21 @@ Array = NDArray[np.float64]
 
 #: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
 _UNFELT = -40.0
-#: Tolerance of the spaces and steps in which boundaries are found first.
-_ROUGH = 1e-3
 #: What corrections leave of conditions whose differences are taken.
 _SLOPING = 1e-8
-#: Shares of a zone's width that differences are taken over, between which rounding decides.
-_LEAST_SHARE, _MOST_SHARE = 1e-3, 0.2
-#: A first guess of how fast the condition of one stick disk rises with its logit.
-_SLOPE = 0.3
+#: Differences are taken over at most this share of a zone's width, which noise and bend decide.
+_MOST_SHARE = 0.2
 #: At the edge nothing happens in less than this of the layer.
 _NARROWEST = 1e-12
-#: A step as short as this is not taken.
-_ENOUGH = 1e-13
 #: How far boundaries may move, of the narrowest zone, before their slopes are found anew; where
 #: more of a step is left there are no such boundaries.
 _STALE = 0.1
 #: Most corrections at given boundaries.
 _CORRECTIONS = 10
 #: How far the boundaries of factors may be, of a zone, in thick layers and in thin ones.
-_FAR, _FAR_THIN, _THICK = 0.03, 1e-4, 1e-2
+_FAR, _FAR_THIN = 0.03, 1e-4
 #: Compliances from which on corrections with factors in single precision are not more.
 _SINGLE = 5e-7
-#: What corrections and steps should leave, of the tolerance, so that it counts for nothing, and at
-#: the least.
-_NOTHING, _LEAST = 0.01, 2.0 * ROUNDING
-#: The least friction with which the traction of a disk that is not felt has digits.
-_FRICTIONLESS = 1e-14
 #: By how much tighter first spaces are tried, so often, where the estimate does not fall any more:
 #: what is added to a space here and there may not help, a better one does. And the least tolerance.
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
@@ -125,13 +115,13 @@ class FreeBoundaryProblem:
     def _look_near(self) -> None:
         """Find the boundaries roughly, and the slopes of their conditions."""
         if len(self.logits) == 1:
-            near = float(self.logits[0]), _SLOPE, _ROUGH, 1.0, _UNFELT
+            near = float(self.logits[0]), 0.5, ROUGH, 1.0, _UNFELT
             root = root_near(lambda logit: float(self.rough([logit]).mismatch[0]), *near)
             self.logits, self._slopes = np.array(root[:1]), np.array([root[1:]])
             return
         begin, (spaces, factors) = self.logits, self._sloped()
-        settle = min(_ROUGH, 0.5 * _STALE * self.narrowest)
-        state = ZonesNewton(self, spaces, settle, factors).run(_ROUGH)
+        settle = min(ROUGH, 0.5 * _STALE * self.narrowest)
+        state = ZonesNewton(self, spaces, settle, factors).run(ROUGH)
         narrowest = self.narrowest
         left = float(np.abs(np.linalg.solve(self.slopes, state.mismatch)).max())
         if not left < _STALE * narrowest:
@@ -143,11 +133,11 @@ class FreeBoundaryProblem:
         """Return the contact with given boundaries, as logits, in a small space."""
         at = np.array(logits)
         system = self.system(self.spaces(PROBE, at), at)
-        return self.settled(self.factored(system), _ROUGH)
+        return self.settled(self.factored(system), ROUGH)
 
     def _sloped(self) -> tuple[list[Resolution], Factored]:
         """Find the slopes of the conditions in a small space; return it and its factors."""
-        spaces = self.spaces(_ROUGH)
+        spaces = self.spaces(ROUGH)
         factors = self.factored(self.system(spaces, self.logits))
         begin = self.settled(factors, _SLOPING)
 
@@ -173,8 +163,8 @@ class FreeBoundaryProblem:
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway = np.sqrt(self.tolerance)
         known = self.drives and self.near  # to digits that are as good
-        if len(self.slopes) and halfway < _FINER * _ROUGH and not known:
-            settle = max(self.tolerance, _ENOUGH)
+        if len(self.slopes) and halfway < _FINER * ROUGH and not known:
+            settle = max(self.tolerance, NOISE)
             state = ZonesNewton(self, self.spaces(halfway), settle).run(halfway)
             last = np.linalg.solve(self.slopes, state.mismatch)
             if float(np.abs(last).max()) < settle:  # it saves a system in the first space
@@ -240,7 +230,7 @@ class FreeBoundaryProblem:
     @property
     def far(self) -> float:
         """How far boundaries may be from those of factors, of the narrowest zone."""
-        return _FAR if self.thinnest > _THICK else _FAR_THIN
+        return _FAR if self.thinnest > SMALL_COMPLIANCE else _FAR_THIN
 
     @property
     def thinnest(self) -> float:
@@ -259,7 +249,10 @@ class FreeBoundaryProblem:
         spaces = parted(resolution, self._counts, self.parameters.alpha)
         if self.drives:  # from now on with what is known of the errors of the pressure
             self.drives = [self.drives[0], *self.drives[0].changes]
-        aim, settle = max(_NOTHING * self.goal, _LEAST), max(_NOTHING * self.goal, _ENOUGH)
+        aim, settle = (
+            max(TRIFLING * self.goal, 2.0 * ROUNDING),
+            max(TRIFLING * self.goal, NOISE),
+        )
         newton = ZonesNewton(self, spaces, settle)
         return assessed(self, spaces, newton.run(aim), newton.left)
 
@@ -322,8 +315,8 @@ def solve_coupled_slip(
     Parameters are those of `solve_zones`.
     """
     alpha, beta, kappa, friction = parameters
-    # slopes so steep that the boundary does not move
-    felt = Parameters(alpha, beta, kappa, max(friction, _FRICTIONLESS))
+    # with less friction the traction has no digits; slopes so steep that the boundary does not move
+    felt = Parameters(alpha, beta, kappa, max(friction, ROUNDING))
     disk = Layout((_UNFELT,), (0, 1), np.array([[1.0 / TINY]]))
     return solve_zones(felt, disk, tolerance, max_unknowns)
 
@@ -336,7 +329,7 @@ def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array
     slopes, spacing = [], np.diff(logits)
     for i in range(len(logits)):
         near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-        share = min(max(_LEAST_SHARE, float(np.cbrt(ROUNDING / near**2))), _MOST_SHARE)
+        share = min(float(np.cbrt(max(_SLOPING, ROUNDING / near**2))), _MOST_SHARE)
         h = share * near * np.eye(len(logits))[i]
         slopes.append(
             (conditions_at(logits + h) - conditions_at(logits - h)) / (2.0 * share * near)

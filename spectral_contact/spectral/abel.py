@@ -50,8 +50,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Places in ``x`` that are the same to rounding.
-_SAME = 2e-14
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -251,8 +249,10 @@ def _outer_tail(d: Array, end: float, power: float) -> Array:
 
 def _alike(found: list[tuple[Array, Array]], places: Array) -> Array | None:
     """Return the blocks of a panel with its points at the same places, if there are any."""
+    # of a distance, and of its logarithm
+    rounding = 2.0 * float(np.finfo(float).eps) * (1.0 + float(np.abs(places).max(initial=0.0)))
     for own, blocks in found:
-        if len(own) == len(places) and float(np.abs(own - places).max()) < _SAME:
+        if len(own) == len(places) and float(np.abs(own - places).max()) < rounding:
             return blocks
     return None
 
@@ -372,7 +372,8 @@ def fall(e: Array, width: float, degrees: tuple[int, ...]) -> tuple[Array, Array
 def fall_of_tail(e: Array, end: float) -> Array:
     """Return by how much `beyond_tail` is less than at the boundary, (n, TAIL_TERMS)."""
     tail = beyond_tail(np.zeros(1), end) - beyond_tail(e, end)
-    small = (e > 0.0) & (e < 1e-3 * end)
+    # below half its end this is right to rounding, the difference to 5e-15 at 1e-3 of it
+    small = (e > 0.0) & (e < 0.5 * end)
     tail[small] = _far_below(e[small], end)
     return np.asarray(tail)
 

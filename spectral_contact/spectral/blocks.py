@@ -57,7 +57,7 @@ Nodes: TypeAlias = GradedNodes | SmoothNodes | PlainNodes
 #: Distances, in units of a part's extent, up to which a difference is taken as such.
 _NEAR = 0.5
 #: How far off, of its extent, a part is that few places stand for; rounding may take a little.
-_FAR = 0.99
+_FAR = 1.0 - float(np.sqrt(np.finfo(float).eps))
 #: Those places, as distances from its boundary.
 _PLACES: Array = (1.0 + FAR_NODES) / 2.0
 #: Places, in [-1, 1], that stand for all panels but the first as seen from seven times their extent

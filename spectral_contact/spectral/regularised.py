@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.threads import cached_property
 
-__all__ = ["Change", "NodalSpace", "Regularised"]
+__all__ = ["HARMLESS", "Change", "NodalSpace", "Regularised"]
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 _FEW = 3
 #: Above this compliance the normal equations lose no more than 30 eps, and need no correction; of
 #: q/s at the centre they lose some thousand eps at 1e-3 ... 0.02.
-_HARMLESS = 0.1
+HARMLESS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +159,7 @@ class Regularised:
         fixed = 0.0 if load is None else self.compliance * load[space.index]
         coefficients = np.zeros((space.size, *np.shape(target)[1:]))
         misfit = target
-        rounds = 2 if correct and self.compliance < _HARMLESS else 1
+        rounds = 2 if correct and self.compliance < HARMLESS else 1
         for correction in range(rounds):
             if isinstance(misfit, float):
                 residual = misfit * space.constant_moments - fixed

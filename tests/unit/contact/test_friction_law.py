@@ -15,9 +15,8 @@ from spectral_contact.spectral.panels import LogPanels
     ("excess", "error", "wrong", "slip_error", "expected"),
     [
         (0.0, 0.0, 0.0, 0.0, True),
-        (4e-12, 0.0, 0.0, 0.0, True),  # rounding
-        (6e-12, 0.0, 0.0, 0.0, False),
-        (6e-12, 1e-12, 0.0, 0.0, True),  # ten times the error
+        (2e-12, 1e-12, 0.0, 0.0, True),  # that of the traction and that of the pressure
+        (3e-12, 1e-12, 0.0, 0.0, False),
         (0.0, 1e-12, 2e-10, 1e-10, False),
         (0.0, 1e-12, 2e-10, 3e-10, True),
         (0.0, 1e-12, 0.5e-10, 0.0, True),
