@@ -50,6 +50,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+#: Places in ``x`` that are the same to the rounding of an ``x`` of 50.
+_SAME = 2e-14
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -249,10 +251,8 @@ def _outer_tail(d: Array, end: float, power: float) -> Array:
 
 def _alike(found: list[tuple[Array, Array]], places: Array) -> Array | None:
     """Return the blocks of a panel with its points at the same places, if there are any."""
-    # of a distance, and of its logarithm
-    rounding = 2.0 * float(np.finfo(float).eps) * (1.0 + float(np.abs(places).max(initial=0.0)))
     for own, blocks in found:
-        if len(own) == len(places) and float(np.abs(own - places).max()) < rounding:
+        if len(own) == len(places) and float(np.abs(own - places).max()) < _SAME:
             return blocks
     return None
 

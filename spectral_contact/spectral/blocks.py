@@ -34,6 +34,7 @@ from spectral_contact.spectral.abel import (
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import (
     FAR_NODES,
+    SAMPLES,
     GradedNodes,
     PlainNodes,
     SmoothNodes,
@@ -42,7 +43,11 @@ from spectral_contact.spectral.graded import (
     root_sums,
     smooth_nodes,
 )
-from spectral_contact.spectral.jacobi import chebyshev_interpolation
+from spectral_contact.spectral.jacobi import (
+    chebyshev_interpolation,
+    gauss_rule,
+    legendre_interpolation_matrix,
+)
 from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
@@ -63,6 +68,8 @@ _PLACES: Array = (1.0 + FAR_NODES) / 2.0
 #: Places, in [-1, 1], that stand for all panels but the first as seen from seven times their extent
 #: or farther: the error is 27**-12.
 _DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
+#: Parts of a disk's nodes whose half-integrals are multiplied without most of their zeros.
+_STRIPS = 8
 
 # slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
 _OWN: BoundedCache[tuple[LogPanels, Degrees, Used, str], Block] = BoundedCache("own integrals", 256)
@@ -158,7 +165,12 @@ def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedN
 
     def made() -> list[Array]:
         from_start, to_end = (np.concatenate(one) for one in zip(*alike.values(), strict=True))
-        blocks = deeper_blocks(to_end, *form, from_start).reshape(len(to_end), -1)
+        near = deeper_blocks(to_end, min(panels.panels, 2), *form[1:], from_start)
+        # of the panels beyond the next one they are smooth
+        g, _ = gauss_rule(SAMPLES)
+        far = deeper_blocks(panels.width * (1.0 - g) / 2.0, *form)[:, 2:].reshape(SAMPLES, -1)
+        spread = legendre_interpolation_matrix(2.0 * from_start / panels.width - 1.0, SAMPLES)
+        blocks = np.hstack([near.reshape(len(to_end), -1), spread @ far])
         return np.split(blocks, np.cumsum(list(alike))[:-1])
 
     kept = dict(zip(alike, _DEEPER.get((tuple(alike), *form), made), strict=True))
@@ -188,9 +200,20 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
         nodes = graded_nodes(panels, degrees)
         t = np.sqrt(nodes.rest)
         weights = nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t)
-        own = _own(panels, degrees, degrees, nodes, "toward").whole
-        root = np.sqrt(weights)[:, None] * own
-        return np.asarray(root.T @ root)
+        own = np.sqrt(weights)[:, None] * _own(panels, degrees, degrees, nodes, "toward").whole
+        gram = np.zeros((own.shape[1],) * 2)
+        # the nodes of a panel see its own functions and those of deeper panels
+        rows = np.cumsum([0, *map(len, nodes.start)]).tolist()
+        seen = np.cumsum([0, *(n + 1 for n in degrees)]).tolist()
+        for strip in np.array_split(np.arange(panels.panels), min(_STRIPS, panels.panels)):
+            first, stop = (
+                seen[strip[0]],
+                rows[strip[-1] + 1] if strip[-1] + 1 < panels.panels else None,
+            )
+            part = own[rows[strip[0]] : stop, first:]
+            # of a matrix and its own transpose NumPy computes one triangle, in half the time
+            gram[first:, first:] += part.T @ part
+        return gram
 
     return _GRAMS.get((panels, degrees, shear), made)
 

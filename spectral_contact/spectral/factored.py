@@ -22,10 +22,19 @@ __all__ = ["Factored", "Symmetric", "factored"]
 
 Array = NDArray[np.float64]
 
+#: What a correction may leave of the last one.
+_HALF = 0.5
+
 
 def factored(system: Tangential, *, exact: bool = True) -> Factored:
-    """Return a system factored: by Cholesky if it is symmetric, else by LU; see `Factored`."""
-    return Symmetric(system) if system.symmetric else Factored(system, exact=exact)
+    """Return a system factored: by Cholesky if it is symmetric, else by LU; see `Factored`.
+
+    In double precision all the same, where single precision would not serve corrections.
+    """
+    if system.symmetric:
+        return Symmetric(system)
+    found = Factored(system, exact=exact)
+    return found if exact or found.serves else Factored(system, exact=True)
 
 
 class Factored:
@@ -66,9 +75,21 @@ class Factored:
         """The solutions for a unit lift at every boundary, without approach, as columns."""
         lifts = np.eye(len(self.system.radii))
         values = np.zeros((self.system.unknowns, len(lifts)))
-        for _ in range(1 + self.exact):  # they serve corrections, as rough as the factors
-            values += self.step(self.system.residual(values, np.zeros(len(lifts)), lifts))
+        for _ in range(2):
+            self._last = self.step(self.system.residual(values, np.zeros(len(lifts)), lifts))
+            values += self._last
         return values
+
+    @property
+    def serves(self) -> bool:
+        """Whether corrections shrink fast: the last one of the responses does at the boundaries.
+
+        There a traction is what tiny coefficients are, whose digits single precision may lose.
+        """
+        if self.system.parameters.beta == 0.0:
+            return True
+        whole = self.system.jumps @ self.responses
+        return bool(np.abs(self.system.jumps @ self._last).max() <= _HALF * np.abs(whole).max())
 
     def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
 from spectral_contact.fields.series import CENTRE
-from spectral_contact.spectral.blocks import block
+from spectral_contact.spectral.blocks import block, disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.moments import unit_masses
@@ -108,6 +108,8 @@ class Space(NodalSpace):
     @cached_property
     def gram(self) -> Array:
         """Gram matrix of the half-integrals, in the order of `index`."""
+        if len(self._used) == 1:
+            return self._order.of(disk_gram(*self._used[0], self.shear))
         gram = np.zeros((self.unknowns,) * 2)
         columns = self._order.columns
         for seen, own in zip(self._seen, np.split(self.measure, self._ends), strict=True):
