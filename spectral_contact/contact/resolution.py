@@ -93,15 +93,15 @@ LEADING = 30.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
 _ROOT_DEPTH = 7.0
 #: Degrees per ``-ln`` of the tolerance, on any panel and at a bend. With 0.43 four of 46 random
-#: scenes of full stick need another space; with 0.15 at bends the critical friction of a random scene
-#: was 18 times as far off under the same estimate.
+#: scenes of full stick need another space; with 0.15 at bends the critical friction of one was 18
+#: times as far off under the same estimate.
 _DEGREES, _AT_BEND = 0.45, 0.2
 #: Degrees of a slip zone per ``-ln`` of the accuracy.
 _IN_SLIP = 0.7
 #: Panels on either side of a bend up to which it is felt, and over which that falls.
 _REACH, _FADING = 2.6, 1.2
-#: What rates of decay are taken to be between, and what they are where signs deceive: with these none
-#: of 10,000 random scenes had an estimate below its error.
+#: What rates of decay are taken to be between, and what they are where signs deceive: with these
+#: none of 10,000 random scenes had an estimate below its error.
 _FASTEST, _SLOWEST, _LIKELY = 0.05, 0.6, 0.3
 #: The first place at which a field is looked at: at 0 q/s is 0/0 and rounds like 1/s, here 30.
 _FIRST = 1e-3
