@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, log
 from typing import NamedTuple
 
 import numpy as np
@@ -102,7 +102,7 @@ class FullStick:
 
         def error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""
-            places = sum(float(share[panel_of(panels, y)]) for panels, share in shares)
+            places = sum(_share_at(*one, y) for one in shares)
             return FIELD_ROUNDING + _AT_ONE_PLACE * places + (at_edge if y == 0.0 else 0.0)
 
         return replace(
@@ -113,6 +113,14 @@ class FullStick:
             edge_error=error(0.0) if 0.0 < edge < inf else FIELD_ROUNDING,
             critical_error=error(where) if critical < inf else FIELD_ROUNDING,
         )
+
+
+def _share_at(panels: LogPanels, share: Array, y: float) -> float:
+    """Return the larger share of the two panels next to a place: it may be on either in truth."""
+    k = panel_of(panels, y)
+    deeper = y <= 0.0 or -log(y) / panels.width - k > 0.5
+    beside = min(max(k + (1 if deeper else -1), 0), panels.panels - 1)
+    return float(max(share[k], share[beside]))
 
 
 class LargestRatio(NamedTuple):

@@ -398,6 +398,14 @@ def test_smooth_edge_sticks_where_the_stick_disk_is_below_all_rings(rtol):
     assert solution.zones[1].outer_from_edge == pytest.approx(4.5e-28, rel=0.01)
 
 
+def test_critical_friction_is_honest_where_it_is_at_the_end_of_a_panel():
+    """In a rough space it lies past the end, on a panel that is right to 1e-5; in truth before."""
+    scene = Scene(-0.8763911562356241, 3.063151810902369e-07, 6.50347738591465e-05, math.inf)
+    solution, truth = (solve(scene, rtol, ("critical_friction",)) for rtol in (3.3e-4, 1e-12))
+    error = abs(solution.critical_friction / truth.critical_friction - 1.0)
+    assert error <= solution.error.critical_friction + truth.error.critical_friction
+
+
 # -- conventions ---------------------------------------------------------------------------------
 
 
