@@ -310,10 +310,10 @@ def test_coupling_alone_imports_what_couples():
 def test_without_coupling_no_coupled_operator_is_assembled(friction):
     clear_caches()
     solve(Scene(0.1, 0.5, 0.5, friction), 1e-6)
-    assert cache_sizes().get("disk Gram", 0) == 0
+    assert cache_sizes().get("full-stick matrices", 0) == 0
 
 
 def test_with_coupling_they_are():
     clear_caches()
     solve(Scene(0.1, 0.5, 0.5, math.inf, coupling=True), 1e-6)
-    assert cache_sizes()["disk Gram"] > 0
+    assert cache_sizes()["full-stick matrices"] > 0
