@@ -1,9 +1,9 @@
 """Compare estimated with true errors over random scenes.
 
 Run as ``python validation/honesty/honesty.py [--coupled] [--scenes N] [--references N] [--workers
-N] [--store FILE]``; writes validation/results/honesty.json, .md and .png (needs matplotlib), or
-with --coupled honesty_coupled, of full stick with elastic coupling, where scenes against references
-are solved at 1e-12. Every scene that is done is a line of the store; the same command goes on where
+N] [--store FILE] [--also FILE ...]``; writes validation/results/honesty.json, .md and .png (needs
+matplotlib), or with --coupled honesty_coupled, of full stick with elastic coupling, where scenes
+against references are solved at 1e-12. Every scene that is done is a line of the store; the same command goes on where
 a run was stopped.
 
 Truth is a solve at rtol = 1e-12 on panels of another width, whose own estimate is allowed for; for
@@ -155,7 +155,7 @@ def collected(rows: list[dict]) -> dict[str, np.ndarray]:
     return {name: np.array(triples).T for name, triples in values.items()}
 
 
-def record_of(rows: list[dict], seed: int, name: str) -> dict:
+def record_of(rows: list[dict], seeds: list[int], name: str) -> dict:
     """Return the record of the study."""
     summary = {}
     violations = [one for row in rows for one in violations_of(row)]
@@ -175,7 +175,7 @@ def record_of(rows: list[dict], seed: int, name: str) -> dict:
         "version": 2,
         "library": __version__,
         "scenes": len(rows),
-        "seed": seed,
+        "seeds": seeds,
         "sources": sorted({row["sources"] for row in rows}),
         "by_reference": sum(row.get("exact", False) for row in rows),
         "unconverged": sum(row.get("unconverged", False) for row in rows),
@@ -188,7 +188,8 @@ def record_of(rows: list[dict], seed: int, name: str) -> dict:
 def table(record: dict) -> str:
     """Return the record as a Markdown table."""
     lines = [
-        f"{record['scenes']} scenes, seed {record['seed']}, {record['by_reference']} of them "
+        f"{record['scenes']} scenes, seeds {', '.join(map(str, record['seeds']))}, "
+        f"{record['by_reference']} of them "
         f"against solutions to 20 digits; {record['unconverged']} did not "
         f"converge and said so; in {record['differing_zones']}, at the onset of a zone, the two "
         "solves differ in zones. The ratio is that of the estimate to the true error or ten "
@@ -255,13 +256,16 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1, help="processes")
     parser.add_argument("--store", type=Path, help="file that keeps every scene")
     parser.add_argument("--stale", action="store_true", help="keep scenes of other sources, too")
+    parser.add_argument("--also", type=Path, nargs="*", default=[], help="stores that count, too")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
     options = parser.parse_args()
     counts = options.scenes, options.seed, options.references, options.workers
     name = "honesty_coupled" if options.coupled else "honesty"
     store = options.store or Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl"
     rows = study(*counts, store, stale=options.stale, coupled=options.coupled)
-    record = record_of(rows, options.seed, name)
+    for other in options.also:  # of other seeds, or of the sources before
+        rows += [json.loads(line) for line in other.read_text(encoding="utf-8").splitlines()]
+    record = record_of(rows, sorted({row["seed"] for row in rows}), name)
     options.results.mkdir(exist_ok=True)
     text = json.dumps(record, indent=1)
     (options.results / f"{name}.json").write_text(text + "\n", encoding="utf-8")
