@@ -3,8 +3,8 @@
 Run as ``python validation/honesty/honesty.py [--coupled] [--scenes N] [--references N] [--workers
 N] [--store FILE] [--also FILE ...]``; writes validation/results/honesty.json, .md and .png (needs
 matplotlib), or with --coupled honesty_coupled, of full stick with elastic coupling, where scenes
-against references are solved at 1e-12. Every scene that is done is a line of the store; the same command goes on where
-a run was stopped.
+against references are solved at 1e-12. Every scene that is done is a line of the store; the same
+command goes on where a run was stopped.
 
 Truth is a solve at rtol = 1e-12 on panels of another width, whose own estimate is allowed for; for
 some scenes, of all strata, it is `reference` to 20 digits. The traction is compared up to the
