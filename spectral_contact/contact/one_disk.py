@@ -303,13 +303,13 @@ class OneDiskProblem:
             continuous = change - limit / trial.unit * trial.response
         indicators = expected_error(share_of_change(panels, continuous, series.at_ends()), rates)
         own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
-        # with little friction the target is a small difference
+        # with little friction the target is a small difference, but rounds less at the centre
         at_rim = self.drive.value(radius.rest)
         cancelled = at_rim / float(np.abs(trial.target).max())
         # under little compliance the noise of the target is amplified at the centre
         stiff = self.beta < HARMLESS * radius.value
         rounding = (CENTRE_ROUNDS if stiff else 1.0) * TRACTION_ROUNDING
-        error = float(indicators.max()) + rounding + 2.0 * ROUNDING * cancelled
+        error = float(indicators.max()) + max(rounding, 2.0 * ROUNDING * cancelled)
         outside = 2.0 * pi * self.friction * float(self.drive.load_outside(np.array(radius.rest)))
         shear = radius.square * float(space.shear_moments @ coefficients) + outside
         moments = space.shear_moments
