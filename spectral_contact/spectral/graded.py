@@ -48,7 +48,7 @@ SAMPLES = 20
 #: Places, in [-1, 1], that stand for a function on an interval with a singularity as far off as it
 #: is wide: the error is 5.8**-24, which is rounding.
 FAR_NODES, FAR_FIT = chebyshev_interpolation(24)
-#: Nodes on the tail: what is there is seen from any distance to the boundary. As many as panels have.
+#: Nodes on the tail, as many as some panel has: what is there is seen from any distance.
 _TAIL_POINTS = 48
 
 
