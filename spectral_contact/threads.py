@@ -90,13 +90,7 @@ class _Hold(ContextDecorator):
             self._libraries = [_Library(one) for one in found]
 
     def __enter__(self) -> int | None:
-        return 1 if self.enter() else _from_environment()
-
-    def __exit__(self, *_: object) -> None:
-        self.leave()
-
-    def enter(self) -> bool:
-        """Put BLAS to one thread, if it is not; return whether there is a library that obeys."""
+        """Put BLAS to one thread, if it is not; return how many it has, where that is known."""
         if self._libraries is None:
             self.look()
         libraries, mine = self._libraries or [], self._mine
@@ -111,9 +105,9 @@ class _Hold(ContextDecorator):
                         library.set(1)
                 self._inside += 1
         mine.depth += 1
-        return bool(libraries)
+        return 1 if libraries else _from_environment()
 
-    def leave(self) -> None:
+    def __exit__(self, *_: object) -> None:
         """Give back the numbers of this thread, and those of the process with the last thread."""
         mine = self._mine
         mine.depth -= 1
