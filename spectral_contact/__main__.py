@@ -324,10 +324,7 @@ def _inside(arguments: argparse.Namespace) -> None:
 def _paper(arguments: argparse.Namespace) -> None:
     """Reproduce the paper's figures and print what was written."""
     made = reproduce(
-        arguments.output,
-        arguments.figures,
-        rtol=arguments.rtol,
-        pictures=not arguments.no_pictures,
+        arguments.output, arguments.figures, rtol=arguments.rtol, pictures=not arguments.no_pictures
     )
     print(made)
 

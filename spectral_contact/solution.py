@@ -33,11 +33,11 @@ from spectral_contact.records import (
     Work,
     Zone,
 )
-from spectral_contact.scene import Scene
 from spectral_contact.view.output import Output, above
 
 if TYPE_CHECKING:
     from spectral_contact.interior import Inside
+    from spectral_contact.scene import Scene
 
 __all__ = [
     "COUPLING",

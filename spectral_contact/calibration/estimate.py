@@ -28,6 +28,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real, whole
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
+from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine
 
 __all__ = ["LawComparison", "compare_laws", "fit"]
@@ -147,7 +148,7 @@ class _FitProblem:
         self.scene = scene
         self.data = data
         self.free = free
-        self.setting = Setting.of(scene, rtol)
+        self.setting = Setting.of(scene, rtol, solve)
         source = scene if scene.physical is None else scene.physical
         self.start: dict[str, float | None] = {
             name: getattr(source, name) for name in PARAMETERS[:2]

@@ -332,8 +332,7 @@ class CurveProblem:
         ]
         nu = self.scene.poisson_ratio
         scene = self.scene.replace(
-            youngs_modulus=values["reduced_modulus"] * (1.0 - nu) * (1.0 + nu),
-            **self.best(values),
+            youngs_modulus=values["reduced_modulus"] * (1.0 - nu) * (1.0 + nu), **self.best(values)
         )
         return IndentationFit(
             scene,

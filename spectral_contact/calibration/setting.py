@@ -7,9 +7,10 @@ layer has half the dimensionless compliances, equations (3.4) and (4.4).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,6 @@ from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.slopes import SolutionSlopes
-from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
 
 __all__ = ["PARAMETERS", "SLOPE_ERROR", "Layer", "Setting"]
@@ -32,6 +32,7 @@ __all__ = ["PARAMETERS", "SLOPE_ERROR", "Layer", "Setting"]
 Array = NDArray[np.float64]
 #: Values of the parameters in the units of the scene; friction may be absent, as in a scene.
 Layer = Mapping[str, float | None]
+_Solver: TypeAlias = Callable[..., Solution]
 
 #: What can be fitted: α, β and f.
 PARAMETERS = ("normal_compliance", "tangential_compliance", "friction")
@@ -54,6 +55,8 @@ class Setting:
         P of the scene [N].
     rtol : float
         Tolerance of the solves.
+    solver : callable
+        `solve`, or what takes its place.
     """
 
     poisson_ratio: float
@@ -61,18 +64,19 @@ class Setting:
     radius: float
     load: float | None
     rtol: float
+    solver: _Solver
 
     @classmethod
-    def of(cls, scene: Scene, rtol: float) -> Setting:
+    def of(cls, scene: Scene, rtol: float, solver: _Solver) -> Setting:
         """Return the setting of a scene."""
         refuse_profile(scene, "fit")
         refuse_layer(scene, "fit")
         nu, data = scene.poisson_ratio, scene.physical
         if data is None:
-            return cls(nu, 1.0, 1.0, 1.0, rtol)
+            return cls(nu, 1.0, 1.0, 1.0, rtol, solver)
         assert data.radius is not None  # a flat punch has one
         stiffness = data.youngs_modulus / (4.0 * (1.0 - nu) * (1.0 + nu))
-        return cls(nu, stiffness, data.radius, data.load, rtol)
+        return cls(nu, stiffness, data.radius, data.load, rtol, solver)
 
     def solve(self, radius: float, layer: Layer, *quantities: str) -> Solution:
         """Solve for a punch of this radius on a layer.
@@ -84,7 +88,7 @@ class Setting:
         ConvergenceError
             If the tolerance cannot be met; it names the scene.
         """
-        return _solved(self._scene(radius, layer), self.rtol, quantities)
+        return _solved(self.solver, self._scene(radius, layer), self.rtol, quantities)
 
     def _scene(self, radius: float, layer: Layer) -> Scene:
         """Return the scene of a punch."""
@@ -96,11 +100,13 @@ class Setting:
 
     def stick_radius(self, radius: float, layer: Layer) -> float:
         """Return ``c*`` of a punch."""
-        return float(_with_zones(self._scene(radius, layer), self.rtol).stick_radius or 0.0)
+        return float(
+            _with_zones(self.solver, self._scene(radius, layer), self.rtol).stick_radius or 0.0
+        )
 
     def stick_slope(self, radius: float, layer: Layer, name: str) -> float:
         """Return the derivative of ``c*`` by the logarithm of a parameter, to six digits."""
-        return _slopes(self._scene(radius, layer), self.rtol)[PARAMETERS.index(name)]
+        return _slopes(self.solver, self._scene(radius, layer), self.rtol)[PARAMETERS.index(name)]
 
     def pressure_slope(self, radius: float, layer: Layer, s: Array) -> Array:
         """Return the derivative of ``p*`` at radii by the logarithm of the normal compliance."""
@@ -127,25 +133,25 @@ class Setting:
         return np.broadcast_to(np.array(load or (self.load,), dtype=float), count)
 
 
-def _solved(scene: Scene, rtol: float, quantities: Sequence[str]) -> Solution:
+def _solved(solver: _Solver, scene: Scene, rtol: float, quantities: Sequence[str]) -> Solution:
     try:
-        return solve(scene, rtol, quantities)
+        return solver(scene, rtol, quantities)
     except ConvergenceError as error:
         cause = f"{error.cause}, in a fit at {scene}"
         raise ConvergenceError(cause, error.remedy, error.solution) from error
 
 
 @lru_cache(maxsize=128)
-def _with_zones(scene: Scene, rtol: float) -> Solution:
+def _with_zones(solver: _Solver, scene: Scene, rtol: float) -> Solution:
     """Return a solution; the radius that is predicted and its slopes are of the same one."""
-    return _solved(scene, rtol, ("stick_radius", "zones", "total_shear", "traction"))
+    return _solved(solver, scene, rtol, ("stick_radius", "zones", "total_shear", "traction"))
 
 
 @lru_cache(maxsize=4096)
 @one_thread()
-def _slopes(scene: Scene, rtol: float) -> tuple[float, ...]:
+def _slopes(solver: _Solver, scene: Scene, rtol: float) -> tuple[float, ...]:
     """Return the derivatives of ``c*`` by the logarithms of the parameters."""
-    solution = _with_zones(scene, rtol)
+    solution = _with_zones(solver, scene, rtol)
     alpha, beta, friction = (getattr(scene, name) or 0.0 for name in PARAMETERS)
     if len(solution.zones) == 1:
         return (0.0, 0.0, 0.0)

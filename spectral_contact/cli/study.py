@@ -11,8 +11,8 @@ from spectral_contact.cli.options import resolution
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.studies.results import QUANTITIES, Study
-from spectral_contact.studies.solvers import OwnSolver, named_solver
-from spectral_contact.studies.study import convergence, work_precision
+from spectral_contact.studies.solvers import named_solver
+from spectral_contact.studies.study import OwnSolver, convergence, work_precision
 from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
 
@@ -97,10 +97,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Study:
         plotting.require()
     if arguments.solver and os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
-    common: dict[str, Any] = {
-        "quantities": arguments.quantities,
-        "store": arguments.store,
-    }
+    common: dict[str, Any] = {"quantities": arguments.quantities, "store": arguments.store}
     own = OwnSolver(_asked(arguments.quantities))
     if arguments.kind == "work-precision":
         solvers: dict[str, Any] = {own.name: own}

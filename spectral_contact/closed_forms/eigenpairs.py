@@ -49,11 +49,7 @@ def eigenvalue(degree: int, order: int) -> float:
 
 
 def eigenfunction(
-    degree: int,
-    order: int,
-    s: ArrayLike | None = None,
-    *,
-    from_edge: ArrayLike | None = None,
+    degree: int, order: int, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
 ) -> Values:
     """Return the eigenfunction P_l^m(√y)/√y, y = 1 − s²: a pressure or a traction.
 
@@ -90,11 +86,7 @@ def eigenfunction(
 
 
 def eigenfunction_image(
-    degree: int,
-    order: int,
-    s: ArrayLike | None = None,
-    *,
-    from_edge: ArrayLike | None = None,
+    degree: int, order: int, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
 ) -> Values:
     """Return λ P_l^m(√y), the displacement that N or T makes of `eigenfunction`.
 

@@ -18,6 +18,7 @@ from spectral_contact.contact.on_parts import (
     Indentation,
     PartedProblem,
     edge_value,
+    field_of,
     first_space,
     pointwise_errors,
     profile_parts,
@@ -141,7 +142,7 @@ class _IndentationProblem(PartedProblem):
     def _contact(self, space: Space, used: tuple[Used, ...], solved: _TwoPressures) -> Indentation:
         """Return the contact without its errors."""
         a, weights = self.radius, space.weights
-        series = series_on_parts(used, solved.whole)
+        series, flat = (series_on_parts(used, one) for one in (solved.whole, solved.flat))
         return Indentation(
             a,
             a * (self._whole_height + solved.shift),
@@ -149,8 +150,8 @@ class _IndentationProblem(PartedProblem):
             a**3 * float(weights @ (solved.whole_half * solved.target)),
             4 * a * float(weights @ solved.flat_half),
             self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
-            self.parts.field(series) if self.pointwise else None,
-            self.parts.field(series_on_parts(used, solved.flat)) if self.pointwise else None,
+            field_of(self.parts, series) if self.pointwise else None,
+            field_of(self.parts, flat) if self.pointwise else None,
         )
 
     @property
@@ -225,7 +226,7 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
         a**3 * found.energy,
         8 * a,
         float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
-        None if pressure is None else parts.field(pressure.series),
+        None if pressure is None else field_of(parts, pressure.series),
         None,
         ROUNDING,
         2.0 * ROUNDING,

@@ -8,10 +8,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.on_parts import edge_value, pointwise_errors, series_on_parts
+from spectral_contact.contact.on_parts import (
+    edge_value,
+    field_of,
+    pointwise_errors,
+    series_on_parts,
+    split_parts,
+)
 from spectral_contact.contact.resolution import (
     NormalContact,
     expected_error,
+    panel_table,
     series_of,
     table_rates,
 )
@@ -101,7 +108,7 @@ class PanelForm:
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
-        return self._parts.field(series_on_parts(self._used, coefficients))
+        return field_of(self._parts, series_on_parts(self._used, coefficients))
 
     def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
         """Return the expected errors of the pressure, and by what a degree lowers them."""
@@ -110,15 +117,13 @@ class PanelForm:
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
         assert isinstance(old, PanelForm)
-        rows, start = [], 0
-        for (was, _), (new, degrees) in zip(old._used, self._used, strict=True):
-            stop = start + was.panels * (was.degree + 1)
+        rows, parts = [], split_parts(old._used, before)
+        for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
             table = np.zeros((new.panels, new.degree + 1))
             terms = min(was.degree, new.degree) + 1
-            table[:, :terms] = before[start:stop].reshape(was.panels, -1)[:, :terms]
+            table[:, :terms] = panel_table(was, own)[:, :terms]
             table *= np.arange(new.degree + 1) <= np.array(degrees)[:, None]
-            rows += [table.ravel(), before[stop : stop + was.tail_terms]]
-            start = stop + was.tail_terms
+            rows += [table.ravel(), own[-was.tail_terms :]]
         return np.concatenate(rows)
 
     def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:

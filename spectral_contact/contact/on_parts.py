@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import ceil, log, sqrt
 from typing import TYPE_CHECKING
 
@@ -19,7 +21,17 @@ from spectral_contact.contact.resolution import (
     starting_resolution,
     table_rates,
 )
-from spectral_contact.fields.series import CENTRE, LogSeries, PressureField, Radius, ZonalField
+from spectral_contact.fields.series import (
+    CENTRE,
+    EDGE,
+    AnnulusSeries,
+    DiskSeries,
+    LogSeries,
+    PressureField,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution, Used
 from spectral_contact.spectral.parts import Parts
@@ -32,6 +44,7 @@ __all__ = [
     "Indentation",
     "PartedProblem",
     "edge_value",
+    "field_of",
     "first_space",
     "pointwise_errors",
     "profile_parts",
@@ -188,13 +201,23 @@ def series_on_parts(used: tuple[Used, ...], coefficients: Array) -> list[LogSeri
     ]
 
 
+def field_of(parts: Parts, series: Sequence[LogSeries]) -> PressureField | ZonalField:
+    """Return the pressure with these series on the parts."""
+    if len(parts.ends) == 1:
+        return PressureField(None, series[0])
+    bounds, each, pieces = (CENTRE, *parts.breaks, EDGE), iter(series), []
+    for inner, outer in pairwise(bounds):
+        if inner is CENTRE and not parts.pointed:
+            pieces.append(ZonePiece(outer, DiskSeries(outer, next(each), power=0)))
+        else:
+            halves = next(each), next(each)
+            pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
+    return ZonalField(tuple(pieces))
+
+
 def split_parts(used: tuple[Used, ...], coefficients: Array) -> list[Array]:
     """Return the coefficients of every part."""
-    start, found = 0, []
-    for panels, _ in used:
-        found.append(coefficients[start : start + panels.size])
-        start += panels.size
-    return found
+    return np.split(coefficients, np.cumsum([panels.size for panels, _ in used])[:-1])
 
 
 def edge_value(panels: LogPanels, coefficients: Array) -> float:

@@ -192,11 +192,7 @@ def one_disk_outcome(
 
 
 def zones_outcome(
-    solved: ZoneSolution,
-    parameters: Parameters,
-    drive: Drive | None = None,
-    *,
-    felt: bool = True,
+    solved: ZoneSolution, parameters: Parameters, drive: Drive | None = None, *, felt: bool = True
 ) -> PartialSlip:
     """Return the solution on any zones with its displacement, held against the friction law.
 

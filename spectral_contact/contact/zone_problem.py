@@ -249,12 +249,9 @@ class FreeBoundaryProblem:
         spaces = parted(resolution, self._counts, self.parameters.alpha)
         if self.drives:  # from now on with what is known of the errors of the pressure
             self.drives = [self.drives[0], *self.drives[0].changes]
-        aim, settle = (
-            max(TRIFLING * self.goal, 2.0 * ROUNDING),
-            max(TRIFLING * self.goal, NOISE),
-        )
-        newton = ZonesNewton(self, spaces, settle)
-        return assessed(self, spaces, newton.run(aim), newton.left)
+        least = TRIFLING * self.goal
+        newton = ZonesNewton(self, spaces, max(least, NOISE))
+        return assessed(self, spaces, newton.run(max(least, 2.0 * ROUNDING)), newton.left)
 
 
 def _radii(logits: Array) -> tuple[Radius, ...]:

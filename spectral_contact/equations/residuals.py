@@ -127,11 +127,7 @@ def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] =
 
 
 def tangential_displacement(
-    traction: Field,
-    pressure: Field,
-    kappa: float,
-    from_edge: float,
-    breaks: Sequence[float] = (),
+    traction: Field, pressure: Field, kappa: float, from_edge: float, breaks: Sequence[float] = ()
 ) -> tuple[float, float]:
     """Return the two parts ``T q`` and ``kappa g`` of the radial displacement, (4.2).
 

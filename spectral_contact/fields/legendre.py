@@ -5,31 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "chebyshev_sums",
-    "legendre_rows",
-    "legendre_rows_between",
-    "legendre_sum",
-    "legendre_sums",
-]
+__all__ = ["chebyshev_sums", "legendre_rows_between", "legendre_sum", "legendre_sums"]
 
 Array = NDArray[np.float64]
-
-
-def legendre_rows(x: Array, degree: int) -> Array:
-    """Return P_0 ... P_degree at `x` as rows, shape ``(degree + 1, *x.shape)``."""
-    values = np.empty((degree + 1, *x.shape))
-    values[0] = 1.0
-    if degree > 0:
-        values[1] = x
-    product = np.empty(x.shape)
-    for n in range(2, degree + 1):
-        # x P + (1 - 1/n) (x P - P'), which rounds the factor in the smaller part alone
-        np.multiply(x, values[n - 1, ...], out=product)
-        current = np.subtract(product, values[n - 2, ...], out=values[n, ...])
-        current *= (n - 1) / n
-        current += product
-    return values
 
 
 def legendre_rows_between(low: Array, high: Array, degree: int) -> Array:

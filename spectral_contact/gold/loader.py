@@ -31,12 +31,7 @@ __all__ = ["GoldPoint", "GoldSolution", "GoldTable", "find", "load", "names", "t
 _SCHEMA: Final = "spectral_contact.gold"
 _VERSION: Final = 1
 _TABLE_KEYS: Final = ("schema", "version", "table", "regime", "script", "scenes")
-_PARAMETERS: Final = (
-    "poisson_ratio",
-    "normal_compliance",
-    "tangential_compliance",
-    "friction",
-)
+_PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
 _VALUES: Final = ("approach", "total_shear", "zones", "edge_ratio")
 _ENTRY_KEYS: Final = ("name", "scene", "library", "digits", *_VALUES, "points", "error")
 _SIDES: Final = ("inner", "outer", "inner_from_edge", "outer_from_edge")

@@ -344,12 +344,7 @@ class BodyMesh:
         return self._pieces(points, sign, owner, scale, np.arcsinh([begin, end]))
 
     def _pieces(
-        self,
-        points: BodyPoints,
-        sign: Array,
-        owner: NDArray[np.intp],
-        scale: Array,
-        phases: Array,
+        self, points: BodyPoints, sign: Array, owner: NDArray[np.intp], scale: Array, phases: Array
     ) -> MeshNodes:
         """Return rows of pieces of about one width in ``asinh(distance / scale)``."""
         begin, end = phases

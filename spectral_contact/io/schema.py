@@ -129,10 +129,7 @@ _SCENE = Record(
     separation=_MAYBE_FLOAT,
 )
 _STATE = Choice(
-    "StepState",
-    RUN=StepState.RUN,
-    CONDITIONAL=StepState.CONDITIONAL,
-    SKIPPED=StepState.SKIPPED,
+    "StepState", RUN=StepState.RUN, CONDITIONAL=StepState.CONDITIONAL, SKIPPED=StepState.SKIPPED
 )
 _ENDING = Choice(
     "Ending",

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.inputs import checks, choices
-from spectral_contact.paper.onset import slip_onset
+from spectral_contact.paper.onset import ASKED, SlipOnset, all_stuck, first_slip
 from spectral_contact.paper.tables import RADII, FigureData, PaperFigure
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
-__all__ = ["FIGURES", "figure_data", "paper_figure"]
+__all__ = ["FIGURES", "figure_data", "paper_figure", "slip_onset"]
 
 Array = NDArray[np.float64]
 
@@ -57,6 +57,32 @@ def paper_figure(name: str) -> PaperFigure:
         For a name out of ``FIGURES``.
     """
     return _figures()[choices.one_of("name", name, FIGURES)]
+
+
+def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
+    """Return where slip starts in a scene as its friction falls.
+
+    With ``y = 1 - s**2``, full stick has next to the edge ``q/p = (q/p at the edge) (1 +
+    y ln y (1/beta* - 1/alpha*)/(4 pi) + ...)``: the largest ``q/p`` is inside if and only if
+    ``beta* > alpha*``, unless there were a larger one far from the edge, which is looked for.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its friction does not matter; nu < 1/2, and at least one compliance is not 0.
+    rtol : float
+        Relative tolerance of the solve.
+
+    Returns
+    -------
+    SlipOnset
+
+    Raises
+    ------
+    SceneError
+        For a scene whose critical friction is 0 or infinite, or an argument out of its range.
+    """
+    return first_slip(solve(all_stuck(scene), rtol, ASKED))
 
 
 # --- what is measured of a scene ------------------------------------------------------------------

@@ -1,11 +1,11 @@
-"""Where slip starts as the friction falls below the critical one: at the edge or inside."""
+"""The first slip of a contact in full stick: at the edge or inside."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, expm1, inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +13,14 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
-from spectral_contact.solving.solver import solve
 
-__all__ = ["SlipOnset", "slip_onset"]
+if TYPE_CHECKING:
+    from spectral_contact.solution import Solution
+
+__all__ = ["ASKED", "SlipOnset", "all_stuck", "first_slip"]
+
+#: What has to be known of full stick.
+ASKED = ("pressure", "traction", "edge_ratio", "critical_friction")
 
 
 _EPS = 2.0**-52
@@ -48,28 +53,13 @@ class SlipOnset:
     from_edge_error: float
 
 
-def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
-    """Return where slip starts in a scene as its friction falls.
-
-    With ``y = 1 - s**2``, full stick has next to the edge ``q/p = (q/p at the edge) (1 +
-    y ln y (1/beta* - 1/alpha*)/(4 pi) + ...)``: the largest ``q/p`` is inside if and only if
-    ``beta* > alpha*``, unless there were a larger one far from the edge, which is looked for.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its friction does not matter; nu < 1/2, and at least one compliance is not 0.
-    rtol : float
-        Relative tolerance of the solve.
-
-    Returns
-    -------
-    SlipOnset
+def all_stuck(scene: Scene) -> Scene:
+    """Return a scene in which nothing slips, and in which something could.
 
     Raises
     ------
     SceneError
-        For a scene whose critical friction is 0 or infinite, or an argument out of its range.
+        For a scene whose critical friction is 0 or infinite.
     """
     instance("scene", scene, Scene)
     full = Scene(
@@ -79,7 +69,12 @@ def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
         raise SceneError("poisson_ratio", full.poisson_ratio, "below 0.5: there is no traction")
     if full.tangential_compliance == 0.0:
         raise SceneError("tangential_compliance", 0.0, "> 0: without it the edge always slips")
-    solution = solve(full, rtol, ("pressure", "traction", "edge_ratio", "critical_friction"))
+    return full
+
+
+def first_slip(solution: Solution) -> SlipOnset:
+    """Return where slip starts as the friction falls, from full stick with all of `ASKED`."""
+    full = solution.scene
     critical, edge = solution.critical_friction, solution.edge_ratio
     critical_error, edge_error = solution.error.critical_friction, solution.error.edge_ratio
     assert critical_error is not None

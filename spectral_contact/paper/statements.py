@@ -83,23 +83,13 @@ def statements(rtol: float = 1e-9) -> tuple[Statement, ...]:
     def solved(nu: float, alpha: float, beta: float, f: float) -> Solution:
         return solve(Scene(nu, alpha, beta, f), rtol)
 
-    parts = (
-        _pressure,
-        _full_stick,
-        _example,
-        _slip_conditions,
-        _slip_trends,
-        _stick_everywhere,
-    )
+    parts = (_pressure, _full_stick, _example, _slip_conditions, _slip_trends, _stick_everywhere)
     return tuple(one for part in parts for one in part(solved))
 
 
 def statements_table(found: Sequence[Statement]) -> str:
     """Return statements as a Markdown table."""
-    lines = [
-        "| where | the paper | measured | ours | holds |",
-        "|---|---|---|---|---|",
-    ]
+    lines = ["| where | the paper | measured | ours | holds |", "|---|---|---|---|---|"]
     for one in found:
         number = _shown(one.value, one.error)
         verdict = "yes" if one.holds else "**no**"

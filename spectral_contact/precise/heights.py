@@ -12,8 +12,8 @@ from itertools import pairwise
 from math import ceil
 from typing import Any
 
-from spectral_contact import profiles
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles import sampled, shapes
+from spectral_contact.profiles.base import Profile
 
 __all__ = ["Heights", "heights"]
 
@@ -107,7 +107,7 @@ class _FlatHeights(Heights):
 class _SphereHeights(Heights):
     """``h = R - sqrt(R^2 - r^2)``."""
 
-    def __init__(self, mp: Any, profile: profiles.Sphere) -> None:
+    def __init__(self, mp: Any, profile: shapes.Sphere) -> None:
         super().__init__(mp, profile)
         self._radius = mp.mpf(profile.radius)
 
@@ -129,7 +129,7 @@ class _SphereHeights(Heights):
 class _TruncatedConeHeights(Heights):
     """``h = (r - b) cot(theta)`` outside b."""
 
-    def __init__(self, mp: Any, profile: profiles.TruncatedCone) -> None:
+    def __init__(self, mp: Any, profile: shapes.TruncatedCone) -> None:
         super().__init__(mp, profile)
         self._slope = mp.cot(mp.mpf(profile.half_angle))
 
@@ -153,7 +153,7 @@ class _TruncatedConeHeights(Heights):
 class _RoundedFlatHeights(Heights):
     """``h = (r - b)^2 / (2 R)`` outside b."""
 
-    def __init__(self, mp: Any, profile: profiles.RoundedFlat) -> None:
+    def __init__(self, mp: Any, profile: shapes.RoundedFlat) -> None:
         super().__init__(mp, profile)
         self._radius = mp.mpf(profile.radius)
 
@@ -180,7 +180,7 @@ class _RoundedFlatHeights(Heights):
 class _SampledHeights(Heights):
     """Chebyshev series of the slope on every piece."""
 
-    def __init__(self, mp: Any, profile: profiles.Sampled) -> None:
+    def __init__(self, mp: Any, profile: sampled.Sampled) -> None:
         super().__init__(mp, profile)
         self._edges = [mp.mpf(edge) for edge in profile.edges]
         self._rows = [[mp.mpf(c) for c in row] for row in profile.slopes]
@@ -312,11 +312,11 @@ def _derived(row: list[Any]) -> list[Any]:
 
 def heights(mp: Any, profile: Profile) -> Heights:
     """Return a profile to as many digits as the context has."""
-    if isinstance(profile, profiles.Parabola):
+    if isinstance(profile, shapes.Parabola):
         return _PowerHeights(mp, profile, 1 / (2 * mp.mpf(profile.radius)), 2)
-    if isinstance(profile, profiles.PowerLaw):
+    if isinstance(profile, shapes.PowerLaw):
         return _PowerHeights(mp, profile, mp.mpf(profile.coefficient), mp.mpf(profile.exponent))
-    if isinstance(profile, profiles.Cone):
+    if isinstance(profile, shapes.Cone):
         return _PowerHeights(mp, profile, mp.cot(mp.mpf(profile.half_angle)), 1)
     for kind, made in _KINDS.items():
         if isinstance(profile, kind):
@@ -325,9 +325,9 @@ def heights(mp: Any, profile: Profile) -> Heights:
 
 
 _KINDS: dict[type[Profile], Callable[[Any, Any], Heights]] = {
-    profiles.Flat: _FlatHeights,
-    profiles.Sphere: _SphereHeights,
-    profiles.TruncatedCone: _TruncatedConeHeights,
-    profiles.RoundedFlat: _RoundedFlatHeights,
-    profiles.Sampled: _SampledHeights,
+    shapes.Flat: _FlatHeights,
+    shapes.Sphere: _SphereHeights,
+    shapes.TruncatedCone: _TruncatedConeHeights,
+    shapes.RoundedFlat: _RoundedFlatHeights,
+    sampled.Sampled: _SampledHeights,
 }

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.precise.disk import Disk, PreciseSeries
-from spectral_contact.precise.drive import PreciseDrive
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
+
+if TYPE_CHECKING:
+    from spectral_contact.precise.disk import Disk, PreciseSeries
+    from spectral_contact.precise.drive import PreciseDrive
 
 __all__ = ["PreciseOneDisk", "solve_one_disk"]
 

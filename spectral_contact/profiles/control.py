@@ -42,16 +42,7 @@ ALL_CONTROLS: Final = (*CONTROLS, "separation")
 #: Profiles by the name that they have in files.
 KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
-    for one in (
-        Parabola,
-        Sphere,
-        PowerLaw,
-        Cone,
-        TruncatedCone,
-        RoundedFlat,
-        Sampled,
-        Flat,
-    )
+    for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled, Flat)
 }
 #: Those that numbers describe, with the names of these.
 SHAPES: Final = {

@@ -19,7 +19,7 @@ from spectral_contact.solution import (
     PlannedStep,
     StepState,
 )
-from spectral_contact.solving.planning import closer_tolerance
+from spectral_contact.solving.asked import closer_tolerance
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import place_of
 from spectral_contact.spectral.parameters import Parameters

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from spectral_contact.errors import SceneError
-from spectral_contact.inputs import checks
-from spectral_contact.inputs.choices import instance, names
+from spectral_contact.inputs.choices import instance
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
 from spectral_contact.scene import Scene
@@ -25,19 +23,13 @@ from spectral_contact.solution import (
     PlannedStep,
     StepState,
 )
+from spectral_contact.solving.asked import asked_quantities
 from spectral_contact.spectral.cache import BoundedCache
 
-__all__ = ["asked_quantities", "checked_tolerance", "closer_tolerance", "plan"]
+__all__ = ["plan"]
 
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
-#: Integral quantities, which may be asked for at 1e-13.
-_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
-#: The tightest tolerance of fields.
-_TIGHTEST = 1e-12
-#: Zones that are not known are looked for at so much of the tolerance, where there is something to
-#: gain.
-_CLOSER, _LOOSE = 1e-3, 1e-11
 _NO_FRICTION = "the scene has no friction coefficient"
 _PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache(
     "plans", 64, arrays=False
@@ -115,39 +107,6 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
 def _present(scene: Scene) -> tuple[str, ...]:
     """Return what scenes of this kind may have."""
     return QUANTITIES if scene.profile is None else (*PROFILE_QUANTITIES, *QUANTITIES)
-
-
-def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) -> frozenset[str]:
-    """Return what is asked for; everything is the default.
-
-    Raises
-    ------
-    SceneError
-        For a name that is no quantity.
-    """
-    known = (*PROFILE_QUANTITIES, *QUANTITIES) if shaped else QUANTITIES
-    return frozenset(known if quantities is None else names("quantities", quantities, known))
-
-
-def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
-    """Return the tolerance if these quantities can be solved to it.
-
-    Raises
-    ------
-    SceneError
-        If they cannot.
-    """
-    value = checks.tolerance(rtol)
-    if value < _TIGHTEST and not _INTEGRAL.issuperset(quantities):
-        raise SceneError(
-            "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
-        )
-    return value
-
-
-def closer_tolerance(rtol: float) -> float:
-    """Return a tolerance at which zones may be known, or be found, that are not at this one."""
-    return max(_CLOSER * rtol, _TIGHTEST) if rtol >= _LOOSE else rtol
 
 
 def _affected(scene: Scene) -> frozenset[str]:

@@ -213,9 +213,7 @@ class Run:
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if friction == 0.0:
             self.values.update(
-                total_shear=0.0,
-                stick_radius=0.0,
-                zones=(Zone.between("slip", CENTRE, EDGE),),
+                total_shear=0.0, stick_radius=0.0, zones=(Zone.between("slip", CENTRE, EDGE),)
             )
             self.errors.update(exact)
         if contact is None or not any(

@@ -10,7 +10,8 @@ from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Plan, Solution
-from spectral_contact.solving.planning import checked_tolerance, closer_tolerance, plan
+from spectral_contact.solving.asked import checked_tolerance, closer_tolerance
+from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import Shared
 from spectral_contact.solving.uncoupled_run import FrictionOf, UncoupledRun

@@ -6,10 +6,7 @@ ratio. The modules have more than what is exported here.
 
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.cache import cache_sizes, clear_caches
-from spectral_contact.spectral.jacobi import (
-    gauss_rule,
-    legendre_values,
-)
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points
 from spectral_contact.spectral.regularised import Regularised

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.legendre import legendre_rows
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import deeper, deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import SAMPLES
@@ -19,13 +18,14 @@ from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,
     legendre_interpolation_matrix,
+    legendre_rows,
     legendre_values,
 )
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import Family, gap, sampled_coefficients
 from spectral_contact.threads import cached_property
 
-__all__ = ["Annulus", "Transforms", "transforms"]
+__all__ = ["Annulus", "Transforms", "sampled_series", "transforms"]
 
 Array = NDArray[np.float64]
 
@@ -49,6 +49,11 @@ class _Means(NamedTuple):
 def transforms(panels: LogPanels) -> Transforms:
     """Return the transforms of these panels, whose blocks are assembled once (cached)."""
     return _TRANSFORMS.get(panels, lambda: Transforms(panels))
+
+
+def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
+    """Return the series through samples at the sampling points of the panels and the tail."""
+    return LogSeries(*sampled_coefficients(panels, values), panels.width)
 
 
 class Transforms:

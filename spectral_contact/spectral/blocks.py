@@ -357,12 +357,7 @@ def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
 
 
 def _apart(
-    source: Family,
-    degrees: Degrees,
-    target: Family,
-    nodes: Nodes,
-    side: int,
-    apart: float,
+    source: Family, degrees: Degrees, target: Family, nodes: Nodes, side: int, apart: float
 ) -> Block:
     """Return what a part contributes whose boundary is another one."""
     outward, onward = side * source.sign * source.reach, side * target.sign * target.reach

@@ -1,4 +1,4 @@
-"""Bounded, named, clearable and thread-safe caches: the only module-level state of the library."""
+"""Bounded, named, clearable and thread-safe caches of all but a few small tables."""
 
 from __future__ import annotations
 

@@ -24,11 +24,7 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import (
-    gauss_rule,
-    legendre_expansion_matrix,
-    legendre_values,
-)
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.threads import cached_property
 

@@ -6,12 +6,11 @@ are expanded from Gauss nodes.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import lapack
-
-from spectral_contact.fields.legendre import legendre_rows
-from spectral_contact.spectral.cache import BoundedCache
 
 __all__ = [
     "EXTRA",
@@ -24,6 +23,7 @@ __all__ = [
     "legendre_expansion_matrix",
     "legendre_interpolation_matrix",
     "legendre_projection_matrix",
+    "legendre_rows",
     "legendre_values",
     "tail_values",
 ]
@@ -39,9 +39,24 @@ ROOT_TERMS = 9
 #: Those beyond the terms of a tail.
 TAIL_EXTRA = 9
 
-_RULES: BoundedCache[int, tuple[Array, Array]] = BoundedCache("Gauss rules", 64)
-_PROJECTIONS: BoundedCache[tuple[int, int], Array] = BoundedCache("Legendre projections", 32)
-_EXPANSIONS: BoundedCache[tuple[int, int], Array] = BoundedCache("Legendre expansions", 32)
+#: How many rules and matrices are kept, of some kilobytes each: functools will do.
+_RULES, _MATRICES = 64, 32
+
+
+def legendre_rows(x: Array, degree: int) -> Array:
+    """Return P_0 ... P_degree at `x` as rows, shape ``(degree + 1, *x.shape)``."""
+    values = np.empty((degree + 1, *x.shape))
+    values[0] = 1.0
+    if degree > 0:
+        values[1] = x
+    product = np.empty(x.shape)
+    for n in range(2, degree + 1):
+        # x P + (1 - 1/n) (x P - P'), which rounds the factor in the smaller part alone
+        np.multiply(x, values[n - 1, ...], out=product)
+        current = np.subtract(product, values[n - 2, ...], out=values[n, ...])
+        current *= (n - 1) / n
+        current += product
+    return values
 
 
 def legendre_values(x: ArrayLike, degree: int) -> Array:
@@ -59,8 +74,14 @@ def tail_values(d: Array, end: float, terms: int, root: bool) -> Array:
     return legendre_values(2.0 * (np.sqrt(ratio) if root else ratio) - 1.0, terms - 1)
 
 
+@lru_cache(maxsize=_RULES)
 def gauss_rule(points: int) -> tuple[Array, Array]:
-    """Return nodes and weights of the Gauss-Legendre rule on [-1, 1].
+    """Return nodes and weights of the Gauss-Legendre rule on [-1, 1], right to the last digit.
+
+    The weights of ``numpy.polynomial.legendre.leggauss`` are off by up to 8e-13 near the ends
+    (they are evaluated at rounded nodes), which costs an order of magnitude in the pressure. One
+    Newton step in extended precision from the eigenvalues of the Jacobi matrix (Golub and Welsch)
+    gives both to the last digit.
 
     Parameters
     ----------
@@ -71,46 +92,6 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
     -------
     nodes, weights : ndarray
         Shape ``(points,)`` each, read-only; nodes increase.
-    """
-    return _RULES.get(points, lambda: _gauss_legendre(points))
-
-
-def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
-    """Return a rule on (0, 1) whose panels shrink towards 0.
-
-    Parameters
-    ----------
-    points : int
-        Gauss-Legendre nodes on each panel.
-    panels : int
-        Their number; the last one ends at 0.
-    ratio : float
-        Of the lengths of neighbours, below 1.
-
-    Returns
-    -------
-    nodes, weights : ndarray
-        Shape ``(panels * points,)`` each.
-    """
-    g, w = gauss_rule(points)
-    ends = np.append(ratio ** np.arange(panels), 0.0)
-    low, width = ends[1:, None], -np.diff(ends)[:, None]
-    return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
-
-
-def _frozen(nodes: Array, weights: Array) -> tuple[Array, Array]:
-    nodes.setflags(write=False)
-    weights.setflags(write=False)
-    return nodes, weights
-
-
-def _gauss_legendre(points: int) -> tuple[Array, Array]:
-    """Return the Gauss-Legendre rule with weights right to the last digit.
-
-    The weights of ``numpy.polynomial.legendre.leggauss`` are off by up to 8e-13 near the ends
-    (they are evaluated at rounded nodes), which costs an order of magnitude in the pressure. One
-    Newton step in extended precision from the eigenvalues of the Jacobi matrix (Golub and Welsch)
-    gives both to the last digit.
     """
     if points < 1:
         raise ValueError(f"points = {points}: must be at least 1")
@@ -144,6 +125,36 @@ def _gauss_legendre(points: int) -> tuple[Array, Array]:
     )
 
 
+def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
+    """Return a rule on (0, 1) whose panels shrink towards 0.
+
+    Parameters
+    ----------
+    points : int
+        Gauss-Legendre nodes on each panel.
+    panels : int
+        Their number; the last one ends at 0.
+    ratio : float
+        Of the lengths of neighbours, below 1.
+
+    Returns
+    -------
+    nodes, weights : ndarray
+        Shape ``(panels * points,)`` each.
+    """
+    g, w = gauss_rule(points)
+    ends = np.append(ratio ** np.arange(panels), 0.0)
+    low, width = ends[1:, None], -np.diff(ends)[:, None]
+    return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
+
+
+def _frozen(nodes: Array, weights: Array) -> tuple[Array, Array]:
+    nodes.setflags(write=False)
+    weights.setflags(write=False)
+    return nodes, weights
+
+
+@lru_cache(maxsize=_MATRICES)
 def legendre_expansion_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
 
@@ -159,7 +170,11 @@ def legendre_expansion_matrix(points: int, degree: int) -> Array:
     ndarray
         Shape ``(degree + 1, points)``; the discrete orthogonal projection.
     """
-    return _EXPANSIONS.get((points, degree), lambda: _frozen_expansion(points, degree))
+    nodes, weights = gauss_rule(points)
+    scale = np.arange(degree + 1) + 0.5
+    matrix = scale[:, None] * legendre_values(nodes, degree).T * weights
+    matrix.setflags(write=False)
+    return matrix
 
 
 def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:
@@ -180,6 +195,7 @@ def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:
     return np.asarray(values @ legendre_expansion_matrix(points, points - 1))
 
 
+@lru_cache(maxsize=_MATRICES)
 def legendre_projection_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to integrals against P_0 ... P_degree.
 
@@ -197,7 +213,15 @@ def legendre_projection_matrix(points: int, degree: int) -> Array:
         what is nearly constant would have the same spurious integral against a high degree
         everywhere, and in a Gram matrix that adds up.
     """
-    return _PROJECTIONS.get((points, degree), lambda: _frozen_projection(points, degree))
+    nodes, weights = gauss_rule(points)
+    values = legendre_values(nodes, degree)
+    matrix = values * weights[:, None]
+    scale = np.arange(degree + 1) + 0.5
+    defect = matrix.T @ values - np.diag(1.0 / scale)
+    # a few roundings, whose square is nothing
+    matrix -= matrix @ (scale[:, None] * defect)
+    matrix.setflags(write=False)
+    return matrix
 
 
 def chebyshev_interpolation(points: int) -> tuple[Array, Array]:
@@ -218,23 +242,3 @@ def chebyshev_interpolation(points: int) -> tuple[Array, Array]:
     matrix = np.cos(np.outer(np.arange(points), angle)) * (2.0 / points)
     matrix[0] /= 2.0
     return np.cos(angle), matrix
-
-
-def _frozen_expansion(points: int, degree: int) -> Array:
-    nodes, weights = gauss_rule(points)
-    scale = np.arange(degree + 1) + 0.5
-    matrix = scale[:, None] * legendre_values(nodes, degree).T * weights
-    matrix.setflags(write=False)
-    return matrix
-
-
-def _frozen_projection(points: int, degree: int) -> Array:
-    nodes, weights = gauss_rule(points)
-    values = legendre_values(nodes, degree)
-    matrix = values * weights[:, None]
-    scale = np.arange(degree + 1) + 0.5
-    defect = matrix.T @ values - np.diag(1.0 / scale)
-    # a few roundings, whose square is nothing
-    matrix -= matrix @ (scale[:, None] * defect)
-    matrix.setflags(write=False)
-    return matrix

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -10,17 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import (
-    CENTRE,
-    EDGE,
-    AnnulusSeries,
-    DiskSeries,
-    LogSeries,
-    PressureField,
-    Radius,
-    ZonalField,
-    ZonePiece,
-)
+from spectral_contact.fields.radius import CENTRE, EDGE, Radius
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,
@@ -29,9 +18,10 @@ from spectral_contact.spectral.jacobi import (
 )
 
 if TYPE_CHECKING:
+    from spectral_contact.fields.series import LogSeries
     from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Family", "Parts", "Points", "gap", "sampled_series"]
+__all__ = ["Family", "Parts", "Points", "gap", "sampled_coefficients"]
 
 Array = NDArray[np.float64]
 
@@ -125,17 +115,17 @@ class Family:
 
     def truncated(self, values: Array, power: float) -> float:
         """Return the largest that `expand` drops of any panel or tail, times ``d**power``."""
-        series, p = sampled_series(self.panels, values), self.panels
-        dropped = np.abs(series.coefficients[:, p.degree + 1 :]).max(axis=1)
+        table, tail = sampled_coefficients(self.panels, values)
+        p = self.panels
+        dropped = np.abs(table[:, p.degree + 1 :]).max(axis=1)
         in_panels = dropped * np.exp(-power * p.width * np.arange(p.panels))
-        return float(max(in_panels.max(), np.abs(series.tail[p.tail_terms :]).max() * p.end**power))
+        return float(max(in_panels.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
         """Return coefficients, of the size of the basis, through values at the sampling points."""
-        series = sampled_series(self.panels, values)
+        table, tail = sampled_coefficients(self.panels, values)
         p = self.panels
-        table = series.coefficients[:, : p.degree + 1]
-        return np.concatenate([table.ravel(), series.tail[: p.tail_terms]])
+        return np.concatenate([table[:, : p.degree + 1].ravel(), tail[: p.tail_terms]])
 
 
 class Parts:
@@ -176,27 +166,12 @@ class Parts:
         own = self.breaks, self.pointed, self.turns
         return own == (other.breaks, other.pointed, other.turns)
 
-    def field(self, series: Sequence[LogSeries]) -> PressureField | ZonalField:
-        """Return the pressure with these series on the parts."""
-        if len(self.ends) == 1:
-            return PressureField(None, series[0])
-        bounds, each = (CENTRE, *self.breaks, EDGE), iter(series)
-        pieces = []
-        for inner, outer in pairwise(bounds):
-            if inner is CENTRE and not self.pointed:
-                on_disk = DiskSeries(outer, next(each), power=0)
-                pieces.append(ZonePiece(outer, on_disk))
-            else:
-                halves = next(each), next(each)
-                pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
-        return ZonalField(tuple(pieces))
 
-
-def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
-    """Return the series through samples at the sampling points of the panels and the tail."""
+def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array]:
+    """Return coefficients on panels and tail through samples at the sampling points of both."""
     tail_points = panels.tail_points
     inner = values[:-tail_points].reshape(panels.panels, -1)
     points = inner.shape[1]
     expand = legendre_expansion_matrix(points, points - 1)
     expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
-    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)
+    return inner @ expand.T, expand_tail @ values[-tail_points:]

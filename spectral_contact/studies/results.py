@@ -19,14 +19,7 @@ from spectral_contact.studies.timing import Stopwatch, Times
 __all__ = ["QUANTITIES", "Convergence", "Point", "Study", "WorkPrecision"]
 
 #: What a study can look at.
-QUANTITIES = (
-    "approach",
-    "edge_pressure",
-    "pressure",
-    "traction",
-    "total_shear",
-    "stick_radius",
-)
+QUANTITIES = ("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius")
 
 #: Errors less than this many times that of the truth say nothing.
 _ABOVE_TRUTH = 10.0

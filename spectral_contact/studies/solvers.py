@@ -4,49 +4,17 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import real
 from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
-from spectral_contact.solution import Solution
-from spectral_contact.solving.solver import solve
 
-__all__ = ["OwnSolver", "Solver", "named_solver", "solver_name"]
-
-#: The loosest tolerance that `solve` takes; a looser solve would not be cheaper.
-_LOOSEST: Final = 1e-2
+__all__ = ["Solver", "named_solver", "solver_name"]
 
 #: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.
 Solver = Callable[[Scene, Any], Any]
-
-
-@dataclass(frozen=True, slots=True)
-class OwnSolver:
-    """`solve` of this library; the resolution is its ``rtol``, at most 1e-2.
-
-    What cannot meet the tolerance is returned as far as it got, with its estimates.
-
-    Parameters
-    ----------
-    quantities : tuple of str, optional
-        What `solve` is asked for; the default is everything.
-    """
-
-    quantities: tuple[str, ...] | None = None
-
-    @property
-    def name(self) -> str:
-        """The name in tables and figures."""
-        return "spectral_contact"
-
-    def __call__(self, scene: Scene, rtol: float) -> Solution:
-        """Solve a scene to a tolerance."""
-        asked = real("rtol", rtol, allowed=">= 1e-13", low=1e-13, infinite_ok=True)
-        return solve(scene, min(asked, _LOOSEST), self.quantities, strict=False)
 
 
 def named_solver(name: str) -> Solver:

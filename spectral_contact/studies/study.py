@@ -13,6 +13,8 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real
 from spectral_contact.inputs.choices import function, instance, listed
 from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution
+from spectral_contact.solving.solver import solve
 from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.solvers import Solver, solver_name
@@ -21,12 +23,14 @@ from spectral_contact.studies.timing import Stopwatch, Times, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["convergence", "truth_of", "work_precision"]
+__all__ = ["OwnSolver", "convergence", "truth_of", "work_precision"]
 
 _STOPWATCH: Final = Stopwatch()
 _OF_SCENES: Final = "a scene and a resolution"
 #: Digits of a reference that is the truth.
 _DIGITS: Final = 20
+#: The loosest tolerance that `solve` takes; a looser solve would not be cheaper.
+_LOOSEST: Final = 1e-2
 
 
 def convergence(
@@ -110,14 +114,7 @@ def convergence(
         )
         tell("", 1.0)
     return Convergence(
-        case.name,
-        scene,
-        true.source,
-        true.error,
-        run.shown(points),
-        points,
-        stopwatch,
-        run.machine,
+        case.name, scene, true.source, true.error, run.shown(points), points, stopwatch, run.machine
     )
 
 
@@ -244,12 +241,37 @@ def _best(scene: Scene, progress: bool | None) -> tuple[str, Any]:
     """Return the gold solution of a scene, or its reference, and what to call it."""
     # mpmath, on which both of them are built, is imported for studies alone
     from spectral_contact import gold
-    from spectral_contact.precise import reference
+    from spectral_contact.precise.certified import certified
 
     solution = gold.find(scene)
     if solution is not None:
         return f"gold table {solution.table}, {solution.digits} digits", solution
-    return f"reference, {_DIGITS} digits", reference(scene, _DIGITS, progress=progress)
+    return f"reference, {_DIGITS} digits", certified(scene, _DIGITS, solve, progress=progress)
+
+
+@dataclass(frozen=True, slots=True)
+class OwnSolver:
+    """`solve` of this library; the resolution is its ``rtol``, at most 1e-2.
+
+    What cannot meet the tolerance is returned as far as it got, with its estimates.
+
+    Parameters
+    ----------
+    quantities : tuple of str, optional
+        What `solve` is asked for; the default is everything.
+    """
+
+    quantities: tuple[str, ...] | None = None
+
+    @property
+    def name(self) -> str:
+        """The name in tables and figures."""
+        return "spectral_contact"
+
+    def __call__(self, scene: Scene, rtol: float) -> Solution:
+        """Solve a scene to a tolerance."""
+        asked = real("rtol", rtol, allowed=">= 1e-13", low=1e-13, infinite_ok=True)
+        return solve(scene, min(asked, _LOOSEST), self.quantities, strict=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

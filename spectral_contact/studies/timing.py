@@ -17,14 +17,16 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import finite, real, whole
-from spectral_contact.scene import Scene
 from spectral_contact.threads import THREADS, look_for_blas, one_thread
+
+if TYPE_CHECKING:
+    from spectral_contact.scene import Scene
 
 __all__ = ["Stopwatch", "Times", "Timing", "repeated", "times_of"]
 

@@ -1,28 +1,31 @@
 """The work of a sweep, cut in chunks: scenes in, columns of results out; any process can do it.
 
-Chunks go through an executor, or one after another in this process.
+Chunks go through an executor, or one after another in this process. What solves their scenes is
+handed in.
 """
 
 from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from spectral_contact.processes import end_with_parent
 from spectral_contact.solution import Ending, Solution
-from spectral_contact.solving.solver import Continuation
-from spectral_contact.solving.uncoupled_run import FrictionOf
 from spectral_contact.sweeps.lines import between, lines
 from spectral_contact.sweeps.parameters import Columns, Indices, SweepParameters, changed
 from spectral_contact.sweeps.pressed import along, indentation_curves
 from spectral_contact.sweeps.request import Outcome, Request, Rows
 from spectral_contact.sweeps.shortcuts import served
 from spectral_contact.threads import one_thread
+
+if TYPE_CHECKING:
+    from spectral_contact.solving.solver import Continuation
+    from spectral_contact.solving.uncoupled_run import FrictionOf
 
 __all__ = ["outcomes", "solve_chunk"]
 
@@ -33,7 +36,9 @@ _AHEAD: Final = 64
 
 
 @one_thread()
-def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
+def solve_chunk(
+    columns: Columns, request: Request, asker: int, path_of: Callable[..., Continuation]
+) -> Outcome:
     """Solve some scenes one after another.
 
     Parameters
@@ -43,9 +48,12 @@ def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
     request : Request
     asker : int
         The process that asks; if it is the parent of this one, this one ends with it.
+    path_of : callable
+        Makes what solves one scene after another, of tolerance, quantities and most unknowns.
     """
     end_with_parent(asker)
-    work = _Chunk(columns, request)
+    path = path_of(request.rtol, request.quantities, request.max_unknowns)
+    work = _Chunk(columns, request, path)
     if request.shared:
         work.rows.put(np.arange(len(columns)), served(columns, request))
     for line in lines(columns, work.rows.left, request):
@@ -60,10 +68,9 @@ def solve_chunk(columns: Columns, request: Request, asker: int) -> Outcome:
 class _Chunk:
     """The scenes of a chunk as they are solved, each with what the one before it hands on."""
 
-    def __init__(self, columns: Columns, request: Request) -> None:
+    def __init__(self, columns: Columns, request: Request, path: Continuation) -> None:
         self.rows = Rows(len(columns), request)
-        self.columns = columns
-        self.path = Continuation(request.rtol, request.quantities, request.max_unknowns)
+        self.columns, self.path = columns, path
 
     def solve(self, i: int) -> None:
         """Solve a scene."""
@@ -117,6 +124,7 @@ def outcomes(
     chunks: Sequence[tuple[int, Indices]],
     request: Request,
     executor: Executor | None,
+    path_of: Callable[..., Continuation],
 ) -> Generator[tuple[int, Outcome], None, None]:
     """Yield the number and the outcome of every chunk as it is done.
 
@@ -131,17 +139,19 @@ def outcomes(
     request : Request
     executor : Executor or None
         None is this process.
+    path_of : callable
+        As of `solve_chunk`.
     """
     left = dict(chunks)
     if executor is not None:
         try:
-            for number, outcome in _through(executor, parameters, chunks, request):
+            for number, outcome in _through(executor, parameters, chunks, request, path_of):
                 del left[number]
                 yield number, outcome
         except BrokenExecutor as error:
             _LOG.warning("the executor broke (%s): %d chunks are done here", error, len(left))
     for number, scenes in left.items():
-        yield number, solve_chunk(parameters.columns(scenes), request, os.getpid())
+        yield number, solve_chunk(parameters.columns(scenes), request, os.getpid(), path_of)
 
 
 def _through(
@@ -149,6 +159,7 @@ def _through(
     parameters: SweepParameters,
     chunks: Sequence[tuple[int, Indices]],
     request: Request,
+    path_of: Callable[..., Continuation],
 ) -> Generator[tuple[int, Outcome], None, None]:
     """Keep the executor busy, and yield what it has done."""
     running: dict[Future[Outcome], int] = {}
@@ -157,7 +168,8 @@ def _through(
         while True:
             for number, scenes in queue:
                 columns: Columns = parameters.columns(scenes)
-                running[executor.submit(solve_chunk, columns, request, os.getpid())] = number
+                task = executor.submit(solve_chunk, columns, request, os.getpid(), path_of)
+                running[task] = number
                 if len(running) >= _AHEAD:
                     break
             if not running:

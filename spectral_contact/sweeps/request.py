@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, Solution
-from spectral_contact.solving.planning import asked_quantities, checked_tolerance
-from spectral_contact.sweeps.parameters import Indices
+from spectral_contact.solving.asked import asked_quantities, checked_tolerance
+
+if TYPE_CHECKING:
+    from spectral_contact.sweeps.parameters import Indices
 
 __all__ = [
     "ENDINGS",

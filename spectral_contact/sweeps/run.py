@@ -18,6 +18,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs import checks
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
+from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.chunk import outcomes
 from spectral_contact.sweeps.curves import LEAST
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
@@ -243,7 +244,9 @@ class _SweepRun:
         total, todo = self.parameters.size, sum(len(scenes) for _, scenes in left)
         begin, done = perf_counter(), 0
         tell("the first scenes", (total - todo) / total)
-        with closing(outcomes(self.parameters, left, self.request, executor)) as results:
+        with closing(
+            outcomes(self.parameters, left, self.request, executor, Continuation)
+        ) as results:
             for number, outcome in results:
                 if self.store is not None:
                     self.store.put(number, outcome)

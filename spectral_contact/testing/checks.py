@@ -91,12 +91,7 @@ class CheckReport:
 
 
 def check_solution(
-    solution: Any,
-    scene: Scene,
-    rtol: float,
-    *,
-    breaks: Sequence[float] = (),
-    strict: bool = True,
+    solution: Any, scene: Scene, rtol: float, *, breaks: Sequence[float] = (), strict: bool = True
 ) -> CheckReport:
     """Check a solution against the equations of its scene.
 
@@ -401,12 +396,7 @@ def _smooth_share(traction: Field, d: Array) -> Array:
 
 
 def _friction_checks(
-    solution: Any,
-    scene: Scene,
-    pressure: Field,
-    traction: Field,
-    rtol: float,
-    cuts: list[float],
+    solution: Any, scene: Scene, pressure: Field, traction: Field, rtol: float, cuts: list[float]
 ) -> list[Check]:
     friction, beta, kappa = scene.friction, scene.tangential_compliance, scene.kappa
     assert friction is not None

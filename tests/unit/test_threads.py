@@ -50,7 +50,7 @@ three_threads = pytest.mark.usefixtures("_three_threads")
 
 def solve_chunk():
     request = requested(["approach"], 1e-6, 100, None, None)
-    chunk.solve_chunk(listed([SCENE]).columns(np.arange(1)), request, 0)
+    chunk.solve_chunk(listed([SCENE]).columns(np.arange(1)), request, 0, Continuation)
 
 
 # what is called, and what is called in the midst of it
@@ -59,7 +59,7 @@ CALLS = {
     "continuation": (lambda: Continuation(1e-6, ["approach"], 99).solve(SCENE), Run, "_normal"),
     "reference": (
         lambda: reference(Scene(0.1), 15),
-        import_module("spectral_contact.precise.reference"),
+        import_module("spectral_contact.precise.certified"),
         "_compare",
     ),
     "sweep": (lambda: sweep(SCENE, poisson_ratio=[0.1, 0.2]), sweep_run._SweepRun, "finish"),

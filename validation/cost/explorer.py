@@ -26,6 +26,7 @@ sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 import browser
 
+from spectral_contact import solve
 from spectral_contact.view.explorer.look import look_at
 from spectral_contact.view.explorer.page import Page
 from spectral_contact.view.explorer.state import KNOBS, texts_from
@@ -75,7 +76,7 @@ def in_the_server(query: str, name: str, low: float, high: float) -> list[float]
     for value in np.geomspace(low or 0.01, high, MOVES):
         moved = {**texts, name: f"{value:.4g}"}
         start = process_time()
-        page.show(moved, look_at(moved))
+        page.show(moved, look_at(moved, solve))
         found.append(process_time() - start)
     return found
 

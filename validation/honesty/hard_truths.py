@@ -92,9 +92,9 @@ def _digits(exact: ReferenceSolution, value: Any) -> str:
 def _without_edge_zone(scene: Scene) -> ReferenceSolution:
     """Solve with one stick disk and nothing but slip outside, where the law does not hold."""
     disk = solve(replace(scene, tangential_compliance=0.0), 1e-9).zones[0]
-    module = sys.modules["spectral_contact.precise.reference"]
+    module = sys.modules["spectral_contact.precise.certified"]
     found = PreciseLayout((0, 1), (Radius(disk.outer, disk.outer_from_edge),))
-    with mock.patch.multiple(module, _layout=lambda scene: found, lawful=solved):
+    with mock.patch.multiple(module, _layout=lambda *_: found, lawful=solved):
         return reference(scene, DIGITS)
 
 

@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 from bad_input_cases import Bench
 
-from spectral_contact import Scene, SpectralContactError, calibration, layers, paper, profiles
+from spectral_contact import (
+    Scene,
+    SpectralContactError,
+    calibration,
+    layers,
+    paper,
+    profiles,
+    solve,
+)
 from spectral_contact.asperities import greenwood_williamson
 from spectral_contact.calibration.setting import Setting
 from spectral_contact.fields.series import Radius
@@ -186,7 +194,7 @@ class Examples:
             "body": bench.solutions[0].inside,
             "plan": bench.solutions[0].plan,
             "figure": Figure(),
-            "setting": Setting.of(SCENE, 1e-3),
+            "setting": Setting.of(SCENE, 1e-3, solve),
             "layer": {"normal_compliance": 0.5, "tangential_compliance": 0.5, "friction": 0.1},
         }
         self._special = {

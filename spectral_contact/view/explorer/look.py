@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SpectralContactError
 from spectral_contact.solution import Solution
-from spectral_contact.solving.solver import solve
 from spectral_contact.view.explorer.state import Texts, code_of, rtol_of, scene_of
 from spectral_contact.view.html import table_html, zones_svg
 from spectral_contact.view.radii import bulk_limits, graded_radii, known_zones, layer_depth
@@ -70,8 +69,8 @@ class Look:
         return "".join([*parts, table_html(quantity_cells(self.solution)), table_html(plan)])
 
 
-def look_at(texts: Texts) -> Look:
-    """Solve the scene of a state and return what is to be shown of it."""
+def look_at(texts: Texts, solve: Callable[..., Solution]) -> Look:
+    """Solve the scene of a state, by what is given, and return what is to be shown of it."""
     try:
         scene = scene_of(texts)
         rtol = rtol_of(texts)

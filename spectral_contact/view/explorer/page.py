@@ -11,6 +11,7 @@ from typing import Any, Final
 from spectral_contact.errors import SceneError, optional
 from spectral_contact.inputs.checks import whole
 from spectral_contact.scene import Scene
+from spectral_contact.solving.solver import solve
 from spectral_contact.view.explorer.look import Look, look_at
 from spectral_contact.view.explorer.state import query_of, texts_from, texts_of
 from spectral_contact.view.explorer.widgets import Controls, Figures, grid
@@ -199,7 +200,7 @@ class Page:
         self.code = pane.HTML("", stylesheets=[_TABLES], sizing_mode="stretch_width")
         self._copied = self._panel.widgets.TextInput(visible=False)
         self.view = self._layout()
-        self.show(texts, look_at(texts))
+        self.show(texts, look_at(texts, solve))
 
     @property
     def texts(self) -> dict[str, str]:
@@ -248,7 +249,7 @@ class Page:
             while self._wanted is not None:
                 texts, self._wanted = self._wanted, None
                 loop = asyncio.get_running_loop()
-                work = loop.run_in_executor(None, look_at, texts)
+                work = loop.run_in_executor(None, look_at, texts, solve)
                 await asyncio.wait([work], timeout=_PATIENCE)
                 if not work.done():
                     self._panel.state.execute(self._wait)

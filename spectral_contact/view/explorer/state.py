@@ -17,7 +17,7 @@ from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
-from spectral_contact.solving.planning import checked_tolerance
+from spectral_contact.solving.asked import checked_tolerance
 
 __all__ = [
     "FLAT",

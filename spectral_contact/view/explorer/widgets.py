@@ -85,13 +85,7 @@ class Controls:
         self._reveal()
         for one in (self._profile, self._control):
             one.param.watch(self._reveal, "value")
-        for one in (
-            self._profile,
-            self._control,
-            self._coupling,
-            self._rtol,
-            *self.boxes.values(),
-        ):
+        for one in (self._profile, self._control, self._coupling, self._rtol, *self.boxes.values()):
             one.param.watch(moved, "value")
 
     @property

@@ -96,7 +96,7 @@ def test_the_covariance_is_that_of_derivatives_by_differences(found):
 @pytest.mark.parametrize("alpha", [3e-27, 3e-18, 3e-15, 3e-12])
 def test_the_derivative_of_the_approach_is_exact(alpha):
     layer = {**LAYER, "normal_compliance": alpha}
-    setting = Setting.of(scene(), 1e-12)
+    setting = Setting.of(scene(), 1e-12, solve)
     data = ApproachData([1.0] * 3, 1.0, radius=RADII, load=LOADS)
     exact = data.slope(setting, layer, "normal_compliance")
     h = 1e-3
@@ -112,7 +112,7 @@ def test_the_derivative_of_the_approach_is_exact(alpha):
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_other_derivatives_are_accurate_enough(name):
     """Against differences of fourth order of solves a hundred times as accurate."""
-    setting, sharper = Setting.of(scene(), 1e-10), Setting.of(scene(), 1e-12)
+    setting, sharper = Setting.of(scene(), 1e-10, solve), Setting.of(scene(), 1e-12, solve)
     h = 1e-3
     for data in (
         PressureData(PLACES, [1.0] * 4, 1.0),
@@ -385,12 +385,12 @@ def test_a_fit_that_does_not_settle_says_so():
 
 
 def test_failures_of_the_solver_name_the_scene(monkeypatch):
-    from spectral_contact.calibration import setting
+    from spectral_contact.calibration import estimate
 
     def tight(*arguments):
         return solve(*arguments, max_unknowns=20)
 
-    monkeypatch.setattr(setting, "solve", tight)
+    monkeypatch.setattr(estimate, "solve", tight)
     with pytest.raises(ConvergenceError) as caught:
         fit(Scene(0.3, 0.1), APPROACH, ALPHA)
     assert "in a fit at Scene(poisson_ratio=0.3, normal_compliance=0.1" in caught.value.cause

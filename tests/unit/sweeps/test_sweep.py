@@ -7,7 +7,8 @@ import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, SolutionFileError, solve
 from spectral_contact.gold import tables
-from spectral_contact.sweeps import chunk, error_maps, lines, run, shortcuts, sweep
+from spectral_contact.solving.solver import Continuation
+from spectral_contact.sweeps import error_maps, lines, run, shortcuts, sweep
 from spectral_contact.sweeps.request import SCALARS
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -26,9 +27,9 @@ def always_shared(monkeypatch):
 def asked(monkeypatch):
     """Return the list of the scenes that are solved one by one, which grows as they are."""
     scenes = []
-    original = chunk.Continuation.solve
+    original = Continuation.solve
     monkeypatch.setattr(
-        chunk.Continuation,
+        Continuation,
         "solve",
         lambda self, scene: scenes.append(scene) or original(self, scene),
     )
@@ -105,14 +106,14 @@ def test_one_scene_is_a_dataset_without_dimensions():
 
 
 def test_a_scene_that_fails_is_recorded_and_the_rest_goes_on(monkeypatch):
-    original = chunk.Continuation.solve
+    original = Continuation.solve
 
     def failing(self, scene):
         if scene.friction == 0.05:
             raise FloatingPointError("of a kind\nnobody expects")
         return original(self, scene)
 
-    monkeypatch.setattr(chunk.Continuation, "solve", failing)
+    monkeypatch.setattr(Continuation, "solve", failing)
     found = sweep(BASE, friction=[0.03, 0.05, 0.1], quantities=["stick_radius", "zones"])
     assert found.ending.values.tolist() == ["converged", "failed", "converged"]
     assert found.message.values.tolist() == ["", "FloatingPointError: of a kind nobody expects", ""]

@@ -10,7 +10,8 @@ from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.given_radius import solve_given_radius
 from spectral_contact.contact.normal import solve_normal
-from spectral_contact.sweeps import chunk, sweep
+from spectral_contact.solving.solver import Continuation
+from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.lines import LEAST, lines
 from spectral_contact.sweeps.parameters import listed
 from spectral_contact.sweeps.request import requested
@@ -25,13 +26,13 @@ def work(monkeypatch):
     """Return a list that grows with every friction that is solved, or radius."""
     done = []
     for name in ("solve", "given_radius"):
-        original = getattr(chunk.Continuation, name)
+        original = getattr(Continuation, name)
 
         def counted(self, *arguments, original=original):
             done.append(arguments)
             return original(self, *arguments)
 
-        monkeypatch.setattr(chunk.Continuation, name, counted)
+        monkeypatch.setattr(Continuation, name, counted)
     return done
 
 
@@ -85,7 +86,7 @@ def test_where_a_node_fails_the_scenes_are_solved_one_by_one(monkeypatch):
     def broken(self, scene, logit):
         raise FloatingPointError
 
-    monkeypatch.setattr(chunk.Continuation, "given_radius", broken)
+    monkeypatch.setattr(Continuation, "given_radius", broken)
     frictions = np.linspace(0.02, 0.09, LEAST)
     found = sweep(Scene(0.3, 0.5, 0.5), friction=frictions, quantities=NUMBERS)
     assert (found.ending == "converged").all()

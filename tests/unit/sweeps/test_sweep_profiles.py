@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SceneError, profiles, solve
-from spectral_contact.sweeps import chunk, plot_slice, sweep
+from spectral_contact.solving.solver import Continuation
+from spectral_contact.sweeps import plot_slice, sweep
 from spectral_contact.sweeps.parameters import grid
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -33,13 +34,13 @@ def test_a_curve_has_the_numbers_of_solve_within_the_estimates():
 @pytest.fixture
 def solved(monkeypatch):
     """Return a list that grows with every scene that is solved."""
-    done, original = [], chunk.Continuation.solve
+    done, original = [], Continuation.solve
 
     def counted(self, scene, *arguments):
         done.append(scene)
         return original(self, scene, *arguments)
 
-    monkeypatch.setattr(chunk.Continuation, "solve", counted)
+    monkeypatch.setattr(Continuation, "solve", counted)
     return done
 
 

@@ -51,7 +51,7 @@ def test_a_link_and_the_python_lines_are_the_scene_again(scene):
 
 def test_the_python_lines_give_the_numbers_that_are_shown():
     texts = texts_from("?friction=0.07")
-    look, names = look_at(texts), {}
+    look, names = look_at(texts, sc.solve), {}
     exec(look.code, names)
     assert names["solution"] == look.solution
     assert repr(names["solution"].stick_radius)[:9] in look.tables
@@ -92,7 +92,7 @@ def test_a_link_that_means_nothing_is_refused(query, complaint):
 def test_a_bad_value_is_refused_in_the_words_of_the_library(query, wrong):
     with pytest.raises(SceneError) as refusal:
         Scene(**{"poisson_ratio": 0.1} | wrong)
-    look = look_at(texts_from(query))
+    look = look_at(texts_from(query), sc.solve)
     assert look.complaint == str(refusal.value)
     assert (look.solution, look.columns, look.tables, look.code) == (None, None, "", "")
 
@@ -100,11 +100,11 @@ def test_a_bad_value_is_refused_in_the_words_of_the_library(query, wrong):
 def test_a_contact_that_is_not_modelled_is_refused():
     query = "?profile=RoundedFlat&flat_radius=1&radius=1&contact_radius=0.5"
     told = "contact_radius = 0.5: must be finite, and in (1, inf), where the profile is"
-    assert look_at(texts_from(query)).complaint == told
+    assert look_at(texts_from(query), sc.solve).complaint == told
 
 
 def test_the_fields_are_those_of_the_solution():
-    look = look_at(texts_of(Scene(0.3, 0.05, 1.0, 0.23 / 7), 1e-6))
+    look = look_at(texts_of(Scene(0.3, 0.05, 1.0, 0.23 / 7), 1e-6), sc.solve)
     solution = look.solution
     inside = look.columns["s"] < 0.5
     s = look.columns["s"][inside]
@@ -120,7 +120,7 @@ def test_the_fields_are_those_of_the_solution():
 
 
 def test_what_is_infinite_or_absent_is_not_drawn():
-    smooth = look_at(texts_of(Scene(0.3)))
+    smooth = look_at(texts_of(Scene(0.3)), sc.solve)
     assert np.isnan(smooth.columns["p"][-1])
     assert np.isfinite(smooth.columns["p"][:-1]).all()
     for name in ("q", "fp", "slip"):
@@ -181,9 +181,9 @@ def test_the_page_says_that_it_waits(monkeypatch):
 
     go = threading.Event()
 
-    def slow(texts):
+    def slow(texts, _):
         assert go.wait(60.0)
-        return look_at(texts)
+        return look_at(texts, sc.solve)
 
     async def waits(page):
         monkeypatch.setattr(module, "look_at", slow)

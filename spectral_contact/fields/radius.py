@@ -1,0 +1,57 @@
+"""A radius as it is known from the centre and from the edge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["CENTRE", "EDGE", "Radius"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Radius:
+    """A dimensionless radius known to relative accuracy from the centre and from the edge.
+
+    Attributes
+    ----------
+    value, from_edge : float
+        ``b`` and ``1 - b``.
+    """
+
+    value: float
+    from_edge: float
+
+    @classmethod
+    def from_logit(cls, logit: float) -> Radius:
+        """Return the radius with ``ln(b**2 / (1 - b**2)) = logit``."""
+        inside, outside = float(np.exp(min(logit, 0.0))), float(np.exp(min(-logit, 0.0)))
+        total = inside + outside
+        value = float(np.sqrt(inside / total))
+        return cls(value, outside / total / (1.0 + value))
+
+    @property
+    def square(self) -> float:
+        """Return ``b**2``, to the bit what differences of squares from the centre are."""
+        return self.value * self.value  # a power of 2 is one ulp off now and then
+
+    @property
+    def rest(self) -> float:
+        """Return ``1 - b**2`` without cancellation."""
+        return self.from_edge * (1.0 + self.value)
+
+    @property
+    def logit(self) -> float:
+        """Return ``ln(b**2 / (1 - b**2))``."""
+        return 2.0 * float(np.log(self.value)) - float(np.log(self.rest))
+
+    def below(self, s: Array, from_edge: Array) -> Array:
+        """Return ``b**2 - s**2`` without cancellation beyond the rounding of the inputs."""
+        gap = np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)
+        return np.asarray(gap * (self.value + s))
+
+
+CENTRE, EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)

@@ -1,0 +1,336 @@
+"""Digits that are certified: two solutions on different meshes are compared.
+
+What solves in double precision, for first guesses, is handed in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import ceil, inf
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from mpmath.ctx_mp import MPContext
+
+from spectral_contact.contact.layered_setting import setting_at_approach
+from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
+from spectral_contact.fields.series import Radius
+from spectral_contact.inputs import checks
+from spectral_contact.layers.control import endless
+from spectral_contact.precise.coupled_run import PreciseCoupledRun
+from spectral_contact.precise.laws import law_of
+from spectral_contact.precise.layered import Begin
+from spectral_contact.precise.pressed import PressedRun, compared
+from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.search import lawful, solved
+from spectral_contact.precise.solution import ReferenceSolution
+from spectral_contact.precise.zone_trial import PreciseLayout
+from spectral_contact.profiles import Flat
+from spectral_contact.records import ErrorEstimates, Zone
+from spectral_contact.scene import Scene
+from spectral_contact.threads import one_thread
+from spectral_contact.view.progress import ProgressLine
+
+if TYPE_CHECKING:
+    from spectral_contact.solution import Solution
+
+__all__ = ["certified"]
+
+_Solve: TypeAlias = "Callable[..., Solution]"
+
+#: Digits beyond those asked for and panel width, of the solution and of the one that checks it.
+_SOLUTION, _CHECK = (4, 2.0), (2, 1.5)
+_MOST_DIGITS = 60
+#: Tolerance of the double solution of a nonlinear layer; digits of the pressure that are left out
+#: where there is no edge, beyond those asked for; steps of a bisection.
+_DOUBLE, _SPARE, _STEPS = 1e-11, 8, 40
+#: Where in a stick zone the tractions are compared.
+_SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
+
+
+def certified(
+    scene: Scene, digits: int, solve: _Solve, *, progress: bool | None = None
+) -> ReferenceSolution:
+    """Solve a scene to any number of digits.
+
+    Parameters
+    ----------
+    scene, digits, progress
+        As of `reference`, which has its errors, too.
+    solve : callable
+        Solves scenes in double precision, for first guesses: no digit of it enters.
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError("scene", scene, "a Scene")
+    digits = checks.whole("digits", digits, 15)
+    if digits > _MOST_DIGITS:
+        raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
+    if scene.separation is not None:
+        told = "None for reference: give the approach that solve finds"
+        raise SceneError("separation", scene.separation, told)
+    with ProgressLine(progress) as tell, one_thread():
+        if scene.profile is not None:
+            return _pressed(scene, digits, solve, tell)
+        return _on_zones(scene, digits, solve, tell)
+
+
+def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> ReferenceSolution:
+    """Solve on two meshes and compare."""
+    begin = perf_counter()
+    tell("zones, in double precision", 0.0)
+    layout = _layout(scene, solve)
+    tell("", 0.02)
+    first, second = (_on_mesh(number, tell) for number in (1, 2))
+    run = lawful(scene, digits + _SOLUTION[0], _SOLUTION[1], layout, first)
+    tell("", 0.55)
+    check = solved(scene, digits + _CHECK[0], _CHECK[1], run.layout, second)
+    tell("comparison", 0.95)
+    error, worst = _compare(run, check)
+    run.fixed.mp.dps = digits + 3
+    solution = ReferenceSolution(
+        scene,
+        digits,
+        run.approach,
+        run.total_shear,
+        run.radius[0] if scene.friction is not None else None,
+        _zones(run),
+        run.edge_ratio(),
+        run.opening,
+        error,
+        _met(worst, digits),
+        run.unknowns,
+        run.fixed.bits,
+        perf_counter() - begin,
+        run,
+    )
+    run.release()
+    tell("", 1.0)
+    return _certified(solution, worst)
+
+
+def _met(worst: float, digits: int) -> bool:
+    """Return whether the largest error leaves so many digits."""
+    return worst <= 10.0**-digits
+
+
+def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
+    """Return a solution that has its digits."""
+    if not solution.converged:
+        raise ConvergenceError(
+            f"the error estimate {worst:.1e} does not meet {solution.digits} digits",
+            "ask for fewer digits",
+            solution,
+        )
+    return solution
+
+
+def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> ReferenceSolution:
+    """Solve a scene with a profile with two meshes and precisions, and compare."""
+    begin = perf_counter()
+    tell("contact radius, in double precision", 0.0)
+    begun = None if scene.layer is None else _begun(scene, digits, solve)
+    guess = _guessed(scene, begun, solve)
+    first, second = (_on_mesh(number, tell) for number in (1, 2))
+    run = PressedRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first, begun)
+    tell("", 0.55)
+    place = run.mp.mpf(run.place)
+    check = PressedRun(scene, digits + _CHECK[0], _CHECK[1], place, second, begun)
+    tell("comparison", 0.95)
+    error, worst = compared(run, check)
+    run.mp.dps = digits + 3
+    values = {name: +run.mp.mpf(value) for name, value in run.values.items()}
+    zero = run.mp.zero
+    solution = ReferenceSolution(
+        scene=scene,
+        digits=digits,
+        total_shear=zero,
+        stick_radius=None,
+        zones=(),
+        edge_ratio=None,
+        opening=None,
+        error=error,
+        converged=_met(worst, digits),
+        unknowns=run.unknowns,
+        bits=run.bits,
+        seconds=perf_counter() - begin,
+        _run=run,
+        **values,
+    )
+    tell("", 1.0)
+    return _certified(solution, worst)
+
+
+def _guessed(scene: Scene, begin: Begin | None, solve: _Solve) -> float:
+    """Return the contact radius in double precision, or the approach where it is the unknown."""
+    if scene.friction:
+        raise NotComputedError("the reference", "with a profile it is of normal contact alone")
+    if scene.contact_radius is not None:
+        return scene.contact_radius
+    if begin is not None:
+        return begin.approach if begin.cuts or isinstance(scene.profile, Flat) else begin.radius
+    found = solve(scene, 1e-12, ("contact_radius",), strict=False)
+    return float(found.contact_radius)
+
+
+def _begun(scene: Scene, digits: int, solve: _Solve) -> Begin:
+    """Return a contact through a nonlinear layer in double precision."""
+    layer, profile = scene.layer, scene.profile
+    assert layer is not None
+    assert profile is not None
+    law_of(MPContext(), layer)
+    if scene.friction:
+        raise NotComputedError("the reference", "with a profile it is of normal contact alone")
+    found = solve(scene, _DOUBLE, ("approach", "contact_radius", "pressure"), strict=False)
+    grid = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 200)])
+    most = layer.overclosure(float(np.max(found.pressure(from_edge=grid))))
+    thin = 1.0 / float(layer.stiffness(most))
+    if not endless(scene):
+        return Begin(
+            found.contact_radius, found.approach, lambda d: found.pressure(from_edge=d), thin
+        )
+    cells = setting_at_approach(profile, layer, found.approach).cells
+    if cells is None:
+        told = "a contact without edge takes a profile and a law without tips, breaks and bends"
+        raise NotComputedError("the reference", told)
+    domain = found.domain_radius
+    radius = _domain(scene, found.approach, most, digits)
+    ends = domain * np.sqrt(np.array(cells.offsets[1:-1]) + cells.pivot.square)
+    cuts = [*ends.tolist(), domain]
+    # the last part is no wider than what it adds to
+    cuts += np.linspace(domain, radius, ceil(2.0 * (radius / domain - 1.0)) + 1)[1:-1].tolist()
+
+    def pressure(from_edge: Any) -> Any:
+        s = (1.0 - from_edge) * radius / domain
+        return np.where(s < 1.0, found.pressure(np.minimum(s, 1.0)), 0.0)
+
+    return Begin(radius, found.approach, pressure, thin, tuple(cuts))
+
+
+def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
+    """Return the radius beyond which the pressure is none of the digits."""
+    layer, profile = scene.layer, scene.profile
+    assert layer is not None
+    assert profile is not None
+    room = approach - layer.overclosure(layer.pressure(most) * 10.0 ** -(digits + _SPARE))
+    low, high = 0.0, 1.0
+    while profile.height(high) < room:
+        low, high = high, 2.0 * high
+    for _ in range(_STEPS):
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if profile.height(middle) < room else (low, middle)
+    return high
+
+
+def _on_mesh(number: int, tell: ProgressLine) -> Callable[[str], None]:
+    """Return what is told of the steps on one of the meshes."""
+    return lambda step: tell(f"mesh {number} of 2: {step}")
+
+
+def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
+    """Return a guess of the zones; None if q = 0."""
+    if not scene.friction or scene.kappa == 0.0:
+        return None
+    if scene.couples:
+        _check_stuck(scene, solve)
+        return PreciseLayout((0,), ())
+    solution = solve(scene, 1e-9, ("zones", "traction"), strict=False)
+    zones = solution.zones
+    middles = [(z.inner_from_edge + z.outer_from_edge) / 2.0 for z in zones]
+    signs = np.sign(solution.traction(from_edge=middles)).astype(int).tolist()
+    states = [0 if zone.kind == "stick" else sign for zone, sign in zip(zones, signs, strict=True)]
+    compliance, error = scene.tangential_compliance, solution.error.zones
+    if states[0] != 0 or (len(states) > 2 and compliance == 0.0):
+        kinds = ", ".join(zone.kind for zone in zones)
+        raise NotComputedError("the reference", f"its zones are {kinds}")
+    if error is not None and not error < 1.0:  # slip about to begin: full stick says where
+        if compliance == 0.0:
+            raise NotComputedError("the reference", "double precision does not resolve its zones")
+        return PreciseLayout((0,), ())
+    radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
+    return PreciseLayout(tuple(states), radii)
+
+
+def _check_stuck(scene: Scene, solve: _Solve) -> None:
+    """Raise an error if a coupled scene slips."""
+    friction = scene.friction
+    assert friction is not None
+    if friction == inf:
+        return
+    stick = solve(replace(scene, friction=inf), 1e-9, ("critical_friction",))
+    needed = stick.critical_friction * (1.0 + (stick.error.critical_friction or 0.0))
+    if friction < needed:
+        raise NotComputedError(
+            "the reference", f"with coupling it is of full stick, which needs friction of {needed}"
+        )
+
+
+def _zones(run: PreciseRun | PreciseCoupledRun) -> tuple[Zone, ...]:
+    """Return the zones as mpmath's numbers."""
+    scene, mp = run.scene, run.fixed.mp
+    if scene.friction is None:
+        return ()
+    ends = [(mp.zero, mp.one), *run.radii, (mp.one, mp.zero)]
+    states = run.layout.states if run.layout is not None else (0,)
+    if scene.friction == 0.0 and scene.kappa != 0.0:
+        states = (1,)
+    return tuple(
+        Zone("slip" if state else "stick", a[0], b[0], a[1], b[1])
+        for state, a, b in zip(states, ends, ends[1:], strict=False)
+    )
+
+
+def _compare(
+    run: PreciseRun | PreciseCoupledRun, check: PreciseRun | PreciseCoupledRun
+) -> tuple[ErrorEstimates, float]:
+    """Return twice the relative differences, and no less than the check aims at, and the worst."""
+    mp = run.fixed.mp
+    floor = 10.0**-check.digits
+
+    def error(a: Any, b: Any, sizes: Any = None) -> float:
+        """Return the largest difference, relative to `b` or to sizes of its own."""
+        a, b = np.atleast_1d(a), np.atleast_1d(b)
+        pairs = zip(a, b, b if sizes is None else sizes, strict=True)
+        ratios = [abs((v - mp.mpf(w)) / mp.mpf(size)) for v, w, size in pairs if v != w]
+        return max(2.0 * float(max(ratios, default=0.0)), floor)
+
+    depths = np.concatenate([np.linspace(0.02, 0.98, 25), np.exp(-np.linspace(1.0, run.depth, 60))])
+    depths = np.array([mp.mpf(v) for v in depths])
+    # inside the stick zones, too, however narrow
+    shares = np.array([mp.mpf(v) for v in _SHARES])
+    stuck = [z for z in _zones(run) if z.kind == "stick"]
+    inside = [1 - depths, *(z.inner + (z.outer - z.inner) * shares for z in stuck)]
+    s, depths = np.concatenate(inside), np.concatenate([depths, *(1 - v for v in inside[1:])])
+    own, others = ((one.pressures(s, depths), one.tractions(s, depths)) for one in (run, check))
+    fields = list(map(error, own, others, _sizes(run, s, *others)))
+    shear = traction = zones = radius = ratio = None
+    if run.scene.friction is not None:
+        shear, traction = error(run.total_shear, check.total_shear), fields[1]
+        radius = error(run.radius, check.radius)
+        zones = max([radius, *map(error, run.radii, check.radii)])
+        if run.edge_ratio() is not None:
+            ratio = error(run.edge_ratio(), check.edge_ratio())
+    found = ErrorEstimates(
+        approach=error(run.approach, check.approach),
+        pressure=fields[0],
+        traction=traction,
+        zones=zones,
+        stick_radius=radius,
+        total_shear=shear,
+        edge_ratio=ratio,
+    )
+    asked = [found.approach, found.pressure, found.traction, found.zones]
+    if run.opening is not None:
+        asked.append(inf if check.opening is None else error(run.opening, check.opening))
+    return found, max(one for one in asked if one is not None)
+
+
+def _sizes(run: PreciseRun | PreciseCoupledRun, s: Any, p: Any, q: Any) -> tuple[Any, Any]:
+    """Return what errors of p and q are relative to: where one changes sign, the two together."""
+    if not run.scene.couples or min(p.min(), q.min()) > 0:
+        return p, q
+    hypot, kappa = run.fixed.mp.hypot, run.kappa
+    pairs = list(zip(p, q / s, strict=True))
+    both = np.array([[hypot(v, u), hypot(u, kappa * v)] for v, u in pairs], dtype=object)
+    return both[:, 0], both[:, 1] * s

@@ -1,0 +1,53 @@
+"""What is asked of a solve, and to what tolerance: checked, whatever the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from spectral_contact.errors import SceneError
+from spectral_contact.inputs import checks
+from spectral_contact.inputs.choices import names
+from spectral_contact.records import PROFILE_QUANTITIES, QUANTITIES
+
+__all__ = ["asked_quantities", "checked_tolerance", "closer_tolerance"]
+
+#: Integral quantities, which may be asked for at 1e-13.
+_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
+#: The tightest tolerance of fields.
+_TIGHTEST = 1e-12
+#: Zones that are not known are looked for at so much of the tolerance, where there is something to
+#: gain.
+_CLOSER, _LOOSE = 1e-3, 1e-11
+
+
+def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) -> frozenset[str]:
+    """Return what is asked for; everything is the default.
+
+    Raises
+    ------
+    SceneError
+        For a name that is no quantity.
+    """
+    known = (*PROFILE_QUANTITIES, *QUANTITIES) if shaped else QUANTITIES
+    return frozenset(known if quantities is None else names("quantities", quantities, known))
+
+
+def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
+    """Return the tolerance if these quantities can be solved to it.
+
+    Raises
+    ------
+    SceneError
+        If they cannot.
+    """
+    value = checks.tolerance(rtol)
+    if value < _TIGHTEST and not _INTEGRAL.issuperset(quantities):
+        raise SceneError(
+            "rtol", rtol, "at least 1e-12 unless only approach, total_shear, stick_radius are asked"
+        )
+    return value
+
+
+def closer_tolerance(rtol: float) -> float:
+    """Return a tolerance at which zones may be known, or be found, that are not at this one."""
+    return max(_CLOSER * rtol, _TIGHTEST) if rtol >= _LOOSE else rtol
