@@ -16,6 +16,7 @@ from spectral_contact.spectral.parts import gap
 __all__ = [
     "DISTANCES",
     "Interval",
+    "hidden_stick",
     "known_share",
     "loose_slip",
     "missing_stick",
@@ -93,6 +94,15 @@ def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
     Of 58 solutions of the net none has an excess above 0.07 errors. Slip may be wrong by rounding.
     """
     return excess <= 2.0 * error and wrong <= max(slip_error, _NEGLIGIBLE)
+
+
+def hidden_stick(share: float, known: float) -> float:
+    """Return 1 if stick at the edge may be missing, whose slip is this share of the largest.
+
+    Next to the second threshold the sense of that slip is not known. Where slip has hardly a digit
+    it is all as narrow as its zone.
+    """
+    return float(abs(share) <= max(min(known, 0.5), _NEGLIGIBLE))
 
 
 def known_share(error: float) -> float:

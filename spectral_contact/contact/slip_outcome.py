@@ -15,6 +15,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
     DISTANCES,
     Interval,
+    hidden_stick,
     known_share,
     loose_slip,
     missing_stick,
@@ -277,16 +278,19 @@ def _held(
     wrong, allowed = max(float(one.max()) for one in samples) / largest, known + min(loose, 0.5)
     error = max(solved.traction_error, solved.pressure_error)
     slip_error = known_share(known + loose)
+    at_ends = [
+        zone.sign * field.toward_outer.limit for zone, field in zip(slipping, fields, strict=True)
+    ]
     missing = tuple(
         interval
-        for zone, field, sample in zip(slipping, fields, samples, strict=True)
-        for interval in missing_stick(
-            zone.annulus, sample, largest, zone.sign * field.toward_outer.limit, allowed
-        )
+        for zone, at_end, sample in zip(slipping, at_ends, samples, strict=True)
+        for interval in missing_stick(zone.annulus, sample, largest, at_end, allowed)
     )
     numbers = {one.name: getattr(solved, one.name) for one in fields_of(ZoneNumbers)}
     numbers["traction_error"] = error
-    numbers["zones_error"] = max(solved.zones_error, _unknown_width(slip_error, zones))
+    at_edge = at_ends[-1] / largest if beta * solved.states[-1] else inf
+    unknown = _unknown_width(slip_error, zones), hidden_stick(at_edge, allowed)
+    numbers["zones_error"] = max(solved.zones_error, *unknown)
     return PartialSlip(
         zones=tuple(zones),
         pressure=pressure,

@@ -258,6 +258,8 @@ class ZonesNewton:
     state : ZoneState
     left : float
         What is left of the fields.
+    settled : bool
+        Whether the last step of the boundaries is as short as it should be.
     """
 
     def __init__(
@@ -274,6 +276,7 @@ class ZonesNewton:
         self._pace, self._move = _Pace(problem.thinnest), _NOTHING
         self._secants: list[tuple[Array, Array]] = []
         self._least, self._best = inf, (self.state, problem.logits)
+        self.settled = False
 
     def run(self, aim: float) -> ZoneState:
         """Correct until less than an aim is left.
@@ -286,7 +289,7 @@ class ZonesNewton:
         for _ in range(_STEPS):
             step = self._corrected()
             off = float(np.abs(step).max(initial=0.0))
-            still = self._still(off)
+            still, self.settled = self._still(off), off < self._settle
             self._remember(aim)
             own, slow = self._factors.system is self.state.system, self._pace.slow
             # no other factors are better, or what is left is rounding

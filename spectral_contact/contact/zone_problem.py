@@ -135,16 +135,16 @@ class FreeBoundaryProblem:
         system = self.system(self.spaces(PROBE, at), at)
         return self.settled(self.factored(system), ROUGH)
 
-    def _sloped(self) -> tuple[list[Resolution], Factored]:
+    def _sloped(self, aim: float = _SLOPING) -> tuple[list[Resolution], Factored]:
         """Find the slopes of the conditions in a small space; return it and its factors."""
         spaces = self.spaces(ROUGH)
         factors = self.factored(self.system(spaces, self.logits))
-        begin = self.settled(factors, _SLOPING)
+        begin = self.settled(factors, aim)
 
         def conditions(logits: Array) -> Array:
             system = self.system(spaces, logits)
             own = factors if self.drift(logits) <= self.far else self.factored(system)
-            return self.settled(own, _SLOPING, system, begin).mismatch
+            return self.settled(own, aim, system, begin).mismatch
 
         self._slopes = differences(conditions, self.logits)
         return spaces, factors
@@ -251,7 +251,10 @@ class FreeBoundaryProblem:
             self.drives = [self.drives[0], *self.drives[0].changes]
         least = TRIFLING * self.goal
         newton = ZonesNewton(self, spaces, max(least, NOISE))
-        return assessed(self, spaces, newton.run(max(least, 2.0 * ROUNDING)), newton.left)
+        state = newton.run(max(least, 2.0 * ROUNDING))
+        if not newton.settled:  # next to the onset of a zone steps say nothing of slopes
+            self._sloped(ROUNDING)
+        return assessed(self, spaces, state, newton.left)
 
 
 def _radii(logits: Array) -> tuple[Radius, ...]:

@@ -14,12 +14,13 @@ from weakref import WeakSet
 
 import numpy as np
 
-__all__ = ["BoundedCache", "cache_sizes", "clear_caches"]
+__all__ = ["BoundedCache", "cache_sizes", "clear_caches", "cleared_too"]
 
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
 
 _ALL: WeakSet[BoundedCache] = WeakSet()  # type: ignore[type-arg]
+_OTHERS: list[Callable[[], None]] = []
 _CLOCK = count()
 #: Most bytes that all caches together keep; they are counted when entries of `_LARGE` or more were
 #: made that are one part in `_SHARE` of it: counting takes 3 ms.
@@ -140,6 +141,11 @@ def _shrink() -> None:
             cache.forget(key)
 
 
+def cleared_too(*others: Callable[[], None]) -> None:
+    """Have other caches emptied with these."""
+    _OTHERS.extend(others)
+
+
 def cache_sizes() -> dict[str, int]:
     """Return the number of entries of every cache, summed by name."""
     sizes: dict[str, int] = {}
@@ -150,8 +156,8 @@ def cache_sizes() -> dict[str, int]:
 
 def clear_caches() -> None:
     """Empty every cache of the library and free its memory; the next solve assembles anew."""
-    for cache in list(_ALL):
-        cache.clear()
+    for clear in [*_OTHERS, *(cache.clear for cache in list(_ALL))]:
+        clear()
     # glibc would keep most of it, as what is in use lies between
     if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
         libc.malloc_trim(0)

@@ -8,13 +8,15 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import BoundedCache, cleared_too
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     ROOT_TERMS,
     TAIL_EXTRA,
     TAIL_TERMS,
     gauss_rule,
+    legendre_expansion_matrix,
+    legendre_projection_matrix,
     legendre_values,
     tail_values,
 )
@@ -30,6 +32,11 @@ _FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_
     "functions in use", 1024
 )
 _DISTANCES: BoundedCache[LogPanels, Array] = BoundedCache("sampling points", 48)
+cleared_too(
+    gauss_rule.cache_clear,
+    legendre_expansion_matrix.cache_clear,
+    legendre_projection_matrix.cache_clear,
+)
 _MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...], int], Array] = BoundedCache("masses", 256)
 
 
