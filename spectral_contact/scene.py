@@ -117,7 +117,7 @@ class Scene:
             friction = real("friction", self.friction, allowed=allowed, low=0.0, infinite_ok=True)
             put(self, "friction", friction)
         put(self, "coupling", flag("coupling", self.coupling))
-        given = {name: getattr(self, name) for name in _names(Scene)}
+        given = {name: getattr(self, name) for name in self.__slots__}
         check_layer(given)
         for name, number in checked_controls(given).items():
             put(self, name, number)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import functools
 import os
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable
+from contextlib import ContextDecorator, nullcontext
 from typing import Any, Final, TypeVar
 
 from threadpoolctl import ThreadpoolController
@@ -58,6 +58,7 @@ class _Library:
         if openblas and not openmp:
             # newer threadpoolctl lets one thread alone set it, and ignores others silently
             ask = next(name for name in found.check_symbols if hasattr(found.dynlib, name))
+            self.number = found.dynlib[ask]
             self.set = found.dynlib[ask.replace("get_num", "set_num")]
 
 
@@ -70,7 +71,7 @@ class _Mine(threading.local):
         self.before: list[tuple[_Library, int]] = []
 
 
-class _Hold:
+class _Hold(ContextDecorator):
     """BLAS at one thread from the first thread that comes to the last one that goes."""
 
     def __init__(self) -> None:
@@ -88,8 +89,8 @@ class _Hold:
             found = ThreadpoolController().select(user_api="blas").lib_controllers
             self._libraries = [_Library(one) for one in found]
 
-    def enter(self) -> bool:
-        """Put BLAS to one thread, if it is not; return whether there is a library that obeys."""
+    def __enter__(self) -> int | None:
+        """Put BLAS to one thread, if it is not; return how many it has, where that is known."""
         if self._libraries is None:
             self.look()
         libraries, mine = self._libraries or [], self._mine
@@ -104,9 +105,9 @@ class _Hold:
                         library.set(1)
                 self._inside += 1
         mine.depth += 1
-        return bool(libraries)
+        return 1 if libraries else _from_environment()
 
-    def leave(self) -> None:
+    def __exit__(self, *_: object) -> None:
         """Give back the numbers of this thread, and those of the process with the last thread."""
         mine = self._mine
         mine.depth -= 1
@@ -148,18 +149,13 @@ _HOLD.renew_after_forks()
 look_for_blas: Final = _HOLD.look
 
 
-@contextmanager
-def one_thread() -> Iterator[int | None]:
-    """Hold BLAS to one thread, and give back what was.
+def one_thread() -> _Hold:
+    """Hold BLAS to one thread, and give back what was: for ``with``, or to decorate a function.
 
-    It may be entered again, and by several threads: the last one to leave gives back. Yields how
-    many threads BLAS has; None if it is of a kind that cannot be asked and nothing says so.
+    It may be entered again, and by several threads: the last one to leave gives back. ``with`` has
+    how many threads BLAS has; None if it is of a kind that cannot be asked and nothing says so.
     """
-    held = _HOLD.enter()
-    try:
-        yield 1 if held else _from_environment()
-    finally:
-        _HOLD.leave()
+    return _HOLD
 
 
 def _from_environment() -> int | None:

@@ -42,7 +42,9 @@ __all__ = [
     "deeper_tail",
     "fall",
     "fall_of_tail",
+    "far_blocks",
     "far_fall",
+    "near_blocks",
     "outer",
     "outer_blocks",
     "rise",
@@ -125,12 +127,7 @@ def _root_rule(lower: Array, upper: Array, g: Array, w: Array) -> tuple[Array, .
 
 
 def deeper_blocks(
-    to_end: Array,
-    panels: int,
-    width: float,
-    degree: int,
-    power: float = 0.0,
-    from_start: Array | None = None,
+    to_end: Array, panels: int, width: float, degree: int, power: float = 0.0
 ) -> Array:
     """Return blocks of the `deeper` integral for points inside one panel.
 
@@ -146,36 +143,51 @@ def deeper_blocks(
         Highest Legendre degree.
     power : float
         Endpoint weight: the functions are ``d**power`` times Legendre polynomials.
-    from_start : ndarray, shape (n,), optional
-        Distance from the shallow end, where the difference to the width is not accurate enough.
 
     Returns
     -------
     ndarray, shape (n, panels, degree + 1)
         To be multiplied by ``d**(1/2 + power)`` of the point.
     """
+    near = near_blocks(to_end, width - to_end, panels, width, degree, power)
+    return np.concatenate([near, far_blocks(to_end, panels, width, degree, power)], axis=1)
+
+
+def near_blocks(
+    to_end: Array, from_start: Array, panels: int, width: float, degree: int, power: float = 0.0
+) -> Array:
+    """Return the blocks of the panel of the points and of the next: ``u = theta**2``.
+
+    Parameters are those of `deeper_blocks`, and the distance from the shallow end.
+    """
     g, w = gauss_rule(degree + EXTRA)
-    blocks = np.empty((len(to_end), panels, degree + 1))
-    lower = np.zeros(len(to_end))
-    upper = to_end
-    for k in range(min(panels, 2)):  # own panel and the next: u = theta**2
+    blocks = np.empty((len(to_end), min(panels, 2), degree + 1))
+    lower, upper = np.zeros(len(to_end)), to_end
+    for k in range(blocks.shape[1]):
         u, start, end, weights = _root_rule(lower, upper, g, w)
         if k == 0:
-            start += (width - to_end if from_start is None else from_start)[:, None]
+            start += from_start[:, None]
         values = np.exp(-(1.0 + power) * u) * _smooth(u) * weights
         blocks[:, k] = _near_panel(values, start, end, width, degree)
         lower, upper = upper, upper + width
-    if panels > 2:
-        start = to_end[:, None] + width * np.arange(1, panels - 1)
-        # far enough for 1 - exp(-u) to lose nothing, and exp(-u) is a product
-        step = width * (1.0 + g) / 2.0
-        values = np.exp(-start)[:, :, None] * np.exp(-step)
-        np.subtract(1.0, values, out=values)
-        np.sqrt(values, out=values)
-        np.divide((width / 4) * np.exp(-(1.0 + power) * step), values, out=values)
-        values *= np.exp(-(1.0 + power) * start)[:, :, None]
-        blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
+
+
+def far_blocks(to_end: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+    """Return the blocks of panels two places deeper and more, which are smooth.
+
+    Parameters are those of `deeper_blocks`.
+    """
+    g, _ = gauss_rule(degree + EXTRA)
+    start = to_end[:, None] + width * np.arange(1, max(panels - 1, 1))
+    # far enough for 1 - exp(-u) to lose nothing, and exp(-u) is a product
+    step = width * (1.0 + g) / 2.0
+    values = np.exp(-start)[:, :, None] * np.exp(-step)
+    np.subtract(1.0, values, out=values)
+    np.sqrt(values, out=values)
+    np.divide((width / 4) * np.exp(-(1.0 + power) * step), values, out=values)
+    values *= np.exp(-(1.0 + power) * start)[:, :, None]
+    return np.asarray(values @ legendre_projection_matrix(len(g), degree))
 
 
 def outer_blocks(

@@ -23,11 +23,12 @@ from spectral_contact.spectral.abel import (
     beyond_tail,
     charges_on,
     deeper,
-    deeper_blocks,
     deeper_tail,
     fall,
     fall_of_tail,
+    far_blocks,
     far_fall,
+    near_blocks,
     outer,
     rise,
 )
@@ -165,12 +166,14 @@ def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedN
 
     def made() -> list[Array]:
         from_start, to_end = (np.concatenate(one) for one in zip(*alike.values(), strict=True))
-        near = deeper_blocks(to_end, min(panels.panels, 2), *form[1:], from_start)
+        near = min(panels.panels, 2) * terms
+        blocks = np.empty((len(to_end), panels.panels * terms))
+        blocks[:, :near] = near_blocks(to_end, from_start, *form).reshape(len(to_end), near)
         # of the panels beyond the next one they are smooth
         g, _ = gauss_rule(SAMPLES)
-        far = deeper_blocks(panels.width * (1.0 - g) / 2.0, *form)[:, 2:].reshape(SAMPLES, -1)
+        far = far_blocks(panels.width * (1.0 - g) / 2.0, *form).reshape(SAMPLES, -1)
         spread = legendre_interpolation_matrix(2.0 * from_start / panels.width - 1.0, SAMPLES)
-        blocks = np.hstack([near.reshape(len(to_end), -1), spread @ far])
+        np.matmul(spread, far, out=blocks[:, near:])
         return np.split(blocks, np.cumsum(list(alike))[:-1])
 
     kept = dict(zip(alike, _DEEPER.get((tuple(alike), *form), made), strict=True))
@@ -199,18 +202,16 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     def made() -> Array:
         nodes = graded_nodes(panels, degrees)
         t = np.sqrt(nodes.rest)
-        weights = nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t)
-        own = np.sqrt(weights)[:, None] * _own(panels, degrees, degrees, nodes, "toward").whole
+        root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
+        own = _own(panels, degrees, degrees, nodes, "toward").whole
         gram = np.zeros((own.shape[1],) * 2)
         # the nodes of a panel see its own functions and those of deeper panels
-        rows = np.cumsum([0, *map(len, nodes.start)]).tolist()
+        rows = np.cumsum([0, *map(len, nodes.start)])
+        rows[-1] = len(root)
         seen = np.cumsum([0, *(n + 1 for n in degrees)]).tolist()
         for strip in np.array_split(np.arange(panels.panels), min(_STRIPS, panels.panels)):
-            first, stop = (
-                seen[strip[0]],
-                rows[strip[-1] + 1] if strip[-1] + 1 < panels.panels else None,
-            )
-            part = own[rows[strip[0]] : stop, first:]
+            first, here = seen[strip[0]], slice(rows[strip[0]], rows[strip[-1] + 1])
+            part = root[here] * own[here, first:]
             # of a matrix and its own transpose NumPy computes one triangle, in half the time
             gram[first:, first:] += part.T @ part
         return gram

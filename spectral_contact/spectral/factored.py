@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 
 #: What a correction may leave of the last one.
 _HALF = 0.5
+#: A diagonal below it has no digits in single precision: a stick disk of 1e-9 has one of 1e-45.
+_SINGLE = np.finfo(np.float32)
+_LEAST = float(_SINGLE.tiny / _SINGLE.eps)
 
 
 def factored(system: Tangential, *, exact: bool = True) -> Factored:
@@ -34,7 +37,7 @@ def factored(system: Tangential, *, exact: bool = True) -> Factored:
     if system.symmetric:
         return Symmetric(system)
     found = Factored(system, exact=exact)
-    return found if exact or found.serves else Factored(system, exact=True)
+    return found if found.exact or found.serves else Factored(system, exact=True)
 
 
 class Factored:
@@ -44,13 +47,16 @@ class Factored:
     ----------
     system : Tangential
     exact : bool
-        Factor in double precision.
+        Factor in double precision, as is done anyway where single precision has not the range.
     """
 
     def __init__(self, system: Tangential, *, exact: bool = True) -> None:
         self.system, self.exact = system, exact
         kind = np.float64 if exact else np.float32
         matrix = system.matrix(kind)
+        if not exact and np.abs(matrix.diagonal()).min() < _LEAST:
+            self.exact, kind = True, np.float64
+            matrix = system.matrix(kind)
         self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()).astype(float))
         matrix *= self.scale.astype(kind)
         matrix *= self.scale[:, None].astype(kind)

@@ -1,4 +1,4 @@
-r"""Moments of functions on panels: what couples pressure and traction, and masses.
+r"""Moments of functions on panels: what couples pressure and traction.
 
 With ``p`` and ``q = s u`` the tractions change each other's displacement by
 
@@ -21,14 +21,11 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_v
 if TYPE_CHECKING:
     from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["BasisRule", "inner_moments", "moments", "outer_moments", "tail_rule", "unit_masses"]
+__all__ = ["BasisRule", "inner_moments", "moments", "outer_moments", "tail_rule"]
 
 Array = NDArray[np.float64]
 
 _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
-_MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...]], tuple[Array, Array]] = BoundedCache(
-    "masses", 128
-)
 _OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
 #: Gauss points on a tail, whose polynomials in ``d`` they integrate exactly.
 _TAIL_POINTS = 12
@@ -93,11 +90,6 @@ def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
         return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
 
     return _OUTER.get((panels, other, sign), made)
-
-
-def unit_masses(panels: LogPanels, degrees: tuple[int, ...]) -> tuple[Array, Array]:
-    """Return ``int phi psi dd`` and ``int phi psi d dd`` of functions, on a part of unit extent."""
-    return _MASSES.get((panels, degrees), lambda: panels.masses(degrees))
 
 
 class BasisRule(NamedTuple):

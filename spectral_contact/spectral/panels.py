@@ -30,6 +30,7 @@ _FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_
     "functions in use", 1024
 )
 _DISTANCES: BoundedCache[LogPanels, Array] = BoundedCache("sampling points", 48)
+_MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...], int], Array] = BoundedCache("masses", 256)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,37 +133,35 @@ class LogPanels:
         x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
         return x, np.broadcast_to(w * self.width / 2.0, x.shape)
 
-    def panel_gram(self, decay: float) -> Array:
+    def panel_gram(self, decay: int) -> Array:
         """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""
         g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
         weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
         return np.asarray((values.T * weight) @ values)
 
-    def masses(self, degrees: tuple[int, ...]) -> tuple[Array, Array]:
-        """Return ``int_0^1 phi psi dd`` and ``int_0^1 phi psi d dd``, block diagonal.
+    def mass(self, degrees: tuple[int, ...], decay: int) -> Array:
+        """Return ``int_0^1 phi psi d**(decay - 1) dd``, block diagonal (cached).
 
         Of the functions up to these degrees on the panels, and of the tail.
         """
+        return _MASSES.get((self, degrees, decay), lambda: self._mass(degrees, decay))
+
+    def _mass(self, degrees: tuple[int, ...], decay: int) -> Array:
         last = sum(degrees) + len(degrees)
-        shape = (last + self.tail_terms,) * 2
-        zeroth, first = np.zeros(shape), np.zeros(shape)
+        mass = np.zeros((last + self.tail_terms,) * 2)
         if self.power != 0.0:  # not square integrable: such panels serve zero compliance
-            return zeroth, first
-        one, two = self.panel_gram(1.0), self.panel_gram(2.0)
-        stop = 0
+            return mass
+        first, stop = self.panel_gram(decay), 0
         for j, n in enumerate(degrees):
-            start, stop, d = stop, stop + n + 1, np.exp(-j * self.width)
-            zeroth[start:stop, start:stop] = d * one[: n + 1, : n + 1]
-            first[start:stop, start:stop] = d * d * two[: n + 1, : n + 1]
+            start, stop = stop, stop + n + 1
+            mass[start:stop, start:stop] = np.exp(-decay * j * self.width) * first[: n + 1, : n + 1]
         g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)  # those of its half-integrals
         v = (1.0 + g) / 2.0
         d = self.end * v**2
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
-        weight = w * v * self.end
-        zeroth[last:, last:] = (values.T * weight) @ values
-        first[last:, last:] = (values.T * (weight * d)) @ values
-        return zeroth, first
+        mass[last:, last:] = (values.T * (w * v * self.end * d ** (decay - 1))) @ values
+        return mass
 
 
 @dataclass(frozen=True, slots=True)

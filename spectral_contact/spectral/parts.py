@@ -79,6 +79,14 @@ class Family:
         """Return the points at scaled distances `d` in [0, 1]."""
         return Points(self.boundary, self.sign * self.reach * d)
 
+    def mass(self, degrees: tuple[int, ...], *, shear: bool) -> Array:
+        """Return ``int phi psi s ds`` of pressures, or ``int phi psi s**3 ds`` of q/s."""
+        half = self.reach / 2.0
+        if not shear:
+            return half * self.panels.mass(degrees, 1)
+        rising = self.sign * self.reach * self.panels.mass(degrees, 2)
+        return half * (self.boundary.square * self.panels.mass(degrees, 1) + rising)
+
     def sampling(self) -> Points:
         """Return the sampling points: panels, then tail."""
         return self.points(self.panels.distances)

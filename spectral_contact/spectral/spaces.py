@@ -28,7 +28,6 @@ from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import block, disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import graded_nodes
-from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels, Used
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.regularised import NodalSpace
@@ -120,14 +119,9 @@ class Space(NodalSpace):
     @cached_property
     def mass(self) -> Array:
         """Mass matrix, in the order of `index`."""
-        halves = np.array([f.reach / 2.0 for f in self._families])
-        squares = np.array([f.boundary.square for f in self._families])
-        rises = np.array([f.sign * f.reach for f in self._families])
-        part, order = self._order.part, self._order
-        if not self.shear:
-            return np.asarray(halves[part][:, None] * order.masses)
-        at, more = halves * squares, halves * rises
-        return np.asarray(at[part][:, None] * order.masses + more[part][:, None] * order.rising)
+        pairs = zip(self._families, self._used, strict=True)
+        each = [family.mass(degrees, shear=self.shear) for family, (_, degrees) in pairs]
+        return self._order.of(block_diag(*each) if len(each) > 1 else each[0])
 
     def tested(self, weighted: Array) -> Array:
         """Return the sums of the half-integrals times weighted values, in order of `index`."""
@@ -181,16 +175,14 @@ class _Order:
         Those of every part, one part after the other.
     place : ndarray of int
         Where they are in that order.
-    part : ndarray of int
-        Whose they are.
     """
 
     def __init__(self, used: tuple[Used, ...]) -> None:
         self.size = sum(panels.size for panels, _ in used)
         self.panels = sum(panels.panels for panels, _ in used)
-        place, left, panel, part, starts = [], [], [], [], [0]
+        place, left, panel, starts = [], [], [], [0]
         start = first = 0
-        for k, (panels, degrees) in enumerate(used):
+        for panels, degrees in used:
             functions, count = panels.functions(degrees), panels.panels
             own = np.minimum(functions // (panels.degree + 1), count)
             degree = functions - own * (panels.degree + 1)
@@ -201,7 +193,6 @@ class _Order:
             place.append(start + functions)
             # of one part the tail counts by itself
             panel.append(first + np.minimum(own, count - (len(used) > 1)))
-            part.append(np.full(len(functions), k))
             starts.append(starts[-1] + len(functions))
             start, first = start + panels.size, first + count
         ahead = np.concatenate(left)
@@ -209,22 +200,10 @@ class _Order:
         self.kept = int((ahead > 1).sum()), int((ahead > 0).sum())
         self.columns = [slice(*ends) for ends in pairwise(starts)]
         self.places = np.concatenate(place)[self.place], np.concatenate(panel)[self.place]
-        self.part = np.concatenate(part)[self.place]
-        self._used = used
 
     def of(self, matrix: Array) -> Array:
         """Return a matrix of functions part by part in this order."""
-        return matrix.take(self.place, axis=0).take(self.place, axis=1)
-
-    @cached_property
-    def masses(self) -> Array:
-        """``int phi psi dd`` for parts of unit extent."""
-        return self.of(block_diag(*(unit_masses(*one)[0] for one in self._used)))
-
-    @cached_property
-    def rising(self) -> Array:
-        """``int phi psi d dd``."""
-        return self.of(block_diag(*(unit_masses(*one)[1] for one in self._used)))
+        return matrix[np.ix_(self.place, self.place)]
 
 
 def disk_space(parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> Space:

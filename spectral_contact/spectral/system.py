@@ -25,7 +25,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.blocks import Block, block, disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
-from spectral_contact.spectral.moments import moments, outer_moments, unit_masses
+from spectral_contact.spectral.moments import moments, outer_moments
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family
@@ -214,8 +214,8 @@ class System(Tangential):
     def _assemble_masses(self) -> list[tuple[slice, Array]]:
         blocks, alpha = [], self.parameters.alpha
         for k, own in enumerate(self.pressure) if alpha > 0.0 else ():
-            mass, _ = unit_masses(self.parts[k].family.panels, self.parts[k].degrees)
-            blocks.append((own, 0.5 * alpha * self.parts[k].family.reach * mass))
+            mass = self.parts[k].family.mass(self.parts[k].degrees, shear=False)
+            blocks.append((own, alpha * mass))
         return blocks + super()._assemble_masses()
 
     def _pressure_at(self, k: int) -> Array:

@@ -27,7 +27,6 @@ from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.blocks import disk_gram
 from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes, smooth_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
-from spectral_contact.spectral.moments import unit_masses
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family, gap
@@ -267,10 +266,8 @@ class Tangential(ABC):
     def _assemble_masses(self) -> list[tuple[slice, Array]]:
         blocks = []
         for k, own in self.shear.items() if self.parameters.beta > 0.0 else ():
-            family = self.parts[k].shear
-            one, d = unit_masses(family.panels, self.parts[k].degrees)
-            mass = family.boundary.square * one + family.sign * family.reach * d
-            blocks.append((own, 0.5 * self.parameters.beta * family.reach * mass))
+            mass = self.parts[k].shear.mass(self.parts[k].degrees, shear=True)
+            blocks.append((own, self.parameters.beta * mass))
         return blocks
 
     @cached_property

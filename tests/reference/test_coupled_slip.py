@@ -196,6 +196,16 @@ def test_where_the_stick_disk_is_too_small_to_be_felt_all_slips(layers, friction
     assert check_solution(solution, scene, 1e-8).passed
 
 
+def test_a_stick_disk_that_single_precision_cannot_hold():
+    # a radius of 7e-10: products of its functions are 1e-45, whose factors were no numbers
+    scene = Scene(
+        -0.40034455932929247, 0.003014539303142709, 0.0, 0.02889106538622562, coupling=True
+    )
+    solution = solve(scene, 8.5e-6)
+    assert solution.total_shear == pytest.approx(scene.friction, rel=1e-14)
+    assert check_solution(solution, scene, 8.5e-6).passed
+
+
 @pytest.mark.parametrize("layers", [(0.5, 0.2), (0.2, 0.5)])
 @pytest.mark.parametrize("below", [1e-7, 1e-9, 1e-12])
 def test_next_to_the_critical_friction_there_is_an_answer(layers, below):

@@ -63,6 +63,7 @@ def test_oracle_has_the_exact_eigenvalues():
 KINDS = "normal", "tangential"
 PLAIN = LogPanels(6, 2.0, 12)
 FINE = LogPanels(4, 2.0, 20)
+COARSE = LogPanels(3, 2.0, 7)
 SINGULAR = LogPanels(3, 2.0, 8, power=-0.5)
 ROOT = LogPanels(3, 2.0, 12, root_tail=True)
 SINGULAR_ROOT = LogPanels(3, 2.0, 12, power=-0.5, root_tail=True)
@@ -71,6 +72,8 @@ SINGULAR_ROOT = LogPanels(3, 2.0, 12, power=-0.5, root_tail=True)
 SAMPLE = {
     "same panel": (PLAIN, 1, (0, 12), 1, (0, 12)),
     "same panel, degree 20": (FINE, 2, (20,), 2, (20,)),
+    "same panel, degree 7": (COARSE, 1, (7,), 1, (7,)),
+    "central, degree 7": (COARSE, 0, (7,), 0, (7,)),
     "neighbours": (PLAIN, 1, (0, 12), 2, (0, 12)),
     "far": (PLAIN, 1, (0, 12), 4, (0, 12)),
     "central": (PLAIN, 0, (0, 12), 0, (0, 12)),

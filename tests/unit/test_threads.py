@@ -151,12 +151,11 @@ def test_numbers_of_threads_are_given_back_by_each():
     hold._libraries = [library]
     with ThreadPoolExecutor(1) as other:
         library.set(2)
-        hold.enter()
-        other.submit(hold.enter).result()
-        assert (library.number(), other.submit(library.number).result()) == (1, 1)
-        hold.leave()
+        with hold:
+            other.submit(hold.__enter__).result()
+            assert (library.number(), other.submit(library.number).result()) == (1, 1)
         assert (library.number(), other.submit(library.number).result()) == (2, 1)
-        other.submit(hold.leave).result()
+        other.submit(hold.__exit__).result()
         assert (library.number(), other.submit(library.number).result()) == (2, 4)
 
 
