@@ -58,7 +58,7 @@ class Gate:
 GATES = (
     Gate("lines of the core, flat punches", 9_800, 6_500),
     Gate("lines of the core with all else", 12_921, 6_500),
-    Gate("lines in all", 49_083, 23_000),
+    Gate("lines in all", 49_089, 23_000),
     Gate("float literals of the core, flat punches", 85, 90),
     Gate("float literals of the core with all else", 141, 90),
     Gate("functions above 15", 0, 0),

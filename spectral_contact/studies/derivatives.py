@@ -39,6 +39,8 @@ QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
 _TIGHT: Final = (1e-12, 1e-11)
 #: How many times the difference the error is taken to be, and what rounding leaves, relative.
 _SAFETY, _ROUNDING = 2.0, 1e-13
+#: That of the shear whose change a derivative is: where little changes, 1.8e-15 was seen.
+_SHEAR_ROUNDING: Final = 2e-15
 _MOST_UNKNOWNS: Final = 20_000
 #: How close to the critical friction slip begins, relative, where its error is less.
 _ONSET: Final = 1e-14
@@ -220,11 +222,15 @@ class _Slopes:
         return Derivative(best, error, self.note)
 
     def _inherited(self, quantity: str, name: str) -> float:
-        """Return what the shear itself is off in a derivative that holds it."""
-        if quantity != "total_shear" or name != "poisson_ratio" or self.scene.couples:
+        """Return what the shear itself is off in a derivative that holds it, or is its change."""
+        if quantity != "total_shear":
             return 0.0
+        rounding = _SHEAR_ROUNDING * self.own.total_shear
+        if name != "poisson_ratio" or self.scene.couples:
+            return rounding
         off = (self.own.error.total_shear or 0.0) + _ROUNDING
-        return abs(kappa_slope(self.scene) / self.scene.kappa * self.own.total_shear) * off
+        slope = abs(kappa_slope(self.scene) / self.scene.kappa * self.own.total_shear)
+        return slope * off + rounding
 
     @property
     def _ratio_slope(self) -> float:

@@ -22,7 +22,7 @@ import math
 import sys
 from collections import Counter
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1] / "cost"))
@@ -148,11 +148,11 @@ def verdict(drawn: Record, solution: Solution) -> str:
 
 
 def judged(number: int) -> Record:
-    """Return a scene with its verdict, and its time in U."""
+    """Return a scene with its verdict, and the time of the processor in U."""
     drawn = draw(number)
     scene = Scene(*drawn["scene"], coupling=drawn["coupled"])
     unit = dense_solve()
-    begin = perf_counter()
+    begin = process_time()
     try:
         solution = solve(scene, drawn["rtol"], strict=False)
     except NotComputedError as missing:
@@ -160,9 +160,9 @@ def judged(number: int) -> Record:
     except Exception as error:
         drawn["verdict"], drawn["why"] = "wrong", f"{type(error).__name__}: {error!s:.200}"
     else:
-        drawn["u"] = (perf_counter() - begin) / unit
+        drawn["u"] = (process_time() - begin) / unit
         drawn["verdict"] = verdict(drawn, solution)
-    drawn.setdefault("u", (perf_counter() - begin) / unit)
+    drawn.setdefault("u", (process_time() - begin) / unit)
     return drawn
 
 
