@@ -78,7 +78,8 @@ _POINTWISE = 1.6
 #: What a change does to a functional or through a linear map, times this and a power of the rate.
 #: Of 300 random scenes the largest errors of shear and boundaries are 0.57 and 0.53 of estimates.
 SAFETY = 4.5
-#: The share of its step that a correction of a solution leaves at least.
+#: The share of its step that a correction leaves at least. With 1e-4 estimates of stick radii are
+#: 0.6 times as large in the mean of 91 scenes, and the largest error is 0.55 of one, else 0.50.
 LEFT = 1e-2
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(
     "first spaces", 128, arrays=False
@@ -96,7 +97,7 @@ _ROOT_DEPTH = 7.0
 #: scenes of full stick need another space; with 0.15 at bends the critical friction of one was 18
 #: times as far off under the same estimate.
 _DEGREES, _AT_BEND = 0.45, 0.2
-#: Degrees of a slip zone per ``-ln`` of the accuracy.
+#: Degrees of a slip zone per ``-ln`` of the accuracy: 0.5 makes slip's estimates 6 times as large.
 _IN_SLIP = 0.7
 #: Panels on either side of a bend up to which it is felt, and over which that falls.
 _REACH, _FADING = 2.6, 1.2

@@ -20,7 +20,7 @@ __all__ = [
 
 #: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
 LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
-#: What rounding leaves of the condition of a boundary, and of fields that are corrected.
+#: What rounding leaves of conditions and fields; 1e-15 and 1e-12 change no space of 91 scenes.
 NOISE = 1e-13
 #: A change of the condition as small as its noise after a step as short as this is rounding by one
 #: per cent, and no slope follows.

@@ -147,23 +147,23 @@ class ZoneState:
         return [one[:, 0] for one in misfit.tangential]
 
 
-#: From which share of the last step on it is the factor or rounding that is not good enough.
-_SLOW = 0.2
-#: Corrections of a solution from nothing, which do not tell how good the factors are; and what is
-#: left by those of other boundaries, over their distance.
+#: From which share of the last step on it is the factor or rounding that is not good enough: 0.05
+#: and 0.6 change no digit of 53 scenes. And most corrections.
+_SLOW, _STEPS = 0.2, 40
+#: Corrections from nothing, which do not tell how good the factors are; and what those of other
+#: boundaries leave, over their distance: with 0.3 and 20 no error of 53 scenes is above estimates.
 _FIRST, _DRIFT = 2, 3.0
-#: Most corrections.
-_STEPS = 40
 #: What of a step of the boundaries the fields may be off by for its slopes, for the step itself it
 #: is TRIFLING: a scene of a sweep takes 3.1 systems, 4.5 with 0.3 for the step and 0.03. And
-#: conditions that miss as little as the last say nothing of slopes.
+#: conditions that miss as little as the last say nothing of slopes: with 1e-14 one of 53 scenes has
+#: a boundary off by more than its estimate, with 1e-8 another one.
 _KNOWN, _MEANT = 0.003, 1e-11
 #: A step that is more than so much of the one before does not show that they become shorter.
 _SHRINKS = 0.5
 #: Where boundaries are near by at most so many steps in a row do not become shorter. Next to the
 #: second threshold with coupling 2 refuse 6 of 24 scenes and tolerances, 4 one, 8 none.
 _MOST_STALLED = 6
-#: A correction that is smaller and does not fall any more is rounding.
+#: A smaller correction that does not fall is rounding; 1e-6 and 1e-12 change no digit of 25 scenes.
 _ROUNDED = 1e-9
 
 
