@@ -22,6 +22,7 @@ from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
 from spectral_contact.errors import SolutionFileError
 from spectral_contact.fields import history as history_classes
+from spectral_contact.fields import radius as radius_classes
 from spectral_contact.fields import series as field_classes
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import (
@@ -272,7 +273,7 @@ def test_reordered_and_indented_json_is_still_the_solution():
 def test_the_schema_declares_every_class_and_every_field():
     """A class or field that is added is to be declared in the schema, and used in `synthetic`."""
     own = (
-        *(field_classes, history_classes),
+        *(field_classes, history_classes, radius_classes),
         *(physical, record_classes, scene_classes, solution_classes),
     )
     classes = {
