@@ -289,7 +289,8 @@ class ZonesNewton:
         for _ in range(_STEPS):
             step = self._corrected()
             off = float(np.abs(step).max(initial=0.0))
-            still, self.settled = self._still(off), off < self._settle
+            self.settled = off < self._settle
+            still = self.settled or self._no_shorter(off)
             self._remember(aim)
             own, slow = self._factors.system is self.state.system, self._pace.slow
             # no other factors are better, or what is left is rounding
@@ -304,15 +305,13 @@ class ZonesNewton:
             self.state, self._problem.logits = self._best
         return self.state
 
-    def _still(self, off: float) -> bool:
-        """Return whether the boundaries are known no better: steps do not become shorter, twice.
+    def _no_shorter(self, off: float) -> bool:
+        """Return whether steps that are rounding have not become shorter, twice.
 
         Once is an accident: with it conditions miss ten times as much at the onset of slip inside.
         """
         rounded = off < _ROUNDED or self._missed < _MEANT
-        return off < self._settle or (
-            rounded and off > _SHRINKS * self._before and self._stalled > 0
-        )
+        return rounded and off > _SHRINKS * self._before and self._stalled > 0
 
     def _telling(self, off: float) -> bool:
         """Return whether the fields are good enough for a step, and more than made from nothing."""

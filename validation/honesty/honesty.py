@@ -258,6 +258,7 @@ def main() -> None:
     parser.add_argument("--stale", action="store_true", help="keep scenes of other sources, too")
     parser.add_argument("--also", type=Path, nargs="*", default=[], help="stores that count, too")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
+    parser.add_argument("--name", help="of the files that are written")
     options = parser.parse_args()
     counts = options.scenes, options.seed, options.references, options.workers
     name = "honesty_coupled" if options.coupled else "honesty"
@@ -267,10 +268,10 @@ def main() -> None:
         rows += [json.loads(line) for line in other.read_text(encoding="utf-8").splitlines()]
     record = record_of(rows, sorted({row["seed"] for row in rows}), name)
     options.results.mkdir(exist_ok=True)
-    text = json.dumps(record, indent=1)
-    (options.results / f"{name}.json").write_text(text + "\n", encoding="utf-8")
-    (options.results / f"{name}.md").write_text(table(record), encoding="utf-8")
-    draw(rows, options.results / f"{name}.png")
+    text, file = json.dumps(record, indent=1), options.results / (options.name or name)
+    file.with_suffix(".json").write_text(text + "\n", encoding="utf-8")
+    file.with_suffix(".md").write_text(table(record), encoding="utf-8")
+    draw(rows, file.with_suffix(".png"))
     print(table(record))
     for violation in record["violations"]:
         print(violation)

@@ -674,5 +674,5 @@ def test_noise_at_the_onset_of_slip_is_no_endless_search():
     # so near the critical friction the one-disk solution breaks the law in spots of noise
     scene = Scene(-0.4593781534904082, 0.03696003216086745, 0.04332005796922951, 0.7145572980869014)
     solution = solve(scene, 1e-12)
-    assert 1e-9 < solution.error.zones < 1e-8
+    assert 3e-10 < solution.error.zones < 1e-8
     assert solution.less_certain.keys() >= {"slip", "zones"}
