@@ -290,7 +290,7 @@ class ZonesNewton:
             step = self._corrected()
             off = float(np.abs(step).max(initial=0.0))
             self.settled = off < self._settle
-            still = self.settled or self._no_shorter(off)
+            still = self._still(off)
             self._remember(aim)
             own, slow = self._factors.system is self.state.system, self._pace.slow
             # no other factors are better, or what is left is rounding
@@ -305,13 +305,14 @@ class ZonesNewton:
             self.state, self._problem.logits = self._best
         return self.state
 
-    def _no_shorter(self, off: float) -> bool:
-        """Return whether steps that are rounding have not become shorter, twice.
+    def _still(self, off: float) -> bool:
+        """Return whether the boundaries are known no better: steps do not become shorter, twice.
 
         Once is an accident: with it conditions miss ten times as much at the onset of slip inside.
         """
         rounded = off < _ROUNDED or self._missed < _MEANT
-        return rounded and off > _SHRINKS * self._before and self._stalled > 0
+        no_shorter = rounded and off > _SHRINKS * self._before and self._stalled > 0
+        return self.settled or no_shorter
 
     def _telling(self, off: float) -> bool:
         """Return whether the fields are good enough for a step, and more than made from nothing."""
