@@ -147,8 +147,8 @@ class ZoneState:
         return [one[:, 0] for one in misfit.tangential]
 
 
-#: From which share of the last step on it is the factor or rounding that is not good enough: 0.05
-#: and 0.6 change no digit of 53 scenes. And most corrections.
+#: From which share of the last step on, or of the fields, it is the factor or rounding that is not
+#: good enough: 0.05 and 0.6 change no digit of 53 scenes. And most corrections.
 _SLOW, _STEPS = 0.2, 40
 #: Corrections from nothing, which do not tell how good the factors are; and what those of other
 #: boundaries leave, over their distance: with 0.3 and 20 no error of 53 scenes is above estimates.
@@ -165,8 +165,6 @@ _SHRINKS = 0.5
 _MOST_STALLED = 6
 #: A smaller correction that does not fall is rounding; 1e-6 and 1e-12 change no digit of 25 scenes.
 _ROUNDED = 1e-9
-
-
 #: Steps point in different ways if their smallest singular value is so much of the largest one.
 _LEAST_ANGLE = 0.1
 
@@ -197,6 +195,8 @@ class _Pace:
         How many there were, but for those from nothing.
     drift : float
         How far the boundaries of the factors are, of the narrowest zone.
+    lossy : bool
+        Whether factors lose the digits of small coefficients, next to a narrow zone at the edge.
     """
 
     thinnest: float
@@ -204,18 +204,20 @@ class _Pace:
     before: float = 1.0
     alike: int = -_FIRST
     drift: float = 0.0
+    lossy: bool = False
 
     def add(self, size: float, drift: float) -> None:
         """Count another one."""
         self.before, self.size, self.drift = self.size, size, drift
         self.alike += 1
+        self.lossy = self.lossy or (self.alike >= 0 and size > _SLOW)
 
     @property
     def _astray(self) -> bool:
         """Whether the factors are those of other boundaries.
 
-        They are off by about the distance of these, in units of a layer: they make an error next
-        to the boundaries first, which the next correction takes back.
+        They are off by about the distance of these, in units of a layer: every odd correction
+        makes an error next to the boundaries, which the next one takes back.
         """
         return self.drift > LEFT / _DRIFT * self.thinnest
 
@@ -226,12 +228,13 @@ class _Pace:
     @property
     def slow(self) -> bool:
         """Whether corrections do not shrink as they should."""
-        return self._telling and self.size > _SLOW * self.before
+        whole = self.before if self._telling else 1.0
+        return self.alike > 0 and self.size > _SLOW * whole
 
     @property
     def left(self) -> float:
         """What the last one leaves."""
-        if self._astray and self.alike < 2:
+        if self._astray and self.alike % 2:
             return self.size
         expected = self.size / self.before if self._telling else 0.0
         return self.size * min(max(LEFT, _DRIFT * self.drift, expected), 1.0)
@@ -316,7 +319,8 @@ class ZonesNewton:
 
     def _telling(self, off: float) -> bool:
         """Return whether the fields are good enough for a step, and more than made from nothing."""
-        return self._pace.alike >= 0 and off > max(0.5 * self._settle, self._noise / TRIFLING)
+        known = self._pace.alike >= 0 and self.left < 1.0
+        return known and off > max(0.5 * self._settle, self._noise / TRIFLING)
 
     def _remember(self, aim: float) -> None:
         """Keep the best there is, next to the onset of a zone."""
@@ -368,7 +372,7 @@ class ZonesNewton:
     def _factored(self, *, exact: bool) -> None:
         self._factors = factored(self.state.system, exact=exact)
         self.state, self._begin = self.state.by(self._factors), self._problem.logits
-        self._pace.alike = 0
+        self._pace.alike = -_FIRST if self._pace.lossy else 0
 
 
 def through_secants(slopes: Array, secants: list[tuple[Array, Array]]) -> Array:

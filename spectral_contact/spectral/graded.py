@@ -50,8 +50,6 @@ SAMPLES = 20
 FAR_NODES, FAR_FIT = chebyshev_interpolation(24)
 #: Nodes on the tail, as many as some panel has: what is there is seen from any distance.
 _TAIL_POINTS = 48
-
-
 _NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes] = BoundedCache(
     "graded nodes", 128
 )

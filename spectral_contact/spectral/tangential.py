@@ -197,11 +197,8 @@ class Tangential(ABC):
 
     def _place_nodes(self, each: Sequence[Degrees]) -> None:
         """Find Galerkin nodes for functions of these degrees on the first parts."""
-        self.nodes, self.offsets, self._t = (
-            list[GradedNodes | SmoothNodes](),
-            list[Array](),
-            list[Array](),
-        )
+        self.nodes: list[GradedNodes | SmoothNodes] = []
+        self.offsets, self._t = list[Array](), list[Array]()
         #: weights of ``t**2 dt / pi``
         self.shear_weights: list[Array] = []
         for part, degrees in zip(self.parts, each, strict=False):

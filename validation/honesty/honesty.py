@@ -265,7 +265,8 @@ def main() -> None:
     store = options.store or Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl"
     rows = study(*counts, store, stale=options.stale, coupled=options.coupled)
     for other in options.also:  # of other seeds, or of the sources before
-        rows += [json.loads(line) for line in other.read_text(encoding="utf-8").splitlines()]
+        each = map(json.loads, other.read_text(encoding="utf-8").splitlines())
+        rows += {(row["seed"], row["number"]): row for row in each}.values()  # the last of each
     record = record_of(rows, sorted({row["seed"] for row in rows}), name)
     options.results.mkdir(exist_ok=True)
     text, file = json.dumps(record, indent=1), options.results / (options.name or name)
