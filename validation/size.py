@@ -56,11 +56,11 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core, flat punches", 9_837, 6_500),
-    Gate("lines of the core with all else", 12_958, 6_500),
-    Gate("lines in all", 49_126, 23_000),
-    Gate("float literals of the core, flat punches", 85, 90),
-    Gate("float literals of the core with all else", 141, 90),
+    Gate("lines of the core, flat punches", 9_832, 6_500),
+    Gate("lines of the core with all else", 12_953, 6_500),
+    Gate("lines in all", 49_121, 23_000),
+    Gate("float literals of the core, flat punches", 86, 90),
+    Gate("float literals of the core with all else", 142, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),
