@@ -281,6 +281,7 @@ class ZonesNewton:
         self.left, self._begin, self._before, self._stalled = 0.0, problem.logits, inf, 0
         self._pace, self._move = _Pace(problem.thinnest), _NOTHING
         self._secants: list[tuple[Array, Array]] = []
+        self._least, self._best = inf, (self.state, problem.logits)
         self.settled = False
 
     def run(self, aim: float) -> ZoneState:
@@ -296,6 +297,7 @@ class ZonesNewton:
             off = float(np.abs(step).max(initial=0.0))
             self.settled = off < self._settle
             still = self._still(off)
+            self._remember(aim)
             own, slow = self._factors.system is self.state.system, self._pace.slow
             # no other factors are better, or what is left is rounding
             ended = (own and self._factors.exact) or (self._pace.size < _ROUNDED and still)
@@ -305,6 +307,8 @@ class ZonesNewton:
                 slow = self._moved(step, off)
             if slow:
                 self._factored(exact=self._factors.exact or (own and self._pace.alike > 0))
+        if self._least < self._missed:  # what is left is rounding, or no boundaries are there
+            self.state, self._problem.logits = self._best
         return self.state
 
     def _still(self, off: float) -> bool:
@@ -320,6 +324,11 @@ class ZonesNewton:
         """Return whether the fields are good enough for a step, and more than made from nothing."""
         known = self._pace.alike >= 0 and self.left < 1.0
         return known and off > max(0.5 * self._settle, self._noise / TRIFLING)
+
+    def _remember(self, aim: float) -> None:
+        """Keep the best there is, next to the onset of a zone."""
+        if self.left < max(aim, NOISE) and self._missed < self._least:
+            self._least, self._best = self._missed, (self.state, self._problem.logits)
 
     @property
     def _missed(self) -> float:
