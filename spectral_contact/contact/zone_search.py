@@ -372,7 +372,8 @@ class CoupledSearch(ZoneSearch):
         if is_narrow(violated):  # rings miss it, or its place
             yield violated
         found = ring_layout(self.parameters, coupled=True)
-        if found.settled and found.on_rings.positive and not found.centre_unseen:
+        told = (found.settled or self._smooth) and not found.centre_unseen
+        if told and found.on_rings.positive:
             yield self._to_the_edge([one.logit for one in found.boundaries], found.states)
         yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
 

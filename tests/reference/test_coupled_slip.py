@@ -206,6 +206,15 @@ def test_a_stick_disk_that_single_precision_cannot_hold():
     assert check_solution(solution, scene, 8.5e-6).passed
 
 
+def test_a_smooth_edge_sticks_where_rings_do_not_settle():
+    scene = Scene(-0.11, 0.0, 2e-6, 1.4, coupling=True)
+    loose, tight = solve(scene, 1e-3), solve(scene, 1e-4)
+    assert [zone.kind for zone in loose.zones] == ["stick", "slip", "stick"]
+    widths = [one.zones[1].outer_from_edge for one in (loose, tight)]
+    assert abs(widths[0] / widths[1] - 1.0) <= loose.error.zones + tight.error.zones
+    assert check_solution(loose, scene, 1e-3).passed
+
+
 @pytest.mark.parametrize("layers", [(0.5, 0.2), (0.2, 0.5)])
 @pytest.mark.parametrize("below", [1e-7, 1e-9, 1e-12])
 def test_next_to_the_critical_friction_there_is_an_answer(layers, below):
