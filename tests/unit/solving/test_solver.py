@@ -386,6 +386,15 @@ def test_zones_are_searched_for_where_no_digit_of_the_slip_is_known():
         assert error <= loose.error.zones + tight.error.zones
 
 
+def test_an_annulus_is_found_where_its_width_is_guessed_a_tenth_of_what_it_is():
+    # it was guessed at less than 1e-12 of the layer, where nothing was said to happen
+    scene = Scene(0.3, 0.05, 1.0, 0.02941061420967398)
+    loose, tight = solve(scene, 1e-9), solve(scene, 1e-12)
+    assert loose.converged and tight.converged
+    widths = [one.zones[-1].inner_from_edge for one in (loose, tight)]
+    assert abs(widths[0] / widths[1] - 1.0) <= loose.error.zones + tight.error.zones
+
+
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-12])
 def test_smooth_edge_sticks_where_the_stick_disk_is_below_all_rings(rtol):
     """Neither end of slip is seen on rings, 1e-13 from the centre and 5e-28 from the edge."""
