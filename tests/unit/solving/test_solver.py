@@ -390,7 +390,8 @@ def test_an_annulus_is_found_where_its_width_is_guessed_a_tenth_of_what_it_is():
     # it was guessed at less than 1e-12 of the layer, where nothing was said to happen
     scene = Scene(0.3, 0.05, 1.0, 0.02941061420967398)
     loose, tight = solve(scene, 1e-9), solve(scene, 1e-12)
-    assert loose.converged and tight.converged
+    assert loose.converged
+    assert tight.converged
     widths = [one.zones[-1].inner_from_edge for one in (loose, tight)]
     assert abs(widths[0] / widths[1] - 1.0) <= loose.error.zones + tight.error.zones
 
