@@ -332,15 +332,9 @@ def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) 
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end, power)])
 
 
-def _sources(panels: int, width: float, degree: int) -> Array:
-    """Return the distances of the quadrature points on every panel, shape (panels, points)."""
-    g, _ = gauss_rule(degree + EXTRA)
-    return np.asarray(np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0)))
-
-
 def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` on the panels, e clear of ``-d'``."""
-    source = _sources(panels, width, degree)
+    source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
     values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))
     if power != 0.0:
         values *= source**power
@@ -384,44 +378,30 @@ def fall(e: Array, width: float, degrees: tuple[int, ...]) -> tuple[Array, Array
 def fall_of_tail(e: Array, end: float) -> Array:
     """Return by how much `beyond_tail` is less than at the boundary, (n, TAIL_TERMS)."""
     tail = beyond_tail(np.zeros(1), end) - beyond_tail(e, end)
-    # below half its end this is right to rounding, the difference to 5e-15 at 1e-3 of it
+    # d' = e sinh(phi)**2: below half its end this is right to rounding, the difference to 5e-15 at
+    # 1e-3 of it
     small = (e > 0.0) & (e < 0.5 * end)
-    tail[small] = _far_below(e[small], end)
-    return np.asarray(tail)
-
-
-def _far_below(e: Array, end: float) -> Array:
-    """Return `fall_of_tail` far below its end, with ``d' = e sinh(phi)**2``."""
-    grown = np.exp(np.arcsinh(np.sqrt(end / e)))
+    ratio = e[small] / end
+    grown = np.exp(np.arcsinh(np.sqrt(end / e[small])))
     one, two, three, five = (grown ** float(n) - 1.0 for n in (1, -1, -3, -5))
     # of the powers of d'/end
-    ratio = e / end
     zeroth = -two
     first = ratio * (one / 4 + two / 2 - three / 12)
     highest = (grown**3 - 1.0) / 48 - one / 4
     second = ratio**2 * (highest - 3 * two / 8 + three / 12 - five / 80)
     legendre = [zeroth, 2 * first - zeroth, 6 * (second - first) + zeroth]
-    return np.asarray(np.sqrt(e)[:, None] * np.column_stack(legendre))
+    tail[small] = np.sqrt(e[small])[:, None] * np.column_stack(legendre)
+    return np.asarray(tail)
 
 
 def far_fall(e: Array, width: float, degrees: tuple[int, ...], power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi (1/sqrt(2 - d') - 1/sqrt(2 + e - d')) dd'`` for ``e > -1``.
 
-    It is how this integral falls past the distance 2. Shapes are those of `fall`.
+    It is how this integral falls past the distance 2, of the functions on the panels.
     """
-    end = np.exp(-len(degrees) * width)
-
-    def kernel(source: Array) -> Array:
-        near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None])
-        return np.asarray(e[:, None] / (near * far * (near + far)))
-
     charges = charges_on(width, degrees)
-    blocks = charges.onto(charges.d ** (1.0 + power) * kernel(charges.d))
-    g, w = gauss_rule(TAIL_TERMS + TAIL_EXTRA)
-    v = (1.0 + g) / 2.0
-    source = end * v**2
-    values = w / 2.0 * v * end * source**power * kernel(source)
-    return np.hstack([blocks, values @ tail_values(source, end, TAIL_TERMS, False)])
+    near, far = np.sqrt(2.0 - charges.d), np.sqrt(2.0 - charges.d + e[:, None])
+    return charges.onto(charges.d ** (1.0 + power) * (e[:, None] / (near * far * (near + far))))
 
 
 def rise(d: Array, panels: int, width: float, degree: int) -> Array:
@@ -432,7 +412,7 @@ def rise(d: Array, panels: int, width: float, degree: int) -> Array:
     """
     whole = beyond(np.zeros(1), panels, width, degree)[0]
     matrix = outer(d, panels, width, degree) - whole
-    source = _sources(panels, width, degree)
+    source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     own = np.minimum(np.floor(x / width).astype(int), panels + 1)
     for i in np.unique(own[own >= 2]):

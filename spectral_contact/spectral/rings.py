@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 #: but for the first ring's own shear, a logarithm squared at the centre: 2e-6.
 _POINTS = 16
 #: Grids whose operators are kept: the first ones, and some that were refined.
-_OPERATORS: BoundedCache[bytes, RingOperators]
+_OPERATORS: BoundedCache[bytes, RingOperators] = BoundedCache("rings", 8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,6 +133,3 @@ def _assembled(logits: Array) -> RingOperators:
     carried = np.tril(np.outer(thick, width / 2.0), -1)
     carried[places, places] = thick**2 * (radius[1:] + 2.0 * radius[:-1]) / 6
     return RingOperators(logits, width / 2.0, f.T @ f / pi, g.T @ g / pi, carried)
-
-
-_OPERATORS = BoundedCache("rings", 8)
