@@ -17,6 +17,8 @@ rules below are converged to rounding (docs/theory).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +35,7 @@ from spectral_contact.spectral.jacobi import (
 )
 
 __all__ = [
+    "Blockwise",
     "Charges",
     "beyond",
     "beyond_tail",
@@ -57,34 +60,50 @@ _SAME = 2e-14
 _TINY = float(np.finfo(float).tiny)
 
 
-class Charges:
-    """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
+class Blockwise:
+    """A matrix of blocks along its diagonal.
+
+    Attributes
+    ----------
+    shape : tuple of int
+    """
+
+    def __init__(self, blocks: Sequence[Array]) -> None:
+        self._blocks: list[tuple[slice, slice, Array]] = []
+        row = column = 0
+        for one in blocks:
+            rows, columns = slice(row, row + one.shape[0]), slice(column, column + one.shape[1])
+            self._blocks.append((rows, columns, one))
+            row, column = rows.stop, columns.stop
+        self.shape = row, column
+
+    def of(self, columns: Array) -> Array:
+        """Return this matrix times another, or times a vector."""
+        result = np.empty((self.shape[0], *columns.shape[1:]))
+        for rows, own, one in self._blocks:
+            np.matmul(one, columns[own], out=result[rows])
+        return result
+
+    def after(self, rows: Array) -> Array:
+        """Return the product of another matrix, in whose precision, with this one."""
+        result = np.empty((len(rows), self.shape[1]), rows.dtype)
+        for own, columns, one in self._blocks:
+            np.matmul(rows[:, own], one.astype(rows.dtype, copy=False), out=result[:, columns])
+        return result
+
+
+class Charges(Blockwise):
+    """Functions on panels as charges at points, for what is seen of them beyond a boundary.
+
+    A function is a column, and has the values `of` it at the points; rows are kernels there, and
+    `after` them are the integrals over ``1/2 dx`` with functions.
+    """
 
     def __init__(self, width: float, degrees: tuple[int, ...]) -> None:
+        super().__init__([width / 4 * legendre_projection_matrix(n + EXTRA, n) for n in degrees])
         middles = [j + (1.0 + gauss_rule(n + EXTRA)[0]) / 2.0 for j, n in enumerate(degrees)]
         #: distances of the points
         self.d: Array = np.exp(-width * np.concatenate(middles))
-        self._blocks: list[tuple[slice, slice, Array]] = []
-        point = self._size = 0
-        for n in degrees:
-            block = (width / 4) * legendre_projection_matrix(n + EXTRA, n)
-            rows, columns = slice(point, point + n + EXTRA), slice(self._size, self._size + n + 1)
-            self._blocks.append((rows, columns, block))
-            point, self._size = rows.stop, columns.stop
-
-    def back(self, coefficients: Array) -> Array:
-        """Return what functions have at the points, (points, k): the transpose of `onto`."""
-        result = np.empty((len(self.d), coefficients.shape[1]))
-        for rows, columns, block in self._blocks:
-            np.matmul(block, coefficients[columns], out=result[rows])
-        return result
-
-    def onto(self, values: Array) -> Array:
-        """Return integrals over ``1/2 dx`` of kernels at the points, as rows, with functions."""
-        result = np.empty((len(values), self._size))
-        for rows, columns, block in self._blocks:
-            np.matmul(values[:, rows], block, out=result[:, columns])
-        return result
 
 
 _CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
@@ -346,7 +365,7 @@ def beyond(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -
     charges = charges_on(width, (degree,) * panels if isinstance(degree, int) else degree)
     kernels = charges.d + e[:, None]
     np.divide(charges.d, np.sqrt(kernels, out=kernels), out=kernels)
-    return np.hstack([charges.onto(kernels), beyond_tail(e, np.exp(-panels * width))])
+    return np.hstack([charges.after(kernels), beyond_tail(e, np.exp(-panels * width))])
 
 
 def beyond_tail(e: Array, end: float) -> Array:
@@ -368,11 +387,11 @@ def fall(e: Array, width: float, degrees: tuple[int, ...]) -> tuple[Array, Array
     near, far = np.sqrt(charges.d), charges.d + e[:, None]
     np.sqrt(far, out=far)
     work = charges.d / far
-    plain = np.hstack([charges.onto(work), beyond_tail(e, end)])
+    plain = np.hstack([charges.after(work), beyond_tail(e, end)])
     far *= np.add(near, far, out=work)
     np.divide(e[:, None], far, out=far)
     far *= near
-    return plain, np.hstack([charges.onto(far), fall_of_tail(e, end)])
+    return plain, np.hstack([charges.after(far), fall_of_tail(e, end)])
 
 
 def fall_of_tail(e: Array, end: float) -> Array:
@@ -401,7 +420,7 @@ def far_fall(e: Array, width: float, degrees: tuple[int, ...], power: float = 0.
     """
     charges = charges_on(width, degrees)
     near, far = np.sqrt(2.0 - charges.d), np.sqrt(2.0 - charges.d + e[:, None])
-    return charges.onto(charges.d ** (1.0 + power) * (e[:, None] / (near * far * (near + far))))
+    return charges.after(charges.d ** (1.0 + power) * (e[:, None] / (near * far * (near + far))))
 
 
 def rise(d: Array, panels: int, width: float, degree: int) -> Array:

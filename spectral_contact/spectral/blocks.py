@@ -294,7 +294,7 @@ def across(
     panels, scale = source.panels, float(np.sqrt(source.reach))
     charges = charges_on(panels.width, degrees)
     split = len(values) - panels.tail_terms
-    weights, on_tail = charges.back(values[:split]) * charges.d[:, None], values[split:]
+    weights, on_tail = charges.of(values[:split]) * charges.d[:, None], values[split:]
     root = np.sqrt(charges.d)
     e = target.reach / source.reach * points_of(target.panels, used).samples
     at = (1.0 / root) @ weights + beyond_tail(np.zeros(1), panels.end)[0] @ on_tail
@@ -397,7 +397,7 @@ def _onto(panels: LogPanels, degrees: Degrees, kernels: Array) -> Array:
     charges = charges_on(panels.width, degrees)
     d, weights, basis = tail_rule(panels)
     split = len(charges.d)
-    own = charges.onto(kernels[:, :split] * charges.d ** (1.0 + panels.power))
+    own = charges.after(kernels[:, :split] * charges.d ** (1.0 + panels.power))
     on_tail = kernels[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
     return np.hstack([own, on_tail])
 

@@ -258,13 +258,13 @@ class Tangential(ABC):
     @cached_property
     def masses(self) -> list[tuple[slice, Array]]:
         """Masses of what is unknown times their compliances, by their place."""
-        return self._assemble_masses()
-
-    def _assemble_masses(self) -> list[tuple[slice, Array]]:
-        blocks = []
-        for k, own in self.shear.items() if self.parameters.beta > 0.0 else ():
-            mass = self.parts[k].shear.mass(self.parts[k].degrees, shear=True)
-            blocks.append((own, self.parameters.beta * mass))
+        blocks, first = [], len(self.fields) - len(self.stick)
+        for i, one in enumerate(self.fields):
+            part, shear = self.parts[one.part], i >= first
+            compliance = self.parameters.beta if shear else self.parameters.alpha
+            if compliance > 0.0:
+                mass = (part.shear if shear else part.family).mass(one.degrees, shear=shear)
+                blocks.append((one.own, compliance * mass))
         return blocks
 
     @cached_property
