@@ -49,7 +49,6 @@ from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_interpolation_matrix,
 )
-from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
 
@@ -265,7 +264,11 @@ def block(
             return None
         if apart == 0.0:
             kept = _facing(source, degrees, target, nodes, differences)
-        elif _same_annulus(source, target, side, apart):
+        elif (  # the other half of an annulus
+            target.sign == side == -source.sign
+            and source.reach == target.reach
+            and round(apart / source.reach) == 2
+        ):
             edge = target.boundary.from_edge == 0.0
             of_halves = source.panels, degrees, target.panels, used, edge
             kept = _HALVES.get(of_halves, lambda: _halves(source.panels, degrees, nodes.d, edge))
@@ -307,12 +310,6 @@ def points_of(panels: LogPanels, used: Used) -> Nodes:
     if isinstance(used, LogPanels):
         return PlainNodes(used.distances)
     return graded_nodes(panels, used) if used else smooth_nodes(panels)
-
-
-def _same_annulus(source: Family, target: Family, side: int, apart: float) -> bool:
-    """Return whether two parts are the halves of an annulus, the source on this side."""
-    facing = target.sign == side == -source.sign
-    return facing and source.reach == target.reach and round(apart / source.reach) == 2
 
 
 def _vanishing(matrix: Array) -> Block:
@@ -389,13 +386,13 @@ def _apart(
 def _log_places(panels: LogPanels, degrees: Degrees) -> Array:
     """Return the places on the panels and on the tail that stand for its functions."""
     charges = charges_on(panels.width, degrees)
-    return np.concatenate([charges.d, tail_rule(panels)[0]])
+    return np.concatenate([charges.d, panels.tail_rule().points])
 
 
 def _onto(panels: LogPanels, degrees: Degrees, kernels: Array) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` of kernels at these places, as rows."""
     charges = charges_on(panels.width, degrees)
-    d, weights, basis = tail_rule(panels)
+    d, weights, basis = panels.tail_rule()
     split = len(charges.d)
     own = charges.after(kernels[:, :split] * charges.d ** (1.0 + panels.power))
     on_tail = kernels[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)

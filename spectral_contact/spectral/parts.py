@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.radius import CENTRE, EDGE, Radius
 from spectral_contact.spectral.jacobi import (
+    EXTRA,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_values,
@@ -94,20 +95,19 @@ class Family:
     def sources(self) -> tuple[Points, Array]:
         """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
         p = self.panels
-        x, w = p.half_line_nodes()
-        g, _ = gauss_rule(x.shape[1])
+        points = p.degree + EXTRA
+        (g, w), (gt, wt), x = gauss_rule(points), gauss_rule(p.tail_terms + 3), p.sampling(points)
         values = legendre_values(g, p.degree)
-        gt, wt = gauss_rule(p.tail_terms + 3)
         tail = p.end * (1.0 + gt) / 2.0
         matrix = np.zeros((x.size + len(gt), p.size))
         for j in range(p.panels):
-            rows = slice(j * x.shape[1], (j + 1) * x.shape[1])
+            rows = slice(j * points, (j + 1) * points)
             columns = slice(j * (p.degree + 1), (j + 1) * (p.degree + 1))
-            matrix[rows, columns] = values * (w[j] * np.exp(-x[j]))[:, None]
+            matrix[rows, columns] = values * (w * p.width / 2.0 * np.exp(-x[j]))[:, None]
         basis = tail_values(tail, p.end, p.tail_terms, p.root_tail)
         matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
-        points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
-        return points, 0.5 * self.reach * matrix
+        places = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
+        return places, 0.5 * self.reach * matrix
 
     def unresolved(self, series: LogSeries) -> float:
         """Return the largest of the last coefficients of any panel or of the tail."""
