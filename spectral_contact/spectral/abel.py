@@ -221,12 +221,8 @@ def outer_blocks(
         width for points in the tail.
     panels : int
         Number of blocks: block k takes the panel k places shallower than the point's own.
-    width : float
-        Panel width in ``x``.
-    degree : int
-        Highest Legendre degree.
-    power : float
-        Endpoint weight, as in `deeper_blocks`.
+    width, degree, power
+        As of `deeper_blocks`.
 
     Returns
     -------

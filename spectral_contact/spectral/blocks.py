@@ -190,12 +190,7 @@ def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedN
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     """Return the Gram matrix of the half-integrals on a disk, of unit extent and radius (cached).
 
-    Parameters
-    ----------
-    panels : LogPanels
-    degrees : tuple of int
-    shear : bool
-        In the measure ``t**2 dt / pi`` instead of ``dt / pi``.
+    With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
 
     def made() -> Array:
@@ -285,14 +280,8 @@ def across(
 ) -> tuple[Array, Array]:
     """Return what known functions across a common boundary contribute there, and how it falls.
 
-    Parameters are those of `block`, without a matrix; and the coefficients of the functions, as
-    columns.
-
-    Returns
-    -------
-    at : ndarray, shape (k,)
-    more : ndarray, shape (samples, k)
-        Negative.
+    Parameters are those of `block`, without a matrix; and the coefficients of the functions, as k
+    columns. The shapes are (k,) and (samples, k).
     """
     panels, scale = source.panels, float(np.sqrt(source.reach))
     charges = charges_on(panels.width, degrees)

@@ -211,11 +211,9 @@ def disk_space(parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> 
 
     Those of breaks are seldom the same, and what is kept of them are their blocks.
     """
-
-    def made() -> Space:
+    if parts.breaks:
         return Space(parts, used, shear=shear)
-
-    return made() if parts.breaks else _SPACES.get((parts, used, shear), made)
+    return _SPACES.get((parts, used, shear), lambda: Space(parts, used, shear=shear))
 
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:

@@ -52,8 +52,7 @@ class Part:
     boundary : int
         Number of the boundary that the panels are graded to; -1 for the edge.
     family, shear : Family
-        With the panels of the pressure, and with those of q/s, the same but for the endpoint
-        weight.
+        With the panels of the pressure, and with those of q/s: the same but for the power.
     degrees : tuple of int
         Highest degree on every panel.
     """
