@@ -61,12 +61,7 @@ _TINY = float(np.finfo(float).tiny)
 
 
 class Blockwise:
-    """A matrix of blocks along its diagonal.
-
-    Attributes
-    ----------
-    shape : tuple of int
-    """
+    """A matrix of blocks along its diagonal."""
 
     def __init__(self, blocks: Sequence[Array]) -> None:
         self._blocks: list[tuple[slice, slice, Array]] = []

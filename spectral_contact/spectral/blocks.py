@@ -229,10 +229,8 @@ def block(
 
     Parameters
     ----------
-    source : Family
-        Of the functions psi.
-    degrees : tuple of int
-        Highest ones on its panels.
+    source, degrees : Family, tuple of int
+        Of the functions psi, and the highest ones on its panels.
     target : Family
         With the points: the same part or another one.
     used : tuple of int or LogPanels

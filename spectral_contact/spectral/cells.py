@@ -91,13 +91,7 @@ def _half(coefficients: Array, ends: Array) -> LogSeries:
 
 
 class CellSpace(NodalSpace):
-    """Polynomials of these degrees on cells; what a problem for the pressure asks of a space.
-
-    Parameters
-    ----------
-    cells : DiskCells
-    degrees : tuple of int
-    """
+    """Polynomials of these degrees on cells; what a problem for the pressure asks of a space."""
 
     def __init__(self, cells: DiskCells, degrees: tuple[int, ...]) -> None:
         self._cells, self._degrees = cells, degrees

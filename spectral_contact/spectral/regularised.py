@@ -167,12 +167,9 @@ class Regularised:
         return coefficients
 
     def dual(self, functional: Array) -> Array:
-        """Return the dual solution of a linear functional: what its value is most sensitive to.
+        """Return the dual solution of a functional, by its values on the basis, (size,).
 
-        Parameters
-        ----------
-        functional : ndarray, shape (size,)
-            Values of the functional on the basis.
+        That is what its value is most sensitive to.
         """
         index = self.space.index
         coefficients = np.zeros_like(functional)

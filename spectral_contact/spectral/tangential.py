@@ -310,16 +310,7 @@ class Tangential(ABC):
 
     @abstractmethod
     def misfit(self, values: Array, approach: Array, lifts: Array) -> Misfit:
-        """Return W and E at the nodes of every part.
-
-        Parameters
-        ----------
-        values : ndarray, shape (unknowns, k)
-        approach : ndarray, shape (k,)
-            delta.
-        lifts : ndarray, shape (boundaries, k)
-            ``E(b)``.
-        """
+        """Return W and E of k vectors as columns, with k deltas and ``E(b)``, (boundaries, k)."""
 
     def _tangential(self, values: Array, traction: Fields, lifts: Array) -> list[Array]:
         """Return E as `misfit` does."""
