@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import LogSeries, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import TAIL_TERMS, legendre_projection_matrix
+from spectral_contact.spectral.jacobi import EXTRA, TAIL_TERMS, legendre_projection_matrix
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
@@ -396,7 +396,7 @@ class _LoadNodes(NamedTuple):
 
 
 def _load_nodes(panels: LogPanels) -> _LoadNodes:
-    x, _ = panels.half_line_nodes()
+    x = panels.sampling(panels.degree + EXTRA)
     near, tail = np.exp(-x), panels.tail_sampling()
     weights = [panels.width / 2.0 * near.ravel(), np.full(len(tail), panels.end / 2.0)]
     d = np.concatenate([near.ravel(), tail])

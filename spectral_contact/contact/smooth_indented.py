@@ -21,7 +21,6 @@ from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Parts, Points, gap
 from spectral_contact.threads import cached_property
@@ -260,7 +259,7 @@ def _rule(panels: LogPanels, centred: bool) -> _PlainRule:
             v = (1.0 + g) / 2.0
             own = np.concatenate([h * v**2, x[1:].ravel()])
             on_own = np.concatenate([w * h * v, dx[1:].ravel()])
-        tail, on_tail, _ = tail_rule(panels)
+        tail, on_tail, _ = panels.tail_rule()
         near = np.exp(-own)
         return _PlainRule(
             np.concatenate([near, tail]),

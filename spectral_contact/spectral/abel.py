@@ -17,6 +17,8 @@ rules below are converged to rounding (docs/theory).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +35,7 @@ from spectral_contact.spectral.jacobi import (
 )
 
 __all__ = [
+    "Blockwise",
     "Charges",
     "beyond",
     "beyond_tail",
@@ -57,34 +60,45 @@ _SAME = 2e-14
 _TINY = float(np.finfo(float).tiny)
 
 
-class Charges:
-    """Functions on panels as charges at points, for what is seen of them beyond a boundary."""
+class Blockwise:
+    """A matrix of blocks along its diagonal."""
+
+    def __init__(self, blocks: Sequence[Array]) -> None:
+        self._blocks: list[tuple[slice, slice, Array]] = []
+        row = column = 0
+        for one in blocks:
+            rows, columns = slice(row, row + one.shape[0]), slice(column, column + one.shape[1])
+            self._blocks.append((rows, columns, one))
+            row, column = rows.stop, columns.stop
+        self.shape = row, column
+
+    def of(self, columns: Array) -> Array:
+        """Return this matrix times another, or times a vector."""
+        result = np.empty((self.shape[0], *columns.shape[1:]))
+        for rows, own, one in self._blocks:
+            np.matmul(one, columns[own], out=result[rows])
+        return result
+
+    def after(self, rows: Array) -> Array:
+        """Return the product of another matrix, in whose precision, with this one."""
+        result = np.empty((len(rows), self.shape[1]), rows.dtype)
+        for own, columns, one in self._blocks:
+            np.matmul(rows[:, own], one.astype(rows.dtype, copy=False), out=result[:, columns])
+        return result
+
+
+class Charges(Blockwise):
+    """Functions on panels as charges at points, for what is seen of them beyond a boundary.
+
+    A function is a column, and has the values `of` it at the points; rows are kernels there, and
+    `after` them are the integrals over ``1/2 dx`` with functions.
+    """
 
     def __init__(self, width: float, degrees: tuple[int, ...]) -> None:
+        super().__init__([width / 4 * legendre_projection_matrix(n + EXTRA, n) for n in degrees])
         middles = [j + (1.0 + gauss_rule(n + EXTRA)[0]) / 2.0 for j, n in enumerate(degrees)]
         #: distances of the points
         self.d: Array = np.exp(-width * np.concatenate(middles))
-        self._blocks: list[tuple[slice, slice, Array]] = []
-        point = self._size = 0
-        for n in degrees:
-            block = (width / 4) * legendre_projection_matrix(n + EXTRA, n)
-            rows, columns = slice(point, point + n + EXTRA), slice(self._size, self._size + n + 1)
-            self._blocks.append((rows, columns, block))
-            point, self._size = rows.stop, columns.stop
-
-    def back(self, coefficients: Array) -> Array:
-        """Return what functions have at the points, (points, k): the transpose of `onto`."""
-        result = np.empty((len(self.d), coefficients.shape[1]))
-        for rows, columns, block in self._blocks:
-            np.matmul(block, coefficients[columns], out=result[rows])
-        return result
-
-    def onto(self, values: Array) -> Array:
-        """Return integrals over ``1/2 dx`` of kernels at the points, as rows, with functions."""
-        result = np.empty((len(values), self._size))
-        for rows, columns, block in self._blocks:
-            np.matmul(values[:, rows], block, out=result[:, columns])
-        return result
 
 
 _CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
@@ -202,12 +216,8 @@ def outer_blocks(
         width for points in the tail.
     panels : int
         Number of blocks: block k takes the panel k places shallower than the point's own.
-    width : float
-        Panel width in ``x``.
-    degree : int
-        Highest Legendre degree.
-    power : float
-        Endpoint weight, as in `deeper_blocks`.
+    width, degree, power
+        As of `deeper_blocks`.
 
     Returns
     -------
@@ -332,15 +342,9 @@ def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) 
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end, power)])
 
 
-def _sources(panels: int, width: float, degree: int) -> Array:
-    """Return the distances of the quadrature points on every panel, shape (panels, points)."""
-    g, _ = gauss_rule(degree + EXTRA)
-    return np.asarray(np.exp(-width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0)))
-
-
 def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` on the panels, e clear of ``-d'``."""
-    source = _sources(panels, width, degree)
+    source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
     values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))
     if power != 0.0:
         values *= source**power
@@ -352,7 +356,7 @@ def beyond(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -
     charges = charges_on(width, (degree,) * panels if isinstance(degree, int) else degree)
     kernels = charges.d + e[:, None]
     np.divide(charges.d, np.sqrt(kernels, out=kernels), out=kernels)
-    return np.hstack([charges.onto(kernels), beyond_tail(e, np.exp(-panels * width))])
+    return np.hstack([charges.after(kernels), beyond_tail(e, np.exp(-panels * width))])
 
 
 def beyond_tail(e: Array, end: float) -> Array:
@@ -374,54 +378,40 @@ def fall(e: Array, width: float, degrees: tuple[int, ...]) -> tuple[Array, Array
     near, far = np.sqrt(charges.d), charges.d + e[:, None]
     np.sqrt(far, out=far)
     work = charges.d / far
-    plain = np.hstack([charges.onto(work), beyond_tail(e, end)])
+    plain = np.hstack([charges.after(work), beyond_tail(e, end)])
     far *= np.add(near, far, out=work)
     np.divide(e[:, None], far, out=far)
     far *= near
-    return plain, np.hstack([charges.onto(far), fall_of_tail(e, end)])
+    return plain, np.hstack([charges.after(far), fall_of_tail(e, end)])
 
 
 def fall_of_tail(e: Array, end: float) -> Array:
     """Return by how much `beyond_tail` is less than at the boundary, (n, TAIL_TERMS)."""
     tail = beyond_tail(np.zeros(1), end) - beyond_tail(e, end)
-    # below half its end this is right to rounding, the difference to 5e-15 at 1e-3 of it
+    # d' = e sinh(phi)**2: below half its end this is right to rounding, the difference to 5e-15 at
+    # 1e-3 of it
     small = (e > 0.0) & (e < 0.5 * end)
-    tail[small] = _far_below(e[small], end)
-    return np.asarray(tail)
-
-
-def _far_below(e: Array, end: float) -> Array:
-    """Return `fall_of_tail` far below its end, with ``d' = e sinh(phi)**2``."""
-    grown = np.exp(np.arcsinh(np.sqrt(end / e)))
+    ratio = e[small] / end
+    grown = np.exp(np.arcsinh(np.sqrt(end / e[small])))
     one, two, three, five = (grown ** float(n) - 1.0 for n in (1, -1, -3, -5))
     # of the powers of d'/end
-    ratio = e / end
     zeroth = -two
     first = ratio * (one / 4 + two / 2 - three / 12)
     highest = (grown**3 - 1.0) / 48 - one / 4
     second = ratio**2 * (highest - 3 * two / 8 + three / 12 - five / 80)
     legendre = [zeroth, 2 * first - zeroth, 6 * (second - first) + zeroth]
-    return np.asarray(np.sqrt(e)[:, None] * np.column_stack(legendre))
+    tail[small] = np.sqrt(e[small])[:, None] * np.column_stack(legendre)
+    return np.asarray(tail)
 
 
 def far_fall(e: Array, width: float, degrees: tuple[int, ...], power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi (1/sqrt(2 - d') - 1/sqrt(2 + e - d')) dd'`` for ``e > -1``.
 
-    It is how this integral falls past the distance 2. Shapes are those of `fall`.
+    It is how this integral falls past the distance 2, of the functions on the panels.
     """
-    end = np.exp(-len(degrees) * width)
-
-    def kernel(source: Array) -> Array:
-        near, far = np.sqrt(2.0 - source), np.sqrt(2.0 - source + e[:, None])
-        return np.asarray(e[:, None] / (near * far * (near + far)))
-
     charges = charges_on(width, degrees)
-    blocks = charges.onto(charges.d ** (1.0 + power) * kernel(charges.d))
-    g, w = gauss_rule(TAIL_TERMS + TAIL_EXTRA)
-    v = (1.0 + g) / 2.0
-    source = end * v**2
-    values = w / 2.0 * v * end * source**power * kernel(source)
-    return np.hstack([blocks, values @ tail_values(source, end, TAIL_TERMS, False)])
+    near, far = np.sqrt(2.0 - charges.d), np.sqrt(2.0 - charges.d + e[:, None])
+    return charges.after(charges.d ** (1.0 + power) * (e[:, None] / (near * far * (near + far))))
 
 
 def rise(d: Array, panels: int, width: float, degree: int) -> Array:
@@ -432,7 +422,7 @@ def rise(d: Array, panels: int, width: float, degree: int) -> Array:
     """
     whole = beyond(np.zeros(1), panels, width, degree)[0]
     matrix = outer(d, panels, width, degree) - whole
-    source = _sources(panels, width, degree)
+    source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     own = np.minimum(np.floor(x / width).astype(int), panels + 1)
     for i in np.unique(own[own >= 2]):

@@ -73,6 +73,9 @@ class Transforms:
         self._x = panels.sampling()
         #: distances of the sampling points
         self.distances = panels.distances
+        self._across: BoundedCache[tuple[int, float], Array] = BoundedCache(
+            "Abel transforms across an annulus", 4
+        )
 
     @cached_property
     def coarse(self) -> Array:
@@ -127,10 +130,14 @@ class Transforms:
         unit length. Only points of the first panel come near the sources: below, the integral
         is a polynomial in ``d`` to rounding.
         """
-        x = other.sampling()
-        reach = float(np.exp(-other.width))
-        near = np.exp(-x[0])
-        values = self._across_matrix(near, reach) @ coefficients
+        near, reach = np.exp(-other.sampling()[0]), float(np.exp(-other.width))
+
+        def matrix() -> Array:
+            panels = self.panels
+            d = np.concatenate([near, reach * (1.0 + gauss_rule(_DEEP_POINTS)[0]) / 2.0])
+            return deeper(2.0 - d, panels.panels, panels.width, panels.degree)
+
+        values = self._across.get((len(near), reach), matrix) @ coefficients
         g = 2.0 * other.distances[len(near) :] / reach - 1.0
         series = legendre_expansion_matrix(_DEEP_POINTS, _DEEP_POINTS - 1) @ values[len(near) :]
         return np.concatenate([values[: len(near)], series @ legendre_rows(g, _DEEP_POINTS - 1)])
@@ -183,20 +190,6 @@ class Transforms:
         mesh = panels.panels, panels.width, panels.degree
         blocks = outer_blocks(self._x[0], *mesh)
         return _in_a_row(blocks), outer(panels.tail_sampling(), *mesh)
-
-    def _across_matrix(self, near: Array, reach: float) -> Array:
-        """Return the matrix of `across` at points of the first panel and Gauss points below."""
-
-        def matrix() -> Array:
-            panels = self.panels
-            d = np.concatenate([near, reach * (1.0 + gauss_rule(_DEEP_POINTS)[0]) / 2.0])
-            return deeper(2.0 - d, panels.panels, panels.width, panels.degree)
-
-        return self._across.get((len(near), reach), matrix)
-
-    @cached_property
-    def _across(self) -> BoundedCache[tuple[int, float], Array]:
-        return BoundedCache("Abel transforms across an annulus", 4)
 
 
 def _in_a_row(blocks: Array) -> Array:

@@ -49,7 +49,6 @@ from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_interpolation_matrix,
 )
-from spectral_contact.spectral.moments import tail_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
 
@@ -191,12 +190,7 @@ def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedN
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     """Return the Gram matrix of the half-integrals on a disk, of unit extent and radius (cached).
 
-    Parameters
-    ----------
-    panels : LogPanels
-    degrees : tuple of int
-    shear : bool
-        In the measure ``t**2 dt / pi`` instead of ``dt / pi``.
+    With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
 
     def made() -> Array:
@@ -235,10 +229,8 @@ def block(
 
     Parameters
     ----------
-    source : Family
-        Of the functions psi.
-    degrees : tuple of int
-        Highest ones on its panels.
+    source, degrees : Family, tuple of int
+        Of the functions psi, and the highest ones on its panels.
     target : Family
         With the points: the same part or another one.
     used : tuple of int or LogPanels
@@ -265,7 +257,11 @@ def block(
             return None
         if apart == 0.0:
             kept = _facing(source, degrees, target, nodes, differences)
-        elif _same_annulus(source, target, side, apart):
+        elif (  # the other half of an annulus
+            target.sign == side == -source.sign
+            and source.reach == target.reach
+            and round(apart / source.reach) == 2
+        ):
             edge = target.boundary.from_edge == 0.0
             of_halves = source.panels, degrees, target.panels, used, edge
             kept = _HALVES.get(of_halves, lambda: _halves(source.panels, degrees, nodes.d, edge))
@@ -282,19 +278,13 @@ def across(
 ) -> tuple[Array, Array]:
     """Return what known functions across a common boundary contribute there, and how it falls.
 
-    Parameters are those of `block`, without a matrix; and the coefficients of the functions, as
-    columns.
-
-    Returns
-    -------
-    at : ndarray, shape (k,)
-    more : ndarray, shape (samples, k)
-        Negative.
+    Parameters are those of `block`, without a matrix; and the coefficients of the functions, as k
+    columns. The shapes are (k,) and (samples, k).
     """
     panels, scale = source.panels, float(np.sqrt(source.reach))
     charges = charges_on(panels.width, degrees)
     split = len(values) - panels.tail_terms
-    weights, on_tail = charges.back(values[:split]) * charges.d[:, None], values[split:]
+    weights, on_tail = charges.of(values[:split]) * charges.d[:, None], values[split:]
     root = np.sqrt(charges.d)
     e = target.reach / source.reach * points_of(target.panels, used).samples
     at = (1.0 / root) @ weights + beyond_tail(np.zeros(1), panels.end)[0] @ on_tail
@@ -307,12 +297,6 @@ def points_of(panels: LogPanels, used: Used) -> Nodes:
     if isinstance(used, LogPanels):
         return PlainNodes(used.distances)
     return graded_nodes(panels, used) if used else smooth_nodes(panels)
-
-
-def _same_annulus(source: Family, target: Family, side: int, apart: float) -> bool:
-    """Return whether two parts are the halves of an annulus, the source on this side."""
-    facing = target.sign == side == -source.sign
-    return facing and source.reach == target.reach and round(apart / source.reach) == 2
 
 
 def _vanishing(matrix: Array) -> Block:
@@ -389,15 +373,15 @@ def _apart(
 def _log_places(panels: LogPanels, degrees: Degrees) -> Array:
     """Return the places on the panels and on the tail that stand for its functions."""
     charges = charges_on(panels.width, degrees)
-    return np.concatenate([charges.d, tail_rule(panels)[0]])
+    return np.concatenate([charges.d, panels.tail_rule().points])
 
 
 def _onto(panels: LogPanels, degrees: Degrees, kernels: Array) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` of kernels at these places, as rows."""
     charges = charges_on(panels.width, degrees)
-    d, weights, basis = tail_rule(panels)
+    d, weights, basis = panels.tail_rule()
     split = len(charges.d)
-    own = charges.onto(kernels[:, :split] * charges.d ** (1.0 + panels.power))
+    own = charges.after(kernels[:, :split] * charges.d ** (1.0 + panels.power))
     on_tail = kernels[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
     return np.hstack([own, on_tail])
 

@@ -68,17 +68,15 @@ class DiskCells:
 
     def field(self, coefficients: list[Array]) -> ZonalField:
         """Return the function with Legendre coefficients on every cell, from the centre outward."""
-        radii = [self._radius(offset) for offset in self.offsets[1:-1]]
-        pieces, inner = [], CENTRE
+        pieces, inner, radii = [], CENTRE, []
+        for offset in self.offsets[1:-1]:
+            value = sqrt(self.pivot.square + offset)
+            radii.append(Radius(value, (self.pivot.rest - offset) / (1.0 + value)))
         for outer, own in zip([*radii, EDGE], coefficients, strict=True):
             halves = (_half(own, np.array([-1.0, 0.0])), _half(own, np.array([1.0, 0.0])))
             pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
             inner = outer
         return ZonalField(tuple(pieces))
-
-    def _radius(self, offset: float) -> Radius:
-        value = sqrt(self.pivot.square + offset)
-        return Radius(value, (self.pivot.rest - offset) / (1.0 + value))
 
 
 def _half(coefficients: Array, ends: Array) -> LogSeries:
@@ -93,13 +91,7 @@ def _half(coefficients: Array, ends: Array) -> LogSeries:
 
 
 class CellSpace(NodalSpace):
-    """Polynomials of these degrees on cells; what a problem for the pressure asks of a space.
-
-    Parameters
-    ----------
-    cells : DiskCells
-    degrees : tuple of int
-    """
+    """Polynomials of these degrees on cells; what a problem for the pressure asks of a space."""
 
     def __init__(self, cells: DiskCells, degrees: tuple[int, ...]) -> None:
         self._cells, self._degrees = cells, degrees
@@ -115,12 +107,8 @@ class CellSpace(NodalSpace):
         self.kept_but_one = self.kept + len(terms)
         self.panel = cell[self.index]
         self._mass: Array = (np.repeat(cells.lengths, terms) / (4 * degree + 2))[self.index]
-        self._place()
-
-    def _place(self) -> None:
-        """Place the nodes, clustered at the outer end of every cell."""
-        lengths, offsets = self._cells.lengths, self._cells.offsets
-        around = [*self._degrees, 0]
+        # nodes are clustered at the outer end of every cell
+        lengths, offsets, around = cells.lengths, cells.offsets, [*degrees, 0]
         self._below: list[Array] = []
         t, y, weights = [], [], []
         for k, length in enumerate(lengths):
@@ -132,10 +120,10 @@ class CellSpace(NodalSpace):
                 t.append(sqrt(length) * np.cos(phi))
                 weights.append(pi / 2.0 * dv * sqrt(length) * v)
             else:
-                t.append(np.sqrt(self._cells.pivot.square + (offsets[k + 1] - length * v**2)))
+                t.append(np.sqrt(cells.pivot.square + (offsets[k + 1] - length * v**2)))
                 weights.append(dv * length * v / t[-1])
             self._below.append(length * v**2)
-            y.append((self._cells.pivot.rest - offsets[k + 1]) + length * v**2)
+            y.append((cells.pivot.rest - offsets[k + 1]) + length * v**2)
         self.t, self.y, self.weights = np.concatenate(t), np.concatenate(y), np.concatenate(weights)
         self.measure = self.weights / pi
         self.past = np.zeros(len(self.t))

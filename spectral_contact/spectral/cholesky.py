@@ -40,15 +40,11 @@ class Cholesky:
     def solve(self, right: Array) -> Array:
         """Return the solution of a right-hand side (n,), or of several as rows (k, n)."""
         if right.ndim == 1:
-            return self._substituted(right)
-        step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
+            step, _ = lapack.dtrtrs(self._factor, right, lower=1)
+            step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
+        else:
+            step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
         return np.asarray(step.T)
-
-    def _substituted(self, right: Array) -> Array:
-        """Return the solution of one right-hand side."""
-        step, _ = lapack.dtrtrs(self._factor, right, lower=1)
-        step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
-        return np.asarray(step)
 
     def shed(self, solution: Array, kept: int) -> Array:
         """Return the difference of a solution to that of the first `kept` unknowns alone.

@@ -101,14 +101,8 @@ class Factored:
         """Return what the top two degrees of every panel, and the top one, contribute.
 
         They are the differences to the solution without them, at the same approach and lifts. A
-        pressure that is given lacks its two changes with them.
-
-        Parameters
-        ----------
-        values : ndarray, shape (unknowns,)
-            A solution.
-        system : Tangential
-            Whose it is: that of the factors or a like one.
+        pressure that is given lacks its two changes with them. The system is that of the solution:
+        that of the factors or a like one.
         """
         first, count = system.shed[0], len(values)
         right = np.zeros((count, len(first)))

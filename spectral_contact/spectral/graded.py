@@ -118,25 +118,20 @@ class GradedNodes:
 
     def spread(self, values: Array) -> Array:
         """Return what has values at the samples, as columns, at the nodes."""
-        start, columns = self._direct, values.shape[1]
-        parts = [values[:start]]
-        for count, block in self._from_samples:
-            stop = start + count * SAMPLES
-            one = block.astype(values.dtype, copy=False)
-            own = one @ values[start:stop].reshape(count, SAMPLES, columns)
-            parts.append(own.reshape(count * len(block), columns))
-            start = stop
-        return np.concatenate([*parts, values[start:]])
+        return self._mapped(values, self._from_samples)
 
     def gathered(self, values: Array) -> Array:
         """Return the transpose of `spread`, of values at the nodes as columns."""
+        return self._mapped(values, [(count, one.T) for count, one in self._from_samples])
+
+    def _mapped(self, values: Array, matrices: list[tuple[int, Array]]) -> Array:
         start, columns = self._direct, values.shape[1]
         parts = [values[:start]]
-        for count, block in self._from_samples:
-            stop = start + count * len(block)
-            one = block.T.astype(values.dtype, copy=False)
-            own = one @ values[start:stop].reshape(count, len(block), columns)
-            parts.append(own.reshape(count * SAMPLES, columns))
+        for count, matrix in matrices:
+            stop = start + count * matrix.shape[1]
+            one = matrix.astype(values.dtype, copy=False)
+            own = one @ values[start:stop].reshape(count, matrix.shape[1], columns)
+            parts.append(own.reshape(count * len(matrix), columns))
             start = stop
         return np.concatenate([*parts, values[start:]])
 
@@ -234,22 +229,10 @@ _STRIP = 32768
 
 
 def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
-    """Return ``sum_j values_j / sqrt(near_i + far_j)``, in strips that fit the cache.
+    """Return ``sum_j values_j / sqrt(near_i + far_j)``, shape (n,) or (n, k).
 
-    Several columns of values share the square roots.
-
-    With `offset` each term is divided by ``sqrt(near_i + far_j) + offset_j`` as well.
-
-    Parameters
-    ----------
-    near : ndarray, shape (n,)
-    far : ndarray, shape (m,)
-    values : ndarray, shape (m,) or (m, k)
-    offset : ndarray, shape (m,), optional
-
-    Returns
-    -------
-    ndarray, shape (n,) or (n, k)
+    It takes strips that fit the cache; several columns of values, (m, k), share the square roots.
+    With `offset`, (m,), each term is divided by ``sqrt(near_i + far_j) + offset_j`` as well.
     """
     sums = np.empty((len(near), *values.shape[1:]))
     strip = max(_STRIP // max(len(far), 1), 1)

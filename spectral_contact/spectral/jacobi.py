@@ -126,21 +126,10 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
 
 
 def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
-    """Return a rule on (0, 1) whose panels shrink towards 0.
+    """Return nodes and weights on (0, 1), ``(panels * points,)`` each, of panels that shrink to 0.
 
-    Parameters
-    ----------
-    points : int
-        Gauss-Legendre nodes on each panel.
-    panels : int
-        Their number; the last one ends at 0.
-    ratio : float
-        Of the lengths of neighbours, below 1.
-
-    Returns
-    -------
-    nodes, weights : ndarray
-        Shape ``(panels * points,)`` each.
+    Every panel has as many Gauss-Legendre nodes, and the `ratio` of its length to that of its
+    neighbour, below 1; the last one ends at 0.
     """
     g, w = gauss_rule(points)
     ends = np.append(ratio ** np.arange(panels), 0.0)
@@ -158,17 +147,8 @@ def _frozen(nodes: Array, weights: Array) -> tuple[Array, Array]:
 def legendre_expansion_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
 
-    Parameters
-    ----------
-    points : int
-        Number of Gauss nodes; must exceed `degree`.
-    degree : int
-        Highest degree of the expansion.
-
-    Returns
-    -------
-    ndarray
-        Shape ``(degree + 1, points)``; the discrete orthogonal projection.
+    It is the discrete orthogonal projection, shape ``(degree + 1, points)``, of more points than
+    the highest degree.
     """
     nodes, weights = gauss_rule(points)
     scale = np.arange(degree + 1) + 0.5
@@ -178,18 +158,9 @@ def legendre_expansion_matrix(points: int, degree: int) -> Array:
 
 
 def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:
-    """Return the matrix from values at Gauss-Legendre nodes to those at other places.
+    """Return the matrix from values at Gauss-Legendre nodes to those at places `x` in [-1, 1].
 
-    Parameters
-    ----------
-    x : array_like, shape (n,)
-        Places in [-1, 1].
-    points : int
-        Number of Gauss nodes.
-
-    Returns
-    -------
-    ndarray, shape (n, points)
+    Its shape is (n, points), of n places.
     """
     values = legendre_values(x, points - 1)
     return np.asarray(values @ legendre_expansion_matrix(points, points - 1))
@@ -199,19 +170,9 @@ def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:
 def legendre_projection_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to integrals against P_0 ... P_degree.
 
-    Parameters
-    ----------
-    points : int
-        Number of Gauss nodes; must exceed `degree`.
-    degree : int
-        Highest degree.
-
-    Returns
-    -------
-    ndarray
-        Shape ``(points, degree + 1)``, read-only. The rounding of the nodes is taken out of it:
-        what is nearly constant would have the same spurious integral against a high degree
-        everywhere, and in a Gram matrix that adds up.
+    Its shape is ``(points, degree + 1)``, of more points than the degree. The rounding of the nodes
+    is taken out of it: what is nearly constant would have the same spurious integral against a high
+    degree everywhere, and in a Gram matrix that adds up.
     """
     nodes, weights = gauss_rule(points)
     values = legendre_values(nodes, degree)
@@ -227,16 +188,8 @@ def legendre_projection_matrix(points: int, degree: int) -> Array:
 def chebyshev_interpolation(points: int) -> tuple[Array, Array]:
     """Return Chebyshev points on [-1, 1] and the matrix from values there to coefficients.
 
-    Parameters
-    ----------
-    points : int
-        Number of points, zeros of ``T_points``; at least 1.
-
-    Returns
-    -------
-    nodes : ndarray, shape (points,)
-    matrix : ndarray, shape (points, points)
-        Row n gives the coefficient of T_n in the interpolant.
+    The points are the zeros of ``T_points``; row n of the matrix, (points, points), gives the
+    coefficient of T_n in the interpolant.
     """
     angle = np.pi * (np.arange(points) + 0.5) / points
     matrix = np.cos(np.outer(np.arange(points), angle)) * (2.0 / points)

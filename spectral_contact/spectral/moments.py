@@ -10,25 +10,19 @@ panels couples by the product of its moments.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
+from spectral_contact.spectral.panels import BasisRule, LogPanels
 
-if TYPE_CHECKING:
-    from spectral_contact.spectral.panels import LogPanels
-
-__all__ = ["BasisRule", "inner_moments", "moments", "outer_moments", "tail_rule"]
+__all__ = ["inner_moments", "moments", "outer_moments"]
 
 Array = NDArray[np.float64]
 
 _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
 _OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
-#: Gauss points on a tail, whose polynomials in ``d`` they integrate exactly.
-_TAIL_POINTS = 12
 
 
 def moments(panels: LogPanels) -> Array:
@@ -40,7 +34,7 @@ def _moments(panels: LogPanels) -> Array:
     offsets, weights, basis = _panel_rule(panels)
     first = (weights * np.exp(-(1.0 + panels.power) * offsets)) @ basis
     fall = np.exp(-(1.0 + panels.power) * panels.width * np.arange(panels.panels))
-    d, tail_weights, tail = tail_rule(panels)
+    d, tail_weights, tail = panels.tail_rule()
     deepest = (tail_weights * d**panels.power) @ tail
     return np.concatenate([np.outer(fall, first).ravel(), deepest])
 
@@ -48,10 +42,7 @@ def _moments(panels: LogPanels) -> Array:
 def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
     """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size).
 
-    Parameters
-    ----------
-    panels, inner : LogPanels
-        Of phi and of psi: the same but for the endpoint weight.
+    The panels of phi and of psi are the same but for the endpoint weight.
     """
     terms, h = panels.degree + 1, panels.width
     # psi on a deeper panel counts whole, on a shallower one not at all
@@ -70,12 +61,11 @@ def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
         matrix[rows, rows] = fall[j] * own
     tail = panels.panels * terms
     matrix[tail:, :tail] = 0.0
-    d, weights, basis = tail_rule(panels)
+    d, weights, basis = panels.tail_rule()
     v = np.sqrt(d / panels.end)
     deeper = d[:, None] * (d / panels.end)
     # dd' = end v**2 2 v' dv', with d' = end v**2 v'**2
-    _, weight, _ = tail_rule(inner)
-    values = weight * v[:, None] ** 2 * deeper**inner.power
+    values = weights * v[:, None] ** 2 * deeper**inner.power
     tails = tail_values(deeper, inner.end, inner.tail_terms, inner.root_tail)
     within = np.einsum("iq,iqk->ik", values, tails)
     matrix[tail:, tail:] = (basis * (weights * d**panels.power)[:, None]).T @ within
@@ -92,25 +82,8 @@ def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
     return _OUTER.get((panels, other, sign), made)
 
 
-class BasisRule(NamedTuple):
-    """Points and weights, and the functions of a basis at the points."""
-
-    points: Array
-    weights: Array
-    basis: Array
-
-
 def _panel_rule(panels: LogPanels) -> BasisRule:
     """Return offsets and ``dx`` weights on the first panel, and the polynomials there."""
     g, w = gauss_rule(panels.degree + 14)
     h = panels.width
     return BasisRule(h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree))
-
-
-def tail_rule(panels: LogPanels) -> BasisRule:
-    """Return distances and ``dd`` weights on the tail, and the polynomials there."""
-    g, w = gauss_rule(_TAIL_POINTS)
-    v = (1.0 + g) / 2.0
-    d = panels.end * v**2
-    values = tail_values(d, panels.end, panels.tail_terms, panels.root_tail)
-    return BasisRule(d, w * v * panels.end, values)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from spectral_contact.spectral.jacobi import (
     tail_values,
 )
 
-__all__ = ["LEAST_DEGREE", "LogPanels", "Resolution", "Used"]
+__all__ = ["LEAST_DEGREE", "BasisRule", "LogPanels", "Resolution", "Used"]
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,14 @@ cleared_too(
     legendre_projection_matrix.cache_clear,
 )
 _MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...], int], Array] = BoundedCache("masses", 256)
+
+
+class BasisRule(NamedTuple):
+    """Points and weights, and the functions of a basis at the points."""
+
+    points: Array
+    weights: Array
+    basis: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,18 +142,13 @@ class LogPanels:
         """Return the distances of points on the panels, and of the sampling points in the tail."""
         return np.concatenate([np.exp(-x).ravel(), self.tail_sampling()])
 
-    def half_line_nodes(self) -> tuple[Array, Array]:
-        """Return ``x`` and ``dx`` weights for sources, shape (panels, n) each; tail excluded."""
-        g, w = gauss_rule(self.degree + EXTRA)
-        x = self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
-        return x, np.broadcast_to(w * self.width / 2.0, x.shape)
-
-    def panel_gram(self, decay: int) -> Array:
-        """Return ``int_0^h P_i P_k exp(-decay x) dx`` on the first panel, (degree + 1) square."""
-        g, w = gauss_rule(self.degree + EXTRA)
-        values = legendre_values(g, self.degree)
-        weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
-        return np.asarray((values.T * weight) @ values)
+    def tail_rule(self) -> BasisRule:
+        """Return distances and ``dd`` weights on the tail, and the polynomials there."""
+        g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)
+        v = (1.0 + g) / 2.0
+        d = self.end * v**2
+        values = tail_values(d, self.end, self.tail_terms, self.root_tail)
+        return BasisRule(d, w * v * self.end, values)
 
     def mass(self, degrees: tuple[int, ...], decay: int) -> Array:
         """Return ``int_0^1 phi psi d**(decay - 1) dd``, block diagonal (cached).
@@ -159,15 +162,15 @@ class LogPanels:
         mass = np.zeros((last + self.tail_terms,) * 2)
         if self.power != 0.0:  # not square integrable: such panels serve zero compliance
             return mass
-        first, stop = self.panel_gram(decay), 0
+        g, w = gauss_rule(self.degree + EXTRA)
+        values = legendre_values(g, self.degree)
+        weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
+        first, stop = (values.T * weight) @ values, 0
         for j, n in enumerate(degrees):
             start, stop = stop, stop + n + 1
             mass[start:stop, start:stop] = np.exp(-decay * j * self.width) * first[: n + 1, : n + 1]
-        g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)  # those of its half-integrals
-        v = (1.0 + g) / 2.0
-        d = self.end * v**2
-        values = tail_values(d, self.end, self.tail_terms, self.root_tail)
-        mass[last:, last:] = (values.T * (w * v * self.end * d ** (decay - 1))) @ values
+        d, weights, tail = self.tail_rule()
+        mass[last:, last:] = (tail.T * (weights * d ** (decay - 1))) @ tail
         return mass
 
 

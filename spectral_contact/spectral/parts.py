@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.radius import CENTRE, EDGE, Radius
 from spectral_contact.spectral.jacobi import (
+    EXTRA,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_values,
@@ -94,20 +95,19 @@ class Family:
     def sources(self) -> tuple[Points, Array]:
         """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
         p = self.panels
-        x, w = p.half_line_nodes()
-        g, _ = gauss_rule(x.shape[1])
+        points = p.degree + EXTRA
+        (g, w), (gt, wt), x = gauss_rule(points), gauss_rule(p.tail_terms + 3), p.sampling(points)
         values = legendre_values(g, p.degree)
-        gt, wt = gauss_rule(p.tail_terms + 3)
         tail = p.end * (1.0 + gt) / 2.0
         matrix = np.zeros((x.size + len(gt), p.size))
         for j in range(p.panels):
-            rows = slice(j * x.shape[1], (j + 1) * x.shape[1])
+            rows = slice(j * points, (j + 1) * points)
             columns = slice(j * (p.degree + 1), (j + 1) * (p.degree + 1))
-            matrix[rows, columns] = values * (w[j] * np.exp(-x[j]))[:, None]
+            matrix[rows, columns] = values * (w * p.width / 2.0 * np.exp(-x[j]))[:, None]
         basis = tail_values(tail, p.end, p.tail_terms, p.root_tail)
         matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
-        points = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
-        return points, 0.5 * self.reach * matrix
+        places = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
+        return places, 0.5 * self.reach * matrix
 
     def unresolved(self, series: LogSeries) -> float:
         """Return the largest of the last coefficients of any panel or of the tail."""
@@ -128,6 +128,7 @@ class Family:
         return np.concatenate([table[:, : p.degree + 1].ravel(), tail[: p.tail_terms]])
 
 
+@dataclass(frozen=True, slots=True)
 class Parts:
     """How a disk is cut: radii of the breaks, and whether panels are graded to the centre, too.
 
@@ -140,31 +141,23 @@ class Parts:
         Those of the breaks at which the profile itself is smooth.
     """
 
-    def __init__(
-        self, breaks: tuple[Radius, ...], pointed: bool, turns: tuple[Radius, ...] = ()
-    ) -> None:
-        self.breaks, self.pointed, self.turns = breaks, pointed, turns
-        bounds = (CENTRE, *breaks, EDGE)
-        #: boundary, side of it that the part is on, and extent in s**2, of every part
-        self.ends: list[tuple[Radius, int, float]] = []
-        #: the last break of the profile before every part, or the centre
-        self.inner: list[Radius] = []
+    breaks: tuple[Radius, ...]
+    pointed: bool
+    turns: tuple[Radius, ...] = ()
+    #: boundary, side of it that the part is on, and extent in s**2, of every part
+    ends: list[tuple[Radius, int, float]] = field(init=False, compare=False, default_factory=list)
+    #: the last break of the profile before every part, or the centre
+    inner: list[Radius] = field(init=False, compare=False, default_factory=list)
+
+    def __post_init__(self) -> None:
         last = CENTRE
-        for inner, outer in pairwise(bounds):
-            halves = [(outer, -1)] if inner is CENTRE and not pointed else [(inner, 1), (outer, -1)]
+        for inner, outer in pairwise((CENTRE, *self.breaks, EDGE)):
+            whole = inner is CENTRE and not self.pointed
+            halves = [(outer, -1)] if whole else [(inner, 1), (outer, -1)]
             extent = gap(inner, outer) / len(halves)
-            self.ends += [(boundary, sign, extent) for boundary, sign in halves]
-            last = last if inner in turns else inner
-            self.inner += [last] * len(halves)
-
-    def __hash__(self) -> int:
-        return hash((self.breaks, self.pointed, self.turns))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Parts):
-            return NotImplemented
-        own = self.breaks, self.pointed, self.turns
-        return own == (other.breaks, other.pointed, other.turns)
+            self.ends.extend((boundary, sign, extent) for boundary, sign in halves)
+            last = last if inner in self.turns else inner
+            self.inner.extend([last] * len(halves))
 
 
 def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array]:

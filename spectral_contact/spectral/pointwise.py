@@ -24,36 +24,25 @@ class _Stretch:
 
     Attributes
     ----------
-    first, sample : int
-        The first coefficient and the first sample.
-    count, terms, samples : int
-        Number of panels; terms and samples of each.
+    own, sampled : slice
+        Its coefficients and its samples.
     evaluate, expand : ndarray
         From terms to samples, and back.
-    kept : ndarray, shape (count, terms)
+    kept : ndarray, shape (panels, terms)
         1 for the terms in use, 0 for others.
     tail : bool
     """
 
-    first: int
-    sample: int
-    count: int
-    terms: int
-    samples: int
+    own: slice
+    sampled: slice
     evaluate: Array
     expand: Array
     kept: Array
     tail: bool
 
-    def table(self, coefficients: Array) -> Array:
-        """Return the coefficients of these panels, (count, terms)."""
-        stop = self.first + self.count * self.terms
-        return coefficients[self.first : stop].reshape(self.count, self.terms)
-
     def at(self, values: Array) -> Array:
-        """Return the values on these panels, (count, samples)."""
-        stop = self.sample + self.count * self.samples
-        return values[self.sample : stop].reshape(self.count, self.samples)
+        """Return the values on these panels, (panels, samples)."""
+        return values[self.sampled].reshape(len(self.kept), -1)
 
 
 class Sampling:
@@ -81,22 +70,24 @@ class Sampling:
 
     def _add(self, points: int, kept: Array, *, tail: bool) -> None:
         count, terms = kept.shape
-        g, _ = gauss_rule(points)
-        evaluate = legendre_values(g, terms - 1)
+        evaluate = legendre_values(gauss_rule(points)[0], terms - 1)
         expand = legendre_expansion_matrix(points, terms - 1)
-        self._pieces.append(
-            _Stretch(self.size, self.samples, count, terms, points, evaluate, expand, kept, tail)
-        )
-        self.size += count * terms
-        self.samples += count * points
+        own = slice(self.size, self.size + count * terms)
+        sampled = slice(self.samples, self.samples + count * points)
+        self._pieces.append(_Stretch(own, sampled, evaluate, expand, kept, tail))
+        self.size, self.samples = own.stop, sampled.stop
 
     def places(self) -> list[Array]:
         """Return the sampling points in [0, 1], piece by piece."""
-        return [np.tile((1.0 + gauss_rule(p.samples)[0]) / 2.0, p.count) for p in self._pieces]
+        each = [(gauss_rule(len(piece.evaluate))[0], len(piece.kept)) for piece in self._pieces]
+        return [np.tile((1.0 + g) / 2.0, count) for g, count in each]
 
     def values(self, coefficients: Array) -> Array:
         """Return a function at the sampling points, (samples,)."""
-        parts = [piece.table(coefficients) @ piece.evaluate.T for piece in self._pieces]
+        parts = [
+            coefficients[piece.own].reshape(piece.kept.shape) @ piece.evaluate.T
+            for piece in self._pieces
+        ]
         return np.concatenate([part.ravel() for part in parts])
 
     def coefficients(self, values: Array) -> Array:
@@ -115,8 +106,7 @@ class Sampling:
         """
         parts = []
         for piece in self._pieces:
-            stop = piece.first + piece.count * piece.terms
-            own = rows[:, piece.first : stop].reshape(len(rows), piece.count, piece.terms)
+            own = rows[:, piece.own].reshape(len(rows), *piece.kept.shape)
             blocks = piece.expand @ (piece.at(values)[:, :, None] * piece.evaluate)
             product = own.transpose(1, 0, 2) @ blocks
             parts.append(product.transpose(1, 0, 2).reshape(len(rows), -1))
@@ -124,7 +114,6 @@ class Sampling:
 
     def low(self, degree: int) -> NDArray[np.bool_]:
         """Return which coefficients are of a low degree, or of a tail, (size,)."""
-        parts = []
-        for piece in self._pieces:
-            parts.append(np.tile(piece.tail | (np.arange(piece.terms) <= degree), piece.count))
+        shapes = [(piece.tail, *piece.kept.shape) for piece in self._pieces]
+        parts = [np.tile(tail | (np.arange(n) <= degree), count) for tail, count, n in shapes]
         return np.concatenate(parts)

@@ -60,6 +60,8 @@ class NodalSpace(ABC):
         Length of a vector of coefficients, and number of panels.
     kept, kept_but_one : int
         How many unknowns the spaces have with two degrees less on every panel, and with one less.
+    gram, mass : ndarray, shape (unknowns, unknowns)
+        Gram matrix of the half-integrals, and mass matrix, in the order of `index`.
     """
 
     t: Array
@@ -73,21 +75,13 @@ class NodalSpace(ABC):
     panels: int
     kept: int
     kept_but_one: int
+    gram: cached_property[Array]
+    mass: cached_property[Array]
 
     @property
     def unknowns(self) -> int:
         """Number of unknowns."""
         return len(self.index)
-
-    @property
-    @abstractmethod
-    def gram(self) -> Array:
-        """Gram matrix of the half-integrals, in the order of `index`."""
-
-    @property
-    @abstractmethod
-    def mass(self) -> Array:
-        """Mass matrix, in the order of `index`."""
 
     @cached_property
     def constant_moments(self) -> Array:
@@ -173,12 +167,9 @@ class Regularised:
         return coefficients
 
     def dual(self, functional: Array) -> Array:
-        """Return the dual solution of a linear functional: what its value is most sensitive to.
+        """Return the dual solution of a functional, by its values on the basis, (size,).
 
-        Parameters
-        ----------
-        functional : ndarray, shape (size,)
-            Values of the functional on the basis.
+        That is what its value is most sensitive to.
         """
         index = self.space.index
         coefficients = np.zeros_like(functional)

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 #: but for the first ring's own shear, a logarithm squared at the centre: 2e-6.
 _POINTS = 16
 #: Grids whose operators are kept: the first ones, and some that were refined.
-_OPERATORS: BoundedCache[bytes, RingOperators]
+_OPERATORS: BoundedCache[bytes, RingOperators] = BoundedCache("rings", 8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,22 +59,11 @@ class RingOperators:
 
 
 def graded_rings(count: int, exponent: float, widest: float, centre: float, edge: float) -> Array:
-    """Return the logits of boundaries of rings that grow finer towards the edge.
+    """Return the logits of boundaries of rings that grow finer towards the edge, (rings + 1,).
 
-    Parameters
-    ----------
-    count : int
-        Rings whose distances from the edge are powers of even numbers.
-    exponent : float
-        Of these.
-    widest : float
-        Width in the logit beyond which such rings are replaced by even ones.
-    centre, edge : float
-        The even ones go from the logit `-centre` to `edge`, and one more to the ends.
-
-    Returns
-    -------
-    ndarray, shape (rings + 1,)
+    Distances from the edge are even numbers to the power `exponent`, of so many rings. Those that
+    are wider in the logit than `widest` are replaced by even ones, from `-centre` to `edge`, and
+    one more to the ends.
     """
     depth = (np.arange(count - 1, 0, -1) / count) ** exponent
     inner = 2.0 * np.log1p(-depth) - np.log(depth * (2.0 - depth))
@@ -133,6 +122,3 @@ def _assembled(logits: Array) -> RingOperators:
     carried = np.tril(np.outer(thick, width / 2.0), -1)
     carried[places, places] = thick**2 * (radius[1:] + 2.0 * radius[:-1]) / 6
     return RingOperators(logits, width / 2.0, f.T @ f / pi, g.T @ g / pi, carried)
-
-
-_OPERATORS = BoundedCache("rings", 8)

@@ -29,16 +29,10 @@ class PartProduct(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """Integrals of several parts at the nodes of one.
-
-    Attributes
-    ----------
-    nodes : GradedNodes
-    blocks : dict of int to Block
-        By the part that is integrated.
-    """
+    """Integrals of several parts at the nodes of one."""
 
     nodes: GradedNodes | SmoothNodes
+    #: by the part that is integrated
     blocks: dict[int, Block]
 
     def at(self, values: Fields) -> Array:
@@ -101,7 +95,6 @@ class Seen:
             At the same nodes; by how much its integrals are more there, or `whole` ones.
         weights : ndarray, shape (nodes,)
             In the precision of the sums.
-        whole : bool
         own : ndarray, optional
             The sums of what is given at the nodes themselves, if they are known.
         """

@@ -47,11 +47,7 @@ WHOLE = Parts((), pointed=False)
 
 
 class Space(NodalSpace):
-    r"""Functions on a disk, in one part or in several.
-
-    Their inner products are those of K1, ``1/pi int F_phi F_psi dt``, with the mass
-    ``int phi psi s ds``; or those of K2 for tractions ``q = s u``, ``1/pi int t^2 F_phi F_psi dt``
-    with the mass ``int u v s**3 ds``.
+    """Functions on a disk, in one part or in several, with the inner products of K1 or K2.
 
     Parameters
     ----------
@@ -59,7 +55,7 @@ class Space(NodalSpace):
     used : tuple of (LogPanels, tuple of int)
         Panels of every part, and the degrees on them.
     shear : bool
-        Those of K2.
+        Those of K2, with the mass ``int u v s**3 ds`` instead of ``int phi psi s ds``.
     """
 
     def __init__(self, parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> None:
@@ -211,11 +207,9 @@ def disk_space(parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> 
 
     Those of breaks are seldom the same, and what is kept of them are their blocks.
     """
-
-    def made() -> Space:
+    if parts.breaks:
         return Space(parts, used, shear=shear)
-
-    return made() if parts.breaks else _SPACES.get((parts, used, shear), made)
+    return _SPACES.get((parts, used, shear), lambda: Space(parts, used, shear=shear))
 
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.abel import Blockwise
 from spectral_contact.spectral.blocks import Block, block, disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
@@ -32,7 +33,7 @@ from spectral_contact.spectral.parts import Family
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import AT_END, Field, Misfit, Tangential
 
-__all__ = ["OverRadius", "System", "finer"]
+__all__ = ["System", "finer"]
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
@@ -51,48 +52,24 @@ def finer(degrees: Degrees, panels: LogPanels) -> Degrees:
     return tuple(min(n + _SPARE, panels.degree) for n in degrees)
 
 
-class OverRadius:
-    """The map from the coefficients of a pressure on a part to those of it over s.
+def _over_radius(family: Family, used: Degrees) -> Blockwise:
+    """Return the map from the coefficients of a pressure on a part to those of it over s.
 
     That is what the traction of a slip zone, ``q = f p``, is as ``q/s``. It takes the functions in
     use to those of some degrees more, panel by panel.
     """
-
-    def __init__(self, family: Family, used: Degrees) -> None:
-        panels = family.panels
-        points = panels.degree + 11
-        expand = legendre_expansion_matrix(points, panels.degree)
-        values = legendre_values(gauss_rule(points)[0], panels.degree)
-        s = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
-        blocks = [
-            expand[: more + 1] @ (values[:, : n + 1] / one[:, None])
-            for one, n, more in zip(s, used, finer(used, panels), strict=True)
-        ]
-        # on the tail s is the same to rounding
-        at_end = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))
-        blocks.append(np.eye(panels.tail_terms) / at_end)
-        self._blocks: list[tuple[slice, slice, Array]] = []
-        row = column = 0
-        for one in blocks:
-            rows, columns = one.shape
-            self._blocks.append((slice(row, row + rows), slice(column, column + columns), one))
-            row, column = row + rows, column + columns
-        self.shape = row, column
-
-    def of(self, values: Array) -> Array:
-        """Return the coefficients of functions over s."""
-        result = np.empty((self.shape[0], *values.shape[1:]))
-        for rows, columns, one in self._blocks:
-            result[rows] = one @ values[columns]
-        return result
-
-    def after(self, matrix: Array) -> Array:
-        """Return the product of a matrix with this map, of which it may have the first rows."""
-        result = np.zeros((len(matrix), self.shape[1]), matrix.dtype)
-        for rows, columns, one in self._blocks:
-            if rows.stop <= matrix.shape[1]:
-                result[:, columns] = matrix[:, rows] @ one.astype(matrix.dtype, copy=False)
-        return result
+    panels = family.panels
+    points = panels.degree + 11
+    expand = legendre_expansion_matrix(points, panels.degree)
+    values = legendre_values(gauss_rule(points)[0], panels.degree)
+    s = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
+    blocks = [
+        expand[: more + 1] @ (values[:, : n + 1] / one[:, None])
+        for one, n, more in zip(s, used, finer(used, panels), strict=True)
+    ]
+    # on the tail s is the same to rounding
+    at_end = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))
+    return Blockwise([*blocks, np.eye(panels.tail_terms) / at_end])
 
 
 class System(Tangential):
@@ -111,7 +88,7 @@ class System(Tangential):
         parameters: Parameters,
     ) -> None:
         super().__init__(radii, states, panels, degrees, parameters)
-        self._over = [OverRadius(p.family, p.degrees) if p.state else None for p in self.parts]
+        self._over = [_over_radius(p.family, p.degrees) if p.state else None for p in self.parts]
         #: degrees and functions of q/s: in slip those of p/s
         self._finer = [
             finer(p.degrees, p.family.panels) if p.state else p.degrees for p in self.parts
@@ -210,13 +187,6 @@ class System(Tangential):
         for own, part in zip(self.pressure, self.parts, strict=True):
             load[own] = part.state * self.load[own]
         return load
-
-    def _assemble_masses(self) -> list[tuple[slice, Array]]:
-        blocks, alpha = [], self.parameters.alpha
-        for k, own in enumerate(self.pressure) if alpha > 0.0 else ():
-            mass = self.parts[k].family.mass(self.parts[k].degrees, shear=False)
-            blocks.append((own, alpha * mass))
-        return blocks + super()._assemble_masses()
 
     def _pressure_at(self, k: int) -> Array:
         row, last = np.zeros(self.count), self.pressure[k].stop

@@ -52,8 +52,7 @@ class Part:
     boundary : int
         Number of the boundary that the panels are graded to; -1 for the edge.
     family, shear : Family
-        With the panels of the pressure, and with those of q/s, the same but for the endpoint
-        weight.
+        With the panels of the pressure, and with those of q/s: the same but for the power.
     degrees : tuple of int
         Highest degree on every panel.
     """
@@ -258,13 +257,13 @@ class Tangential(ABC):
     @cached_property
     def masses(self) -> list[tuple[slice, Array]]:
         """Masses of what is unknown times their compliances, by their place."""
-        return self._assemble_masses()
-
-    def _assemble_masses(self) -> list[tuple[slice, Array]]:
-        blocks = []
-        for k, own in self.shear.items() if self.parameters.beta > 0.0 else ():
-            mass = self.parts[k].shear.mass(self.parts[k].degrees, shear=True)
-            blocks.append((own, self.parameters.beta * mass))
+        blocks, first = [], len(self.fields) - len(self.stick)
+        for i, one in enumerate(self.fields):
+            part, shear = self.parts[one.part], i >= first
+            compliance = self.parameters.beta if shear else self.parameters.alpha
+            if compliance > 0.0:
+                mass = (part.shear if shear else part.family).mass(one.degrees, shear=shear)
+                blocks.append((one.own, compliance * mass))
         return blocks
 
     @cached_property
@@ -311,16 +310,7 @@ class Tangential(ABC):
 
     @abstractmethod
     def misfit(self, values: Array, approach: Array, lifts: Array) -> Misfit:
-        """Return W and E at the nodes of every part.
-
-        Parameters
-        ----------
-        values : ndarray, shape (unknowns, k)
-        approach : ndarray, shape (k,)
-            delta.
-        lifts : ndarray, shape (boundaries, k)
-            ``E(b)``.
-        """
+        """Return W and E of k vectors as columns, with k deltas and ``E(b)``, (boundaries, k)."""
 
     def _tangential(self, values: Array, traction: Fields, lifts: Array) -> list[Array]:
         """Return E as `misfit` does."""
