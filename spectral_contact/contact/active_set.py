@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import DEEPEST
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_operators
 
 __all__ = ["RingLaw", "RingLayout", "RingState", "Settled", "ring_layout", "settle"]
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int_]
 
 #: Changes of all wrong rings that may fail to lower their number, before one changes at a time;

@@ -12,18 +12,16 @@ from math import inf, log
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import DEEPEST, PROBE, series_of
+from spectral_contact.fields.series import Array
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import ZoneState
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
 __all__ = ["PossibleRadius", "scanned", "stick_radii"]
-
-Array = NDArray[np.float64]
 
 #: How far past the layers radii are looked at, as logits.
 _PAST = 8.0

@@ -12,7 +12,6 @@ from dataclasses import replace
 from math import atan2, exp, inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
@@ -21,13 +20,11 @@ from spectral_contact.contact.resolution import TINY, places, series_of
 from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_problem import solve_zones
 from spectral_contact.contact.zone_spaces import ended
-from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
+from spectral_contact.fields.series import EDGE, Array, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["solve_coupled_stick"]
-
-Array = NDArray[np.float64]
 
 
 def solve_coupled_stick(

@@ -13,10 +13,9 @@ from math import sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import chebyshev_sums
-from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.normal import NormalContact
 
 __all__ = ["Drive", "Targets"]
-
-Array = NDArray[np.float64]
 
 _NODES, _FIT = chebyshev_interpolation(14)
 #: Up to this share of the distance to the edge, where R is singular, they are right to 17.9**-14.

@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import inf, log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.ratio import FullStick
@@ -33,8 +32,6 @@ from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["solve_full_stick"]
-
-Array = NDArray[np.float64]
 
 
 class _StickProblem:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import log, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
@@ -20,13 +19,11 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields.series import EdgeWeight, PressureField
+from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "by_compliance", "solve_normal"]
-
-Array = NDArray[np.float64]
 
 #: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
 SMALL_COMPLIANCE = 1e-2

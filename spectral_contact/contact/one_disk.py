@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 from math import atanh, log, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.contact.drive import Drive
@@ -57,15 +56,13 @@ from spectral_contact.contact.stick_radius import (
     root_near,
     slope_at,
 )
-from spectral_contact.fields.series import EDGE, DiskSeries, Radius
+from spectral_contact.fields.series import EDGE, Array, DiskSeries, Radius
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.regularised import HARMLESS, Regularised
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["OneDisk", "OneDiskProblem", "solve_one_disk"]
-
-Array = NDArray[np.float64]
 
 #: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
 _NEAR = 1e-5

@@ -6,17 +6,14 @@ from collections.abc import Callable
 from math import inf, log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import DEEPEST, LEADING, places
-from spectral_contact.fields.series import PressureField, Radius
+from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.parameters import Parameters
 
 __all__ = ["UNRESOLVED_SLIP", "exceeded", "full_stick_violations", "is_narrow", "unresolved_slip"]
-
-Array = NDArray[np.float64]
 
 #: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
 #: square root of what the friction lacks, 1e-13 at best.

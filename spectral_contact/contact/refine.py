@@ -8,14 +8,13 @@ from time import perf_counter
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields.series import Array
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 
 __all__ = ["Attempt", "Problem", "Refinement", "fitted", "refine"]
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 _LOG = logging.getLogger(__name__)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import LogSeries, PressureField, Radius
+from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import TAIL_TERMS, legendre_projection_matrix
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
@@ -52,8 +52,6 @@ __all__ = [
     "starting_resolution",
     "table_rates",
 ]
-
-Array = NDArray[np.float64]
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15

@@ -12,19 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import TRIFLING, starting_resolution
-from spectral_contact.fields.series import PressureField, Radius
+from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels, Resolution
 
 __all__ = ["RimRule", "SlipSource", "disk_resolution", "rim_target"]
-
-Array = NDArray[np.float64]
 
 _RULES: BoundedCache[tuple[int, int], RimRule] = BoundedCache("slip rules", 64)
 _GRIDS: BoundedCache[tuple[LogPanels, int, int], _Grid] = BoundedCache("slip at a rim", 24)

@@ -14,7 +14,6 @@ from math import ceil, log, pi
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import (
     DEEPEST,
@@ -28,6 +27,7 @@ from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
     EDGE,
     AnnulusSeries,
+    Array,
     DiskSeries,
     PressureField,
     Radius,
@@ -52,8 +52,6 @@ __all__ = [
     "slip_displacement",
     "slip_misfit",
 ]
-
-Array = NDArray[np.float64]
 
 #: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
 _MORE = 3.0

@@ -9,7 +9,6 @@ from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
@@ -49,8 +48,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
 
 __all__ = ["PartialSlip", "all_slip", "everywhere", "no_slip", "one_disk_outcome", "zones_outcome"]
-
-Array = NDArray[np.float64]
 
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
 #: by 1, and zones that follow from less are made of noise.

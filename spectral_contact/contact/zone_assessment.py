@@ -9,7 +9,6 @@ from math import inf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError, SolvedZones
 from spectral_contact.contact.refine import Attempt
@@ -29,7 +28,7 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, root_error, rounding_depth
-from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
+from spectral_contact.fields.series import CENTRE, EDGE, Array, LogSeries, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.factored import Symmetric
 from spectral_contact.spectral.panels import Resolution
@@ -51,8 +50,6 @@ __all__ = [
     "sizes_of",
     "zones_error",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,11 +7,11 @@ from math import inf, pi
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.resolution import LEFT, TINY, TRIFLING
 from spectral_contact.contact.stick_radius import NOISE
+from spectral_contact.fields.series import Array
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.threads import cached_property
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["Effect", "ZoneState", "ZonesNewton", "longest", "through_secants"]
-
-Array = NDArray[np.float64]
 
 
 class Effect(NamedTuple):

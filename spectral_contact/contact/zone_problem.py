@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
@@ -24,7 +23,7 @@ from spectral_contact.contact.stick_radius import NOISE, root_near
 from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
 from spectral_contact.contact.zone_spaces import first_spaces, parted, with_known_slip
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
@@ -33,8 +32,6 @@ from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["FreeBoundaryProblem", "differences", "solve_coupled_slip", "solve_zones"]
-
-Array = NDArray[np.float64]
 
 #: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
 _UNFELT = -40.0

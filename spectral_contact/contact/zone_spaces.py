@@ -12,10 +12,9 @@ from itertools import accumulate, pairwise
 from math import atanh, ceil, log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
-from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
+from spectral_contact.fields.series import CENTRE, EDGE, Array, LogSeries, Radius
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
@@ -31,8 +30,6 @@ __all__ = [
     "with_known_slip",
     "without_rounding",
 ]
-
-Array = NDArray[np.float64]
 
 #: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
 #: in ``-ln d``, as where they end is felt for a while.
