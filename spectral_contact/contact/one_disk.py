@@ -339,10 +339,11 @@ class OneDiskProblem:
             # the rate is that of the panel whose change is largest; those that matter have others
             settling = SAFETY * max(normal.rate, LEAST_RATE) ** 2
             shift += max(_CANCELLING * settling, SAFETY if deep else 0.0) * max(swayed)
-            if deep and trial.unit > 0.0 and normal.change is not None:
+            if deep and trial.unit > 0.0:
                 # the change may vanish at the rim itself, what the tail lacks does not
-                assert normal.change.pressure.series is not None
-                largest = float(np.abs(normal.change.pressure.series.tail).sum())
+                lacking = changes[0].pressure.series
+                assert lacking is not None
+                largest = float(np.abs(lacking.tail).sum())
                 shift += SAFETY * self.friction * largest / trial.unit
             lost += settling * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)

@@ -90,7 +90,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     """
     resolution = fitted(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
-    best: Refinement[T] | None = None
+    best: Attempt[T] | None = None
     stalled = 0
     while True:
         begin = perf_counter()
@@ -100,25 +100,20 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         )
         history.append(step)
         _LOG.debug("%d unknowns: estimate %.1e", step.unknowns, step.error)
-        if best is None or attempt.error < best.best.error:
-            stalled = 0
-            best = Refinement(attempt, resolution, Ending.CONVERGED, ())
-        else:
-            stalled += 1
-        if best.best.error <= tolerance:
+        stalled += 1
+        if best is None or attempt.error < best.error:
+            stalled, best, space = 0, attempt, resolution
+        spent = stalled >= 2 or len(history) >= _MAX_ATTEMPTS
+        if best.error <= tolerance:
             ending = Ending.CONVERGED
-        elif stalled >= 2 or len(history) >= _MAX_ATTEMPTS:
+        elif spent or (finer := _finer(resolution, attempt, tolerance)) == resolution:
             ending = Ending.ROUNDING
+        elif _size(finer) > max_unknowns:
+            ending = Ending.UNKNOWNS
         else:
-            finer = _finer(resolution, attempt, tolerance)
-            if finer == resolution:
-                ending = Ending.ROUNDING
-            elif _size(finer) > max_unknowns:
-                ending = Ending.UNKNOWNS
-            else:
-                resolution = finer
-                continue
-        return Refinement(best.best, best.resolution, ending, tuple(history))
+            resolution = finer
+            continue
+        return Refinement(best, space, ending, tuple(history))
 
 
 def _size(resolution: Resolution) -> int:
@@ -128,15 +123,11 @@ def _size(resolution: Resolution) -> int:
 
 def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     """Lower the highest degrees until the space fits."""
-    if _size(resolution) <= max_unknowns:
-        return resolution
-    degrees = resolution.degrees
-    while sum(degrees) + len(degrees) > max_unknowns:
-        top = max(degrees)
-        if top <= LEAST_DEGREE:
-            break  # the caller sees that even this is too large
-        degrees = tuple(min(n, top - 1) for n in degrees)
-    return replace(resolution, degrees=degrees)
+    # the caller sees where even the least is too large
+    while _size(resolution) > max_unknowns and (top := max(resolution.degrees)) > LEAST_DEGREE:
+        degrees = tuple(min(n, top - 1) for n in resolution.degrees)
+        resolution = replace(resolution, degrees=degrees)
+    return resolution
 
 
 def _finer(resolution: Resolution, attempt: Attempt[T], tolerance: float) -> Resolution:

@@ -9,6 +9,7 @@ of its boundary.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -30,6 +31,7 @@ from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
+from spectral_contact.threads import cached_property
 
 __all__ = ["FreeBoundaryProblem", "differences", "solve_coupled_slip", "solve_zones"]
 
@@ -88,7 +90,8 @@ class FreeBoundaryProblem:
         self.tolerance = tolerance if pointwise else float(np.sqrt(tolerance))
         self.states = layout.states
         self.logits = np.array(layout.logits)
-        self._slopes = layout.slopes if layout.logits else np.zeros((0, 0))
+        if layout.slopes is not None or not layout.logits:
+            self.slopes = np.zeros((0, 0)) if layout.slopes is None else layout.slopes
         self.near = layout.slopes is not None
 
     @property
@@ -97,25 +100,14 @@ class FreeBoundaryProblem:
         slopes = self.slopes  # boundaries are found with them
         return Layout(tuple(self.logits.tolist()), self.states, slopes)
 
-    @property
+    @cached_property
     def slopes(self) -> Array:
-        """By how much the conditions rise with the boundaries, as logits."""
-        if self._slopes is None:
-            self._look_near()
-        assert self._slopes is not None
-        return self._slopes
-
-    @slopes.setter
-    def slopes(self, slopes: Array) -> None:
-        self._slopes = slopes
-
-    def _look_near(self) -> None:
-        """Find the boundaries roughly, and the slopes of their conditions."""
+        """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
             near = float(self.logits[0]), 0.5, ROUGH, 1.0, _UNFELT
             root = root_near(lambda logit: float(self.rough([logit]).mismatch[0]), *near)
-            self.logits, self._slopes = np.array(root[:1]), np.array([root[1:]])
-            return
+            self.logits = np.array(root[:1])
+            return np.array([root[1:]])
         begin, (spaces, factors) = self.logits, self._sloped()
         settle = min(ROUGH, 0.5 * _STALE * self.narrowest)
         state = ZonesNewton(self, spaces, settle, factors).run(ROUGH)
@@ -125,6 +117,7 @@ class FreeBoundaryProblem:
             raise NoBoundariesError("no such boundaries are found")
         if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
             self._sloped()
+        return self.slopes
 
     def rough(self, logits: Sequence[float]) -> ZoneState:
         """Return the contact with given boundaries, as logits, in a small space."""
@@ -143,7 +136,7 @@ class FreeBoundaryProblem:
             own = factors if self.drift(logits) <= self.far else self.factored(system)
             return self.settled(own, aim, system, begin).mismatch
 
-        self._slopes = differences(conditions, self.logits)
+        self.slopes = differences(conditions, self.logits)
         return spaces, factors
 
     # spaces
@@ -206,7 +199,9 @@ class FreeBoundaryProblem:
         It begins with that of boundaries near by, or from nothing.
         """
         own = system or factored.system
-        state = begin.at(own).by(factored) if begin else ZoneState.begin(own, factored)
+        state = ZoneState.begin(own, factored)
+        if begin:
+            state = replace(begin, system=own, factored=factored)
         size = inf
         for _ in range(_CORRECTIONS):
             state, change = state.corrected()
