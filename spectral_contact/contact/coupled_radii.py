@@ -66,7 +66,7 @@ def stick_radii(
     contacts : bool
         Whether to stop where the pressure is no longer positive.
     """
-    solved = ((one, problem.rough([one])) for one in logits)
+    solved = ((one, problem.rough(one)) for one in logits)
     trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:-1]), solved)
     for (low, first), (high, second) in pairwise(trials):
         own, other = float(first.mismatch[0]), float(second.mismatch[0])
@@ -74,13 +74,13 @@ def stick_radii(
             continue
         while high - low > 2.0 * _NEAR:  # false position; next to an end it closes in on the root
             x = low + min(max((high - low) * own / (own - other), _NEAR), high - low - _NEAR)
-            value = float(problem.rough([x]).mismatch[0])
+            value = float(problem.rough(x).mismatch[0])
             if (value > 0.0) == (own > 0.0):
                 low, own, other = x, value, 0.5 * other
             else:
                 high, own, other = x, 0.5 * own, value
         middle = (low + high) / 2.0
-        yield _described(middle, problem.rough([middle]))
+        yield _described(middle, problem.rough(middle))
 
 
 def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:

@@ -44,8 +44,9 @@ from spectral_contact.contact.resolution import (
     on_mesh,
     series_of,
     share_of_change,
+    starting_resolution,
 )
-from spectral_contact.contact.rim import SlipSource, disk_resolution, rim_target
+from spectral_contact.contact.rim import SlipSource, rim_target
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
@@ -203,8 +204,14 @@ class OneDiskProblem:
         return self._trial(self._resolution(logit, ROUGH), logit, ROUGH).mismatch
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
-        """Return the first space for a disk of this radius."""
-        return disk_resolution(Radius.from_logit(logit), self.alpha, self.beta, tolerance)
+        """Return the first space: the layers are those of alpha, beta and the rim."""
+        radius, beta = Radius.from_logit(logit), self.beta
+        rim = max(self.alpha, radius.rest) / radius.square
+        # without compliance the traction beyond the slip annulus is singular down to its width
+        layer = (beta / radius.value) or radius.rest / radius.square
+        bends = (1.0 - log(min(rim, 1.0)),)
+        depth = -log(min(1.0, rim, layer))
+        return starting_resolution(depth, tolerance, root_tail=beta == 0.0, bends=bends)
 
     def start(self) -> Resolution:
         """Return the first space to try."""

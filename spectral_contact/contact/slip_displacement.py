@@ -50,7 +50,6 @@ __all__ = [
     "free_displacement",
     "largest_displacement",
     "slip_displacement",
-    "slip_misfit",
 ]
 
 #: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
@@ -257,18 +256,3 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     missing = float(last / np.abs(values).max())
     error = drive.contact.pressure_error + 2.0 * missing + FIELD_ROUNDING
     return DiskSeries(EDGE, series.times(-kappa)), error
-
-
-def slip_misfit(drive: Drive, annulus: Annulus, friction: float) -> tuple[Array, Array]:
-    """Return ``E = R - G`` at the sampling points of a slip zone that reaches the edge.
-
-    Parameters
-    ----------
-    drive : Drive
-    annulus : Annulus
-    friction : float
-        ``f / kappa``.
-    """
-    y, z = annulus.sampling
-    over = annulus.expand(annulus.halves(drive.pressure.at(y) / np.sqrt(z)))
-    return annulus.halves(drive.target(y) - friction * annulus.own_half_integral(over))

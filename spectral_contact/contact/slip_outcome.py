@@ -24,12 +24,7 @@ from spectral_contact.contact.friction_law import (
 from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, ROUNDING, SAFETY, TINY
-from spectral_contact.contact.slip_displacement import (
-    Slipping,
-    annulus_between,
-    slip_displacement,
-    slip_misfit,
-)
+from spectral_contact.contact.slip_displacement import Slipping, annulus_between, slip_displacement
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -94,11 +89,6 @@ class PartialSlip(ZoneNumbers):
     amiss: str = ""
     missing: tuple[Interval, ...] = ()
     layout: Layout | None = None
-
-    @property
-    def searched(self) -> bool:
-        """Whether one stick disk was not enough."""
-        return len(self.zones) > 2
 
     @property
     def settled(self) -> bool:
@@ -232,7 +222,11 @@ def _to_the_edge(
     alpha, inner = drive.contact.compliance, solved.radii[0]
     layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
     annulus = annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
-    slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
+    y, z = annulus.sampling
+    over = annulus.expand(annulus.halves(drive.pressure.at(y) / np.sqrt(z)))
+    # E = R - G
+    misfit = annulus.halves(drive.target(y) - friction * annulus.own_half_integral(over))
+    slipping = Slipping(annulus, 1, misfit)
     parameters = Parameters(alpha, beta, 1.0, friction)
     return _held(solved, drive.pressure, sticks, excess, [slipping], parameters)
 

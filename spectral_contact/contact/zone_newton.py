@@ -62,8 +62,9 @@ class ZoneState:
     lifts: Array
 
     @classmethod
-    def begin(cls, system: Tangential, factored: Factored) -> ZoneState:
+    def begin(cls, factored: Factored) -> ZoneState:
         """Return a first solution: that of a symmetric matrix, or nothing, to be corrected."""
+        system = factored.system
         solution, lifts = np.zeros(system.unknowns), np.zeros(len(system.radii))
         if system.given:
             solution[0] = 1.0
@@ -263,7 +264,7 @@ class ZonesNewton:
     ) -> None:
         self._problem, self._spaces, self._settle = problem, spaces, settle
         self._factors = factors or problem.factored(problem.system(spaces, problem.logits))
-        self.state = ZoneState.begin(self._factors.system, self._factors)
+        self.state = ZoneState.begin(self._factors)
         self.left, self._begin, self._before, self._stalled = 0.0, problem.logits, inf, 0
         self._pace, self._move = _Pace(problem.thinnest), _NOTHING
         self._secants: list[tuple[Array, Array]] = []

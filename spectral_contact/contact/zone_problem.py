@@ -8,7 +8,7 @@ of its boundary.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
@@ -21,7 +21,12 @@ from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TINY, TRIFLING, joined
 from spectral_contact.contact.stick_radius import NOISE, root_near
-from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
+from spectral_contact.contact.zone_assessment import (
+    Assessment,
+    ZoneSolution,
+    shares_of,
+    sizes_of,
+)
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
 from spectral_contact.contact.zone_spaces import first_spaces, parted, with_known_slip
 from spectral_contact.fields.series import Array, Radius
@@ -90,8 +95,9 @@ class FreeBoundaryProblem:
         self.tolerance = tolerance if pointwise else float(np.sqrt(tolerance))
         self.states = layout.states
         self.logits = np.array(layout.logits)
-        if layout.slopes is not None or not layout.logits:
-            self.slopes = np.zeros((0, 0)) if layout.slopes is None else layout.slopes
+        slopes = layout.slopes if layout.logits else np.zeros((0, 0))
+        if slopes is not None:
+            self.slopes = slopes
         self.near = layout.slopes is not None
 
     @property
@@ -105,7 +111,7 @@ class FreeBoundaryProblem:
         """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
             near = float(self.logits[0]), 0.5, ROUGH, 1.0, _UNFELT
-            root = root_near(lambda logit: float(self.rough([logit]).mismatch[0]), *near)
+            root = root_near(lambda logit: float(self.rough(logit).mismatch[0]), *near)
             self.logits = np.array(root[:1])
             return np.array([root[1:]])
         begin, (spaces, factors) = self.logits, self._sloped()
@@ -119,22 +125,22 @@ class FreeBoundaryProblem:
             self._sloped()
         return self.slopes
 
-    def rough(self, logits: Sequence[float]) -> ZoneState:
-        """Return the contact with given boundaries, as logits, in a small space."""
-        at = np.array(logits)
+    def rough(self, logit: float) -> ZoneState:
+        """Return the contact with one given boundary in a small space."""
+        at = np.array([logit])
         system = self.system(self.spaces(PROBE, at), at)
-        return self.settled(self.factored(system), ROUGH)
+        return self.settled(ZoneState.begin(self.factored(system)), ROUGH)
 
     def _sloped(self, aim: float = _SLOPING) -> tuple[list[Resolution], Factored]:
         """Find the slopes of the conditions in a small space; return it and its factors."""
         spaces = self.spaces(ROUGH)
         factors = self.factored(self.system(spaces, self.logits))
-        begin = self.settled(factors, aim)
+        begin = self.settled(ZoneState.begin(factors), aim)
 
         def conditions(logits: Array) -> Array:
             system = self.system(spaces, logits)
             own = factors if self.drift(logits) <= self.far else self.factored(system)
-            return self.settled(own, aim, system, begin).mismatch
+            return self.settled(replace(begin, system=system, factored=own), aim).mismatch
 
         self.slopes = differences(conditions, self.logits)
         return spaces, factors
@@ -187,21 +193,8 @@ class FreeBoundaryProblem:
 
     # solutions
 
-    def settled(
-        self,
-        factored: Factored,
-        aim: float,
-        system: Tangential | None = None,
-        begin: ZoneState | None = None,
-    ) -> ZoneState:
-        """Correct a solution at given boundaries, of the factors or near, as far as is aimed.
-
-        It begins with that of boundaries near by, or from nothing.
-        """
-        own = system or factored.system
-        state = ZoneState.begin(own, factored)
-        if begin:
-            state = replace(begin, system=own, factored=factored)
+    def settled(self, state: ZoneState, aim: float) -> ZoneState:
+        """Correct a solution at given boundaries, as far as is aimed."""
         size = inf
         for _ in range(_CORRECTIONS):
             state, change = state.corrected()
@@ -246,7 +239,7 @@ class FreeBoundaryProblem:
         state = newton.run(max(least, 2.0 * ROUNDING))
         if not newton.settled:  # next to the onset of a zone steps say nothing of slopes
             self._sloped(ROUNDING)
-        return assessed(self, spaces, state, newton.left)
+        return Assessment(self, spaces, state, newton.left).attempt()
 
 
 def _radii(logits: Array) -> tuple[Radius, ...]:

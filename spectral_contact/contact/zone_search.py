@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
@@ -299,8 +299,6 @@ class DrivenSearch(ZoneSearch):
 
     def _refined(self, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these."""
-        from spectral_contact.contact.layout import NoBoundariesError
-
         if self.pointwise:
             return self._to(self.tolerance, layout)
         loose = self._to(self.tolerance**_SUPERCONVERGENCE, layout)

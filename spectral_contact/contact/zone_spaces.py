@@ -14,7 +14,7 @@ from math import atanh, ceil, log, pi
 import numpy as np
 
 from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
-from spectral_contact.fields.series import CENTRE, EDGE, Array, LogSeries, Radius
+from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
@@ -24,7 +24,6 @@ __all__ = [
     "first_spaces",
     "leading_depth",
     "parted",
-    "root_error",
     "rounding_depth",
     "thinnest_layer",
     "with_known_slip",
@@ -34,8 +33,6 @@ __all__ = [
 #: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
 #: in ``-ln d``, as where they end is felt for a while.
 _CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0
-#: Error at an end with a root there, relative to the change of the tail: 1.9, measured.
-_ROOT = 2.5
 #: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, as on the second
 #: panel, and on the first one, on the disk, above its rim, where the far end is a singularity ln 2
 #: before it, and at the edge.
@@ -96,11 +93,6 @@ def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolutio
     most = ceil((_DEEPER + rounding_depth(end, extent)) / space.panels.width)
     degrees = space.degrees[:most]
     return Resolution(replace(space.panels, panels=len(degrees)), degrees)
-
-
-def root_error(panels: LogPanels, change: Array, at_end: float) -> float:
-    """Return the error of a field at an end where it has a root: no degree of a panel helps."""
-    return _ROOT * float(np.abs(change[-panels.tail_terms :]).sum() / abs(at_end))
 
 
 def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:
