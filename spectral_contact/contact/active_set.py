@@ -209,12 +209,6 @@ def settle(law: RingLaw, states: Integers) -> Settled:
 
     All wrong rings change at once. If their number does not fall, the last of them alone does: then
     a positive definite problem is solved after finitely many changes (Judice and Pires, 1994).
-
-    Parameters
-    ----------
-    law : RingLaw
-    states : ndarray of int, shape (rings,)
-        What to begin with.
     """
     fewest, patience = len(states) + 1, _PATIENCE
     for iteration in range(1, _MOST + 1):
@@ -280,10 +274,6 @@ def ring_layout(
         Rings of the first grid, but for those next to the centre and the edge.
     splits : int
         How often rings around boundaries and doubts are split.
-
-    Returns
-    -------
-    RingLayout
     """
     logits = graded_rings(rings, _EXPONENT, _WIDEST, DEEPEST, DEEPEST)
     states = np.zeros(len(logits) - 1, dtype=int)

@@ -58,13 +58,8 @@ def stick_radii(
 ) -> Iterator[PossibleRadius]:
     """Yield the radii at which the traction is continuous, between the first and the last of some.
 
-    Parameters
-    ----------
-    problem : FreeBoundaryProblem
-    logits : iterable of float
-        Increasing, so close to each other that the condition changes its sign once between two.
-    contacts : bool
-        Whether to stop where the pressure is no longer positive.
+    These are so close to each other that the condition changes its sign once between two. If only
+    contacts are wanted it stops where the pressure is no longer positive.
     """
     solved = ((one, problem.rough(one)) for one in logits)
     trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:-1]), solved)

@@ -50,10 +50,6 @@ def solve_coupled_stick(
         Most unknowns of a space.
     pointwise : bool
         Whether the fields are wanted; approach and shear alone need far fewer unknowns.
-
-    Returns
-    -------
-    Refinement
     """
     parameters, layout = Parameters(alpha, beta, kappa, inf), Layout((), (0,))
     found = solve_zones(parameters, layout, tolerance, max_unknowns, pointwise=pointwise)

@@ -141,10 +141,6 @@ class Drive:
             Unit of the distances in ``s**2``: negative inward.
         d : ndarray, shape (n,)
             Distances, falling but for those where R is smooth.
-
-        Returns
-        -------
-        Targets
         """
         analytic = min(_REGULAR * boundary.rest / abs(reach), 1.0)
         split = int(np.count_nonzero(d > analytic))

@@ -109,43 +109,27 @@ class _Trial:
 class OneDiskProblem:
     """Spaces for the stick disk; the radius is found anew in each of them."""
 
-    def __init__(
-        self,
-        drive: Drive,
-        beta: float,
-        friction: float,
-        tolerance: float,
-        guess: float | None = None,
-        near: tuple[float, float] | None = None,
-    ) -> None:
-        self.begin(drive, beta, friction, tolerance)
+    logit: float
+    slope: float
+
+    def __init__(self, drive: Drive, beta: float, friction: float, tolerance: float) -> None:
+        self.drive, self.beta, self.friction = drive, beta, friction
+        self.tolerance, self.alpha = tolerance, drive.contact.compliance
+
+    def rough_root(
+        self, guess: float | None, near: tuple[float, float] | None
+    ) -> tuple[float, float]:
+        """Return the radius, if there is no guess of it, and the slope there."""
         if guess is not None:  # in a space that sees a narrow annulus
-            space = self._resolution(guess, tolerance)
-
-            def mismatch(logit: float) -> float:
-                return self._trial(space, logit, TRIFLING * tolerance).mismatch
-
-            self.logit, self.slope = guess, slope_at(mismatch, guess)
-            return
-        if near is not None and beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
-            self.logit, self.slope = root_near(self._rough_mismatch, *near, _NEAR)
-            return
-        # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
-        self.logit, self.slope = self._smooth_root()
-        if beta > 0.0:
-            self.logit, self.slope = root_near(self._rough_mismatch, *self._soft_root(), _NEAR)
-        elif self.alpha > 0.0:
-            self.logit, self.slope = root_near(
-                self._pressure_mismatch, self.logit, self.slope, _NEAR
-            )
-
-    def begin(self, drive: Drive, beta: float, friction: float, tolerance: float) -> None:
-        """Keep what is given."""
-        self.drive = drive
-        self.beta = beta
-        self.friction = friction
-        self.tolerance = tolerance
-        self.alpha = drive.contact.compliance
+            space, least = self._resolution(guess, self.tolerance), TRIFLING * self.tolerance
+            return guess, slope_at(lambda x: self._trial(space, x, least).mismatch, guess)
+        if near is not None and self.beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
+            return root_near(self._rough_mismatch, *near, _NEAR)
+        # of a smooth surface, then of this pressure, then in small spaces
+        smooth = self._smooth_root()
+        if self.beta > 0.0:
+            return root_near(self._rough_mismatch, *self._soft_root(*smooth), _NEAR)
+        return root_near(self._pressure_mismatch, *smooth, _NEAR) if self.alpha > 0.0 else smooth
 
     def _smooth_root(self) -> tuple[float, float]:
         """Return the radius on a smooth surface, and the slope there."""
@@ -167,10 +151,10 @@ class OneDiskProblem:
             logit = min(logit, 2.0 - log(self.alpha))
         return logit, slope / (2.0 * pi)
 
-    def _soft_root(self) -> tuple[float, float]:
+    def _soft_root(self, smooth: float, steep: float) -> tuple[float, float]:
         """Return the radius with tangential compliance, to some per cent, and the slope there."""
         # c grows like 2 beta f/kappa at first
-        start = max(self.logit, 2.0 * log(2.0 * self.beta * self.friction))
+        start = max(smooth, 2.0 * log(2.0 * self.beta * self.friction))
         if start <= LEAST_LOGIT:
             raise NoStickDiskError(at_centre=True)
         # what a disk of great compliance needs falls like 1/c
@@ -178,9 +162,9 @@ class OneDiskProblem:
         at_rim = self.drive.pressure.value(radius.rest)
         slope = 2.0 * self.friction * at_rim * self.beta / radius.value * radius.rest
         try:
-            return root_near(self._pressure_mismatch, start, self.slope + slope, PROBE, 1.0)
+            return root_near(self._pressure_mismatch, start, steep + slope, PROBE, 1.0)
         except NoStickDiskError:  # that of the estimate, not of the disk
-            return start, self.slope
+            return start, steep
 
     def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c) - m`` with the m that a disk needs, roughly.
@@ -421,5 +405,6 @@ def solve_one_disk(
     """
     if beta == 0.0 and friction > LARGEST_LOGIT:  # 1 - c falls like exp(-pi f/(2 kappa))
         raise NoStickDiskError(at_centre=False)
-    problem = OneDiskProblem(drive, beta, friction, tolerance, guess, near)
+    problem = OneDiskProblem(drive, beta, friction, tolerance)
+    problem.logit, problem.slope = problem.rough_root(guess, near)
     return refine(problem, tolerance, max_unknowns)

@@ -129,17 +129,7 @@ class LargestRatio(NamedTuple):
 
 
 def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
-    """Return q/p at the edge and at its largest.
-
-    Parameters
-    ----------
-    pressure : PressureField
-        Positive.
-    traction : DiskSeries
-        On the whole contact.
-    depth : float
-        ``-ln y`` down to which the maximum is looked for.
-    """
+    """Return q/p at the edge and at its largest, for ``-ln y`` up to a depth; p is positive."""
     alike = pressure.series is not None and pressure.series.on_panels_of(traction.series)
 
     def ratio(x: Array) -> Array:

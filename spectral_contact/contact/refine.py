@@ -75,18 +75,7 @@ class Refinement(Generic[T]):
 def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refinement[T]:
     """Solve in growing spaces until the estimate meets the tolerance.
 
-    Parameters
-    ----------
-    problem : Problem
-        Supplies the first space and solves in any.
-    tolerance : float
-        Bound on the estimate of the relative error.
-    max_unknowns : int
-        No space beyond this is tried, unless even the lowest degrees exceed it.
-
-    Returns
-    -------
-    Refinement
+    No space of more than `max_unknowns` is tried, unless even the lowest degrees exceed that.
     """
     resolution = fitted(problem.start(), max_unknowns)
     history: list[RefinementStep] = []

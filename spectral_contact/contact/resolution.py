@@ -311,17 +311,8 @@ def functional_error(
     It is the energy product of the errors of the solution and of its dual, panel by panel, so it
     falls as fast as the two together, and no sign can make it small by accident.
 
-    Parameters
-    ----------
-    factored : Regularised
-    functional : ndarray, shape (size,)
-        Values of the functional on the basis.
-    change : Change
-        Last change of the solution.
-    rates : ndarray, shape (panels,)
-        By what factor one more degree lowers it.
-    resolution : Resolution
-        The space.
+    The functional is given by its values on the basis; `change` is the last change of the solution,
+    and `rates`, of shape (panels,), are by what factor one more degree lowers it.
     """
     dual = factored.dual(functional)
     parts = np.sqrt(change.energies * factored.change(dual).energies)

@@ -146,17 +146,7 @@ def slip_displacement(
 ) -> SlipFields:
     """Return the displacement on every slip zone.
 
-    Parameters
-    ----------
-    stuck, zones : list
-        The zones of both kinds, each ordered outward.
-    pressure : PressureField or ZonalField
-    beta, friction : float
-        ``beta*`` and ``f / kappa``.
-
-    Returns
-    -------
-    SlipFields
+    Zones of both kinds are ordered outward; friction is ``f / kappa``.
     """
     fields, samples, unresolved = [], [], 0.0
     for zone in zones:

@@ -186,8 +186,6 @@ def zones_outcome(
 
     Parameters
     ----------
-    solved : ZoneSolution
-    parameters : Parameters
     drive : Drive, optional
         Of the pressure, if it was given.
     felt : bool

@@ -380,12 +380,7 @@ def _stuck(system: Tangential, misfit: Sequence[Array]) -> list[Stuck]:
 def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:
     """Return the largest of the boundaries' errors; infinite if a zone may not be there.
 
-    Parameters
-    ----------
-    radii : tuple of Radius
-        Boundaries, outward.
-    errors : tuple of (float, float)
-        Their relative errors from the centre and from the edge.
+    They are relative, from the centre and from the edge.
     """
     unsure = [
         min(2.0 * at.square * own, at.rest * edge)

@@ -80,6 +80,8 @@ class ZoneSearch(ABC):
         Most unknowns of a space.
     record : callable
         Takes the name of a step, its outcome and its beginning, returns the value.
+    near : Layout, optional
+        Zones that come first, as `PartialSlip.layout` of a like scene has them.
     """
 
     parameters: Parameters
@@ -87,6 +89,7 @@ class ZoneSearch(ABC):
     tolerance: float
     max_unknowns: int
     record: Record
+    near: Layout | None = field(default=None, kw_only=True)
     _reasons: list[str] = field(default_factory=list, init=False)
 
     def outcome(self) -> PartialSlip:
@@ -179,15 +182,12 @@ class DrivenSearch(ZoneSearch):
     ----------
     drive : Drive
         Of the pressure.
-    near : Layout, optional
-        Where the search begins, as `PartialSlip.layout` of a like scene has it.
     pointwise : bool
         Whether the tolerance bounds q/s. If not, and slip is inside, it bounds the total shear
         and the stick radius, which need less.
     """
 
     drive: Drive
-    near: Layout | None = None
     pointwise: bool = True
     _disk: PartialSlip | None = field(default=None, init=False)
 
@@ -327,14 +327,7 @@ class CoupledSearch(ZoneSearch):
 
     Guesses are narrow slip where full stick breaks the law, what an active set finds on rings, and
     one stick disk. Of 600 random scenes, half of them at thresholds, none needed another one.
-
-    Parameters
-    ----------
-    near : Layout, optional
-        Zones with slopes, as a like scene has them: they come first.
     """
-
-    near: Layout | None = None
 
     def _tried(self) -> Iterator[PartialSlip]:
         if self.near is not None:

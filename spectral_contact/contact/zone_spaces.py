@@ -96,16 +96,9 @@ def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolutio
 
 
 def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:
-    """Return the spaces of all parts; the pressure under a smooth edge has its singularity.
+    """Return the spaces of all parts, with their numbers of panels, from what `joined` returns.
 
-    Parameters
-    ----------
-    resolution : Resolution
-        As `joined` returns it.
-    counts : sequence of int
-        Numbers of panels.
-    alpha : float
-        ``alpha*``.
+    The pressure under a smooth edge has its singularity.
     """
     spaces, bounds = [], list(accumulate(counts, initial=0))
     for a, b in pairwise(bounds):
