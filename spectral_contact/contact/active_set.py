@@ -332,10 +332,8 @@ def _split(state: RingState) -> tuple[Array, Integers]:
     marked = np.unique(np.clip(np.concatenate(near), 0, rings - 1))
     lower, upper = logits[marked], logits[marked + 1]
     deep = _PARTS * _WIDEST  # of the first ring and the last one, which are infinite
-    lower, upper = (
-        np.where(np.isinf(lower), upper - deep, lower),
-        np.where(np.isinf(upper), lower + deep, upper),
-    )
+    lower = np.where(np.isinf(lower), upper - deep, lower)
+    upper = np.where(np.isinf(upper), lower + deep, upper)
     inner = lower + np.outer(np.arange(1, _PARTS) / _PARTS, upper - lower)
     parts = np.ones(rings, dtype=int)
     parts[marked] = _PARTS

@@ -20,9 +20,8 @@ from spectral_contact.contact.resolution import TINY, places, series_of
 from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_problem import solve_zones
 from spectral_contact.contact.zone_spaces import ended
-from spectral_contact.fields.series import EDGE, Array, DiskSeries, LogSeries, PressureField
+from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["solve_coupled_stick"]
 
@@ -82,18 +81,12 @@ def _with_fields(stick: FullStick, solved: ZoneSolution) -> FullStick:
     if stick.opening is not None or p.oscillation:
         return stick
     changes = shares_of(system, solved.solution[:, 1], sizes_of(system, solved.solution[:, 0]))
-    panels = system.parts[0].family.panels
-    shares, at_edge = [(panels, one) for one in changes], _change_at_edge(system, solved.solution)
+    panels, at_edge = system.parts[0].family.panels, 0.0
+    shares = [(panels, one) for one in changes]
+    for one in system.fields:
+        whole, *changed = (series_of(one.panels, v).limit for v in one.of(solved.solution).T)
+        at_edge += max(map(abs, changed)) / abs(whole)
     return stick.with_ratios(panels.panels * panels.width, shares, at_edge)
-
-
-def _change_at_edge(system: Tangential, solution: Array) -> float:
-    """Return what the top two degrees or the top one change at the edge, the larger of both."""
-    limits = [
-        [abs(series_of(one.panels, values).limit) for values in one.of(solution).T]
-        for one in system.fields
-    ]
-    return sum(max(changes) / whole for whole, *changes in limits)
 
 
 def _opening(pressure: LogSeries) -> float | None:

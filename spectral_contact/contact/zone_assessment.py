@@ -65,22 +65,26 @@ def _field_errors(
     spaces: list[Resolution], system: Tangential, whole: Array, change: Array
 ) -> FieldErrors:
     """Return what the change of a solution tells of the errors of its fields."""
-    fields, count = system.fields, system.count
-    rates = [decay_rates(spaces[one.part], one.of(whole)) for one in fields]
-    shares = shares_of(system, change, sizes_of(system, whole))
-    expected = [expected_error(*pair) for pair in zip(shares, rates, strict=True)]
-    pressure, traction = _root_errors(system, change, whole)
-    for one, errors in zip(fields, expected, strict=True):
-        if one.own.stop <= count:
-            pressure = max(pressure, float(errors.max()))
-        else:
-            traction = max(traction, float(errors.max()))
+    (alpha, beta, _, _), last = system.parameters, len(system.parts) - 1
+    # at an edge that sticks the field of the only compliance has a root
+    rooted = system.parts[last].state == 0 and (alpha > 0.0) != (beta > 0.0)
+    largest = [0.0, 0.0]
     indicators = [np.zeros(len(one.degrees)) for one in spaces]
     slowest = [np.full(len(one.degrees), LEAST_RATE) for one in spaces]
-    for own, errors, rate in zip(fields, expected, rates, strict=True):
-        np.maximum(indicators[own.part], errors, out=indicators[own.part])
-        np.maximum(slowest[own.part], rate, out=slowest[own.part])
-    return FieldErrors(pressure, traction, np.concatenate(indicators), np.concatenate(slowest))
+    shares = shares_of(system, change, sizes_of(system, whole))
+    for one, share in zip(system.fields, shares, strict=True):
+        k, shear = one.part, one.own.start >= system.count
+        if rooted and k == last and shear == (beta > 0.0):
+            at_end = abs(series_of(one.panels, one.of(whole)).at_ends()[-1])
+            lost = np.abs(one.of(change)[-one.panels.tail_terms :]).sum()
+            # no degree of a panel helps
+            largest[shear] = max(_ROOT * float(lost / at_end), largest[shear])
+        rates = decay_rates(spaces[k], one.of(whole))
+        errors = expected_error(share, rates)
+        largest[shear] = max(largest[shear], float(errors.max()))
+        np.maximum(indicators[k], errors, out=indicators[k])
+        np.maximum(slowest[k], rates, out=slowest[k])
+    return FieldErrors(largest[0], largest[1], np.concatenate(indicators), np.concatenate(slowest))
 
 
 def sizes_of(system: Tangential, values: Array) -> list[Array]:
@@ -108,23 +112,6 @@ def shares_of(system: Tangential, change: Array, sizes: list[Array]) -> list[Arr
             share_of_change(one.panels, one.of(change), size, leading=leading, known=known)
         )
     return shares
-
-
-def _root_errors(system: Tangential, change: Array, whole: Array) -> tuple[float, float]:
-    """Return the errors of p and of q/s at an edge that sticks, where one has a root there.
-
-    That is the one whose compliance is not zero if the other's is.
-    """
-    (alpha, beta, _, _), last = system.parameters, len(system.parts) - 1
-    rooted = system.parts[last].state == 0 and (alpha > 0.0) != (beta > 0.0)
-    errors = [0.0, 0.0]
-    for one in system.fields:
-        shear = one.own.start >= system.count
-        if rooted and one.part == last and shear == (beta > 0.0):
-            at_end = abs(series_of(one.panels, one.of(whole)).at_ends()[-1])
-            lost = np.abs(one.of(change)[-one.panels.tail_terms :]).sum()
-            errors[shear] = _ROOT * float(lost / at_end)  # no degree of a panel helps
-    return errors[0], errors[1]
 
 
 #: Error at an end with a root there, relative to the change of the tail: 1.9, measured.

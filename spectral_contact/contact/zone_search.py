@@ -287,8 +287,8 @@ class DrivenSearch(ZoneSearch):
         disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
         outcome = one_disk_outcome(self.drive, disk, beta, friction, self.tolerance)
-        result: PartialSlip = self.record(SLIP_FIELD, outcome, begin)
-        return result
+        self.record(SLIP_FIELD, outcome, begin)
+        return outcome
 
     def _solved(self, layout: Layout) -> PartialSlip:
         if layout.states == (0, 1):
