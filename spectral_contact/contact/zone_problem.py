@@ -21,12 +21,7 @@ from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TINY, TRIFLING, joined
 from spectral_contact.contact.stick_radius import NOISE, root_near
-from spectral_contact.contact.zone_assessment import (
-    Assessment,
-    ZoneSolution,
-    shares_of,
-    sizes_of,
-)
+from spectral_contact.contact.zone_assessment import Assessment, ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
 from spectral_contact.contact.zone_spaces import first_spaces, parted, with_known_slip
 from spectral_contact.fields.series import Array, Radius
