@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import DEEPEST
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_operators
 
 __all__ = ["RingLaw", "RingLayout", "RingState", "Settled", "ring_layout", "settle"]
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int_]
 
 #: Changes of all wrong rings that may fail to lower their number, before one changes at a time;
@@ -210,12 +209,6 @@ def settle(law: RingLaw, states: Integers) -> Settled:
 
     All wrong rings change at once. If their number does not fall, the last of them alone does: then
     a positive definite problem is solved after finitely many changes (Judice and Pires, 1994).
-
-    Parameters
-    ----------
-    law : RingLaw
-    states : ndarray of int, shape (rings,)
-        What to begin with.
     """
     fewest, patience = len(states) + 1, _PATIENCE
     for iteration in range(1, _MOST + 1):
@@ -281,10 +274,6 @@ def ring_layout(
         Rings of the first grid, but for those next to the centre and the edge.
     splits : int
         How often rings around boundaries and doubts are split.
-
-    Returns
-    -------
-    RingLayout
     """
     logits = graded_rings(rings, _EXPONENT, _WIDEST, DEEPEST, DEEPEST)
     states = np.zeros(len(logits) - 1, dtype=int)
@@ -343,10 +332,8 @@ def _split(state: RingState) -> tuple[Array, Integers]:
     marked = np.unique(np.clip(np.concatenate(near), 0, rings - 1))
     lower, upper = logits[marked], logits[marked + 1]
     deep = _PARTS * _WIDEST  # of the first ring and the last one, which are infinite
-    lower, upper = (
-        np.where(np.isinf(lower), upper - deep, lower),
-        np.where(np.isinf(upper), lower + deep, upper),
-    )
+    lower = np.where(np.isinf(lower), upper - deep, lower)
+    upper = np.where(np.isinf(upper), lower + deep, upper)
     inner = lower + np.outer(np.arange(1, _PARTS) / _PARTS, upper - lower)
     parts = np.ones(rings, dtype=int)
     parts[marked] = _PARTS

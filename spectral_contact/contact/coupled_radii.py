@@ -12,18 +12,16 @@ from math import inf, log
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import DEEPEST, PROBE, series_of
+from spectral_contact.fields.series import Array
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import ZoneState
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
 __all__ = ["PossibleRadius", "scanned", "stick_radii"]
-
-Array = NDArray[np.float64]
 
 #: How far past the layers radii are looked at, as logits.
 _PAST = 8.0
@@ -60,15 +58,10 @@ def stick_radii(
 ) -> Iterator[PossibleRadius]:
     """Yield the radii at which the traction is continuous, between the first and the last of some.
 
-    Parameters
-    ----------
-    problem : FreeBoundaryProblem
-    logits : iterable of float
-        Increasing, so close to each other that the condition changes its sign once between two.
-    contacts : bool
-        Whether to stop where the pressure is no longer positive.
+    These are so close to each other that the condition changes its sign once between two. If only
+    contacts are wanted it stops where the pressure is no longer positive.
     """
-    solved = ((one, problem.rough([one])) for one in logits)
+    solved = ((one, problem.rough(one)) for one in logits)
     trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:-1]), solved)
     for (low, first), (high, second) in pairwise(trials):
         own, other = float(first.mismatch[0]), float(second.mismatch[0])
@@ -76,13 +69,13 @@ def stick_radii(
             continue
         while high - low > 2.0 * _NEAR:  # false position; next to an end it closes in on the root
             x = low + min(max((high - low) * own / (own - other), _NEAR), high - low - _NEAR)
-            value = float(problem.rough([x]).mismatch[0])
+            value = float(problem.rough(x).mismatch[0])
             if (value > 0.0) == (own > 0.0):
                 low, own, other = x, value, 0.5 * other
             else:
                 high, own, other = x, 0.5 * own, value
         middle = (low + high) / 2.0
-        yield _described(middle, problem.rough([middle]))
+        yield _described(middle, problem.rough(middle))
 
 
 def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:

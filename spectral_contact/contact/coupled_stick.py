@@ -12,7 +12,6 @@ from dataclasses import replace
 from math import atan2, exp, inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
@@ -23,11 +22,8 @@ from spectral_contact.contact.zone_problem import solve_zones
 from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["solve_coupled_stick"]
-
-Array = NDArray[np.float64]
 
 
 def solve_coupled_stick(
@@ -53,10 +49,6 @@ def solve_coupled_stick(
         Most unknowns of a space.
     pointwise : bool
         Whether the fields are wanted; approach and shear alone need far fewer unknowns.
-
-    Returns
-    -------
-    Refinement
     """
     parameters, layout = Parameters(alpha, beta, kappa, inf), Layout((), (0,))
     found = solve_zones(parameters, layout, tolerance, max_unknowns, pointwise=pointwise)
@@ -89,18 +81,12 @@ def _with_fields(stick: FullStick, solved: ZoneSolution) -> FullStick:
     if stick.opening is not None or p.oscillation:
         return stick
     changes = shares_of(system, solved.solution[:, 1], sizes_of(system, solved.solution[:, 0]))
-    panels = system.parts[0].family.panels
-    shares, at_edge = [(panels, one) for one in changes], _change_at_edge(system, solved.solution)
+    panels, at_edge = system.parts[0].family.panels, 0.0
+    shares = [(panels, one) for one in changes]
+    for one in system.fields:
+        whole, *changed = (series_of(one.panels, v).limit for v in one.of(solved.solution).T)
+        at_edge += max(map(abs, changed)) / abs(whole)
     return stick.with_ratios(panels.panels * panels.width, shares, at_edge)
-
-
-def _change_at_edge(system: Tangential, solution: Array) -> float:
-    """Return what the top two degrees or the top one change at the edge, the larger of both."""
-    limits = [
-        [abs(series_of(one.panels, values).limit) for values in one.of(solution).T]
-        for one in system.fields
-    ]
-    return sum(max(changes) / whole for whole, *changes in limits)
 
 
 def _opening(pressure: LogSeries) -> float | None:

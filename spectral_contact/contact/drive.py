@@ -13,10 +13,9 @@ from math import sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import chebyshev_sums
-from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
@@ -27,18 +26,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Drive", "Targets"]
 
-Array = NDArray[np.float64]
-
 _NODES, _FIT = chebyshev_interpolation(14)
+_J, _K = np.ogrid[:13, :14]
+#: From a Chebyshev series f to that of ``(f(x) - f(-1)) / (x + 1)``.
+_QUOTIENT = (1.0 - 2.0 * ((_K - _J - 1) % 2)) * (2.0 - (_J == 0)) * np.maximum(_K - _J, 0)
 #: Up to this share of the distance to the edge, where R is singular, they are right to 17.9**-14.
 _REGULAR = 0.2
-
-
-def _quotient(terms: int) -> Array:
-    """Return the matrix from a Chebyshev series f to that of ``(f(x) - f(-1)) / (x + 1)``."""
-    j, k = np.ogrid[: terms - 1, :terms]
-    sign, double = 1.0 - 2.0 * ((k - j - 1) % 2), 2.0 - (j == 0)
-    return np.asarray(sign * double * np.maximum(k - j, 0))
 
 
 class Targets(NamedTuple):
@@ -57,9 +50,6 @@ class Targets(NamedTuple):
     at: Array
     far: Array
     near: Array
-
-
-_QUOTIENT = _quotient(14)
 
 
 class Drive:
@@ -96,10 +86,10 @@ class Drive:
         of both.
         """
         contact, panels = self.contact, self.contact.panels
-        both = [one for one in (contact.change, contact.lesser) if one is not None]
-        if panels is None or not both:
+        if panels is None or not contact.changes:
             return []
-        return [Drive(*pair) for pair in zip(both, _demanded(panels, both), strict=True)]
+        demanded = _demanded(panels, contact.changes)
+        return [Drive(*pair) for pair in zip(contact.changes, demanded, strict=True)]
 
     def target(self, y: Array) -> Array:
         """Return R at ``1 - t**2 = y``; infinite at the edge of a smooth surface."""
@@ -151,10 +141,6 @@ class Drive:
             Unit of the distances in ``s**2``: negative inward.
         d : ndarray, shape (n,)
             Distances, falling but for those where R is smooth.
-
-        Returns
-        -------
-        Targets
         """
         analytic = min(_REGULAR * boundary.rest / abs(reach), 1.0)
         split = int(np.count_nonzero(d > analytic))
@@ -186,7 +172,7 @@ class Drive:
         return np.asarray(value)
 
 
-def _demanded(panels: LogPanels, contacts: list[NormalContact]) -> list[LogSeries]:
+def _demanded(panels: LogPanels, contacts: Sequence[NormalContact]) -> list[LogSeries]:
     """Return what the series of pressures on the same panels demand of the traction."""
     own = transforms(panels)
     values = own.outer(np.array([one.coefficients for one in contacts]))

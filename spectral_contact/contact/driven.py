@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.fields.series import EDGE, PressureField, Radius
+from spectral_contact.fields.series import EDGE, Array, PressureField, Radius
 from spectral_contact.spectral.blocks import Block, across, block
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
@@ -24,7 +24,6 @@ from spectral_contact.threads import cached_property
 
 __all__ = ["Driven"]
 
-Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
 

@@ -7,9 +7,9 @@ from math import inf, sqrt
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import DEEPEST, places
+from spectral_contact.fields.series import Array
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parts import gap
 
@@ -24,7 +24,6 @@ __all__ = [
     "stick_excess",
 ]
 
-Array = NDArray[np.float64]
 Interval: TypeAlias = tuple[float, float]
 
 #: Slip in the wrong sense that rounding makes, relative to the largest.

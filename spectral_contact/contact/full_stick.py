@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import inf, log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.ratio import FullStick
@@ -33,8 +32,6 @@ from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["solve_full_stick"]
-
-Array = NDArray[np.float64]
 
 
 class _StickProblem:
@@ -110,8 +107,8 @@ class _StickProblem:
                 lesser = factored.change(solution, degrees=1)
                 limits = [series_of(panels, one.coefficients).limit for one in (change, lesser)]
                 at_edge = max(map(abs, limits)) / abs(series.limit)
-            if normal.panels is not None and normal.change is not None:
-                lost, pressure = normal.change.coefficients, self.drive.pressure
+            if normal.panels is not None and normal.changes:
+                lost, pressure = normal.changes[0].coefficients, self.drive.pressure
                 share = share_of_change(normal.panels, lost, pressure.at_ends())
                 changed.append((normal.panels, propagated * share))
                 at_edge += abs(series_of(normal.panels, lost).limit / pressure.value(0.0))
@@ -152,16 +149,16 @@ def solve_full_stick(
         solution and there is nothing to refine.
     """
     if compliance == 0.0 and drive.contact.compliance == 0.0:
-        traction = DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True))
-        shear = _smooth_shear(drive)
-        contact = drive.contact
+        # at zero tangential compliance the half-integral is R itself: Q = 2 pi int t R dt
+        space = starting_resolution(0.0, float(np.finfo(float).eps))
+        nodes, contact = graded_nodes(space.panels, space.degrees), drive.contact
         return FullStick(
             approach=contact.approach,
-            total_shear=shear,
+            total_shear=pi * float(nodes.weights @ drive.target(nodes.d)),
             approach_error=contact.approach_error,
             shear_error=CLOSED_FORM_ROUNDING,
             pressure=drive.pressure,
-            traction=traction,
+            traction=DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True)),
             edge_ratio=inf,
             pressure_error=contact.pressure_error,
             traction_error=CLOSED_FORM_ROUNDING,
@@ -169,10 +166,3 @@ def solve_full_stick(
     return refine(
         _StickProblem(drive, compliance, tolerance, goal, ratios), tolerance, max_unknowns
     )
-
-
-def _smooth_shear(drive: Drive) -> float:
-    """Return ``2 pi int t R dt``: at zero tangential compliance the half-integral is R itself."""
-    space = starting_resolution(0.0, float(np.finfo(float).eps))
-    nodes = graded_nodes(space.panels, space.degrees)
-    return pi * float(nodes.weights @ drive.target(nodes.d))

@@ -36,7 +36,7 @@ class _GivenRadius(OneDiskProblem):
     def __init__(
         self, drive: Drive, beta: float, tolerance: float, logit: float, friction: float = 1.0
     ) -> None:
-        self.begin(drive, beta, friction, tolerance)
+        super().__init__(drive, beta, friction, tolerance)
         self.logit = logit
 
     def attempt(self, resolution: Resolution) -> Attempt[OneDisk]:

@@ -156,7 +156,7 @@ class PanelForm:
             )
             for one in (pressure, change.coefficients, last * pressure)
         )
-        return replace(whole, change=moved, lesser=lesser)
+        return replace(whole, changes=(moved, lesser))
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""

@@ -53,22 +53,17 @@ class Layout:
         intervals : tuple of (float, float)
             In ``y = 1 - s**2``, inside of slip zones; one that ends at 0 reaches the edge.
         """
-        layout = Layout(self.logits, self.states)
+        logits, states = self.logits, self.states
         for high, low in intervals:
-            if low < high < 1.0:
-                ends = [logit_at(-log(y)) for y in (high, low) if y > 0.0]
-                layout = layout._with_zone(ends)
-        return layout
-
-    def _with_zone(self, ends: list[float]) -> Layout:
-        """Return the layout with stick between two boundaries, or from one to the edge."""
-        zone = bisect(self.logits, ends[0])
-        if self.states[zone] == 0 or bisect(self.logits, ends[-1]) != zone:
-            return self
-        logits = [*self.logits[:zone], *ends, *self.logits[zone:]]
-        further = [0, self.states[zone]][: len(ends)]
-        states = [*self.states[: zone + 1], *further, *self.states[zone + 1 :]]
-        return Layout(tuple(logits), tuple(states))
+            if not low < high < 1.0:
+                continue
+            ends = [logit_at(-log(y)) for y in (high, low) if y > 0.0]
+            zone = bisect(logits, ends[0])
+            if states[zone] != 0 and bisect(logits, ends[-1]) == zone:
+                further = (0, states[zone])[: len(ends)]
+                logits = (*logits[:zone], *ends, *logits[zone:])
+                states = (*states[: zone + 1], *further, *states[zone + 1 :])
+        return Layout(logits, states)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import log, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
@@ -20,13 +19,11 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields.series import EdgeWeight, PressureField
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.fields.series import Array, EdgeWeight, PressureField
+from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["SMALL_COMPLIANCE", "WEIGHT_SHIFT", "NormalContact", "by_compliance", "solve_normal"]
-
-Array = NDArray[np.float64]
 
 #: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
 SMALL_COMPLIANCE = 1e-2
@@ -53,10 +50,9 @@ class _NormalProblem:
     def attempt(self, resolution: Resolution) -> Attempt[NormalContact]:
         panels, compliance, weight = resolution.panels, self.compliance, self.weight
         space = unit_space(panels, resolution.degrees)
-        if weight is None:
-            target: Array | float = 2.0
-            load, known = None, 0.0
-        else:
+        target: Array | float = 2.0
+        load, known = None, 0.0
+        if weight is not None:
             target = weight.deficit(space.y)
             load = load_vector(panels, lambda d: 0.5 * weight(d))
             known = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
@@ -72,19 +68,17 @@ class _NormalProblem:
         rates = decay_rates(resolution, solution)
         energies = change.energies[:-1] / moment * rates**2
         approach_error = float(energies.sum() + change.energies[-1] / moment) + ROUNDING
-        worst = 0.0
-        moved: NormalContact | None = None
-        lesser: NormalContact | None = None
+        worst, changes = 0.0, []
         if self.pointwise:
             shares = share_of_change(panels, change.coefficients * approach, pressure.at_ends())
             indicators = expected_error(shares, rates)
-            pressure_error = float(indicators.max()) + FIELD_ROUNDING
-            error = pressure_error
+            error = pressure_error = float(indicators.max()) + FIELD_ROUNDING
             worst = float(rates[np.argmax(indicators)])
             if self.drives:
-                moved = self._moved(panels, change.coefficients * approach)
-                last = factored.change(solution, degrees=1)
-                lesser = self._moved(panels, last.coefficients * approach)
+                for one in (change, factored.change(solution, degrees=1)):
+                    lost = one.coefficients * approach
+                    field = PressureField(None, series_of(panels, lost))
+                    changes.append(NormalContact(compliance, 0.0, field, panels, lost, 0.0, 0.0))
         else:
             indicators, rates = energies, rates**2
             pressure_error, error = np.inf, approach_error
@@ -96,16 +90,10 @@ class _NormalProblem:
             coefficients,
             approach_error,
             pressure_error,
-            moved,
-            lesser,
+            tuple(changes),
             worst,
         )
         return Attempt(contact, error, indicators, rates, space.unknowns)
-
-    def _moved(self, panels: LogPanels, lost: Array) -> NormalContact:
-        """Return a change as a contact of its own."""
-        field = PressureField(None, series_of(panels, lost))
-        return NormalContact(self.compliance, 0.0, field, panels, lost, 0.0, 0.0)
 
 
 def solve_normal(

@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 from math import atanh, log, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.contact.drive import Drive
@@ -45,8 +44,9 @@ from spectral_contact.contact.resolution import (
     on_mesh,
     series_of,
     share_of_change,
+    starting_resolution,
 )
-from spectral_contact.contact.rim import SlipSource, disk_resolution, rim_target
+from spectral_contact.contact.rim import SlipSource, rim_target
 from spectral_contact.contact.slip_displacement import Stuck, largest_displacement
 from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
@@ -57,15 +57,13 @@ from spectral_contact.contact.stick_radius import (
     root_near,
     slope_at,
 )
-from spectral_contact.fields.series import EDGE, DiskSeries, Radius
+from spectral_contact.fields.series import EDGE, Array, DiskSeries, Radius
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.regularised import HARMLESS, Regularised
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["OneDisk", "OneDiskProblem", "solve_one_disk"]
-
-Array = NDArray[np.float64]
 
 #: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
 _NEAR = 1e-5
@@ -111,43 +109,27 @@ class _Trial:
 class OneDiskProblem:
     """Spaces for the stick disk; the radius is found anew in each of them."""
 
-    def __init__(
-        self,
-        drive: Drive,
-        beta: float,
-        friction: float,
-        tolerance: float,
-        guess: float | None = None,
-        near: tuple[float, float] | None = None,
-    ) -> None:
-        self.begin(drive, beta, friction, tolerance)
+    logit: float
+    slope: float
+
+    def __init__(self, drive: Drive, beta: float, friction: float, tolerance: float) -> None:
+        self.drive, self.beta, self.friction = drive, beta, friction
+        self.tolerance, self.alpha = tolerance, drive.contact.compliance
+
+    def rough_root(
+        self, guess: float | None, near: tuple[float, float] | None
+    ) -> tuple[float, float]:
+        """Return the radius, if there is no guess of it, and the slope there."""
         if guess is not None:  # in a space that sees a narrow annulus
-            space = self._resolution(guess, tolerance)
-
-            def mismatch(logit: float) -> float:
-                return self._trial(space, logit, TRIFLING * tolerance).mismatch
-
-            self.logit, self.slope = guess, slope_at(mismatch, guess)
-            return
-        if near is not None and beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
-            self.logit, self.slope = root_near(self._rough_mismatch, *near, _NEAR)
-            return
-        # the radius roughly: of a smooth surface, then of this pressure, then in small spaces
-        self.logit, self.slope = self._smooth_root()
-        if beta > 0.0:
-            self.logit, self.slope = root_near(self._rough_mismatch, *self._soft_root(), _NEAR)
-        elif self.alpha > 0.0:
-            self.logit, self.slope = root_near(
-                self._pressure_mismatch, self.logit, self.slope, _NEAR
-            )
-
-    def begin(self, drive: Drive, beta: float, friction: float, tolerance: float) -> None:
-        """Keep what is given."""
-        self.drive = drive
-        self.beta = beta
-        self.friction = friction
-        self.tolerance = tolerance
-        self.alpha = drive.contact.compliance
+            space, least = self._resolution(guess, self.tolerance), TRIFLING * self.tolerance
+            return guess, slope_at(lambda x: self._trial(space, x, least).mismatch, guess)
+        if near is not None and self.beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
+            return root_near(self._rough_mismatch, *near, _NEAR)
+        # of a smooth surface, then of this pressure, then in small spaces
+        smooth = self._smooth_root()
+        if self.beta > 0.0:
+            return root_near(self._rough_mismatch, *self._soft_root(*smooth), _NEAR)
+        return root_near(self._pressure_mismatch, *smooth, _NEAR) if self.alpha > 0.0 else smooth
 
     def _smooth_root(self) -> tuple[float, float]:
         """Return the radius on a smooth surface, and the slope there."""
@@ -169,10 +151,10 @@ class OneDiskProblem:
             logit = min(logit, 2.0 - log(self.alpha))
         return logit, slope / (2.0 * pi)
 
-    def _soft_root(self) -> tuple[float, float]:
+    def _soft_root(self, smooth: float, steep: float) -> tuple[float, float]:
         """Return the radius with tangential compliance, to some per cent, and the slope there."""
         # c grows like 2 beta f/kappa at first
-        start = max(self.logit, 2.0 * log(2.0 * self.beta * self.friction))
+        start = max(smooth, 2.0 * log(2.0 * self.beta * self.friction))
         if start <= LEAST_LOGIT:
             raise NoStickDiskError(at_centre=True)
         # what a disk of great compliance needs falls like 1/c
@@ -180,9 +162,9 @@ class OneDiskProblem:
         at_rim = self.drive.pressure.value(radius.rest)
         slope = 2.0 * self.friction * at_rim * self.beta / radius.value * radius.rest
         try:
-            return root_near(self._pressure_mismatch, start, self.slope + slope, PROBE, 1.0)
+            return root_near(self._pressure_mismatch, start, steep + slope, PROBE, 1.0)
         except NoStickDiskError:  # that of the estimate, not of the disk
-            return start, self.slope
+            return start, steep
 
     def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c) - m`` with the m that a disk needs, roughly.
@@ -206,8 +188,14 @@ class OneDiskProblem:
         return self._trial(self._resolution(logit, ROUGH), logit, ROUGH).mismatch
 
     def _resolution(self, logit: float, tolerance: float) -> Resolution:
-        """Return the first space for a disk of this radius."""
-        return disk_resolution(Radius.from_logit(logit), self.alpha, self.beta, tolerance)
+        """Return the first space: the layers are those of alpha, beta and the rim."""
+        radius, beta = Radius.from_logit(logit), self.beta
+        rim = max(self.alpha, radius.rest) / radius.square
+        # without compliance the traction beyond the slip annulus is singular down to its width
+        layer = (beta / radius.value) or radius.rest / radius.square
+        bends = (1.0 - log(min(rim, 1.0)),)
+        depth = -log(min(1.0, rim, layer))
+        return starting_resolution(depth, tolerance, root_tail=beta == 0.0, bends=bends)
 
     def start(self) -> Resolution:
         """Return the first space to try."""
@@ -342,10 +330,11 @@ class OneDiskProblem:
             # the rate is that of the panel whose change is largest; those that matter have others
             settling = SAFETY * max(normal.rate, LEAST_RATE) ** 2
             shift += max(_CANCELLING * settling, SAFETY if deep else 0.0) * max(swayed)
-            if deep and trial.unit > 0.0 and normal.change is not None:
+            if deep and trial.unit > 0.0:
                 # the change may vanish at the rim itself, what the tail lacks does not
-                assert normal.change.pressure.series is not None
-                largest = float(np.abs(normal.change.pressure.series.tail).sum())
+                lacking = changes[0].pressure.series
+                assert lacking is not None
+                largest = float(np.abs(lacking.tail).sum())
                 shift += SAFETY * self.friction * largest / trial.unit
             lost += settling * max(swept)
             strays = moved.target - space.half_integral(moved.coefficients)
@@ -416,5 +405,6 @@ def solve_one_disk(
     """
     if beta == 0.0 and friction > LARGEST_LOGIT:  # 1 - c falls like exp(-pi f/(2 kappa))
         raise NoStickDiskError(at_centre=False)
-    problem = OneDiskProblem(drive, beta, friction, tolerance, guess, near)
+    problem = OneDiskProblem(drive, beta, friction, tolerance)
+    problem.logit, problem.slope = problem.rough_root(guess, near)
     return refine(problem, tolerance, max_unknowns)

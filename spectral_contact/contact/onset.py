@@ -6,17 +6,14 @@ from collections.abc import Callable
 from math import inf, log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import DEEPEST, LEADING, places
-from spectral_contact.fields.series import PressureField, Radius
+from spectral_contact.fields.series import Array, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["UNRESOLVED_SLIP", "exceeded", "full_stick_violations", "is_narrow", "unresolved_slip"]
-
-Array = NDArray[np.float64]
+__all__ = ["UNRESOLVED_SLIP", "exceeded", "is_narrow", "unresolved_slip"]
 
 #: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
 #: square root of what the friction lacks, 1e-13 at best.
@@ -46,14 +43,15 @@ def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
 
 def exceeded(stick: FullStick, parameters: Parameters, friction: float | None = None) -> Layout:
     """Return slip where full stick exceeds friction, or another one, and stick elsewhere."""
-    if stick.pressure is None or stick.traction is None:
-        return Layout((), (0,))
+    pressure, traction = stick.pressure, stick.traction
+    assert pressure is not None
+    assert traction is not None
     depth, friction = _depth(parameters), parameters.friction if friction is None else friction
-    found = full_stick_violations(stick.pressure, stick, friction, depth)
+    found = _violations(pressure, traction, friction, depth, stick.critical_at)
     ends = [x for interval in found for x in interval if x < inf]
     middles = np.array([(low + min(high, depth)) / 2.0 for low, high in found])
     s = np.sqrt(-np.expm1(-middles))
-    signs = np.sign(stick.traction(s, np.exp(-middles) / (1.0 + s))).astype(int).tolist()
+    signs = np.sign(traction(s, np.exp(-middles) / (1.0 + s))).astype(int).tolist()
     states = [one for sign in signs for one in (0, sign)] + [0] * (len(ends) == 2 * len(found))
     return Layout(tuple(logit_at(one) for one in ends), tuple(states))
 
@@ -73,12 +71,10 @@ def _depth(parameters: Parameters) -> float:
     return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + LEADING
 
 
-def full_stick_violations(
-    pressure: PressureField, stick: FullStick, friction: float, depth: float
+def _violations(
+    pressure: PressureField, traction: DiskSeries, friction: float, depth: float, worst: float
 ) -> list[tuple[float, float]]:
     """Return the intervals of ``x = -ln y`` where full stick breaks |q| <= f p, as (low, high)."""
-    traction = stick.traction
-    assert traction is not None
 
     def excess(x: Array) -> Array:
         y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
@@ -89,7 +85,7 @@ def full_stick_violations(
         return np.asarray(np.minimum(ratio, 2.0 * friction) - friction)
 
     x = places(depth, 4001)
-    peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
+    peak = -log(worst) if worst > 0.0 else depth
     aside = np.exp(-places(DEEPEST, 200))
     near = peak + np.concatenate([-aside, [0.0], aside])
     x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))

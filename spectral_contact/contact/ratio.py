@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legder
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
@@ -18,13 +17,11 @@ from spectral_contact.contact.resolution import (
     places,
 )
 from spectral_contact.fields.legendre import legendre_sum
-from spectral_contact.fields.series import DiskSeries, PressureField
+from spectral_contact.fields.series import Array, DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
 
 __all__ = ["FullStick", "LargestRatio", "largest_ratio"]
-
-Array = NDArray[np.float64]
 
 #: A share bounds the change on its whole panel by moduli of coefficients. At the place of the
 #: largest q/p that is too much by far: without this factor the estimate was 34 times the error at
@@ -132,17 +129,7 @@ class LargestRatio(NamedTuple):
 
 
 def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
-    """Return q/p at the edge and at its largest.
-
-    Parameters
-    ----------
-    pressure : PressureField
-        Positive.
-    traction : DiskSeries
-        On the whole contact.
-    depth : float
-        ``-ln y`` down to which the maximum is looked for.
-    """
+    """Return q/p at the edge and at its largest, for ``-ln y`` up to a depth; p is positive."""
     alike = pressure.series is not None and pressure.series.on_panels_of(traction.series)
 
     def ratio(x: Array) -> Array:

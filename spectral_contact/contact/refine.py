@@ -8,14 +8,13 @@ from time import perf_counter
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields.series import Array
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 
 __all__ = ["Attempt", "Problem", "Refinement", "fitted", "refine"]
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 _LOG = logging.getLogger(__name__)
@@ -76,22 +75,11 @@ class Refinement(Generic[T]):
 def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refinement[T]:
     """Solve in growing spaces until the estimate meets the tolerance.
 
-    Parameters
-    ----------
-    problem : Problem
-        Supplies the first space and solves in any.
-    tolerance : float
-        Bound on the estimate of the relative error.
-    max_unknowns : int
-        No space beyond this is tried, unless even the lowest degrees exceed it.
-
-    Returns
-    -------
-    Refinement
+    No space of more than `max_unknowns` is tried, unless even the lowest degrees exceed that.
     """
     resolution = fitted(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
-    best: Refinement[T] | None = None
+    best: Attempt[T] | None = None
     stalled = 0
     while True:
         begin = perf_counter()
@@ -101,25 +89,20 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         )
         history.append(step)
         _LOG.debug("%d unknowns: estimate %.1e", step.unknowns, step.error)
-        if best is None or attempt.error < best.best.error:
-            stalled = 0
-            best = Refinement(attempt, resolution, Ending.CONVERGED, ())
-        else:
-            stalled += 1
-        if best.best.error <= tolerance:
+        stalled += 1
+        if best is None or attempt.error < best.error:
+            stalled, best, space = 0, attempt, resolution
+        spent = stalled >= 2 or len(history) >= _MAX_ATTEMPTS
+        if best.error <= tolerance:
             ending = Ending.CONVERGED
-        elif stalled >= 2 or len(history) >= _MAX_ATTEMPTS:
+        elif spent or (finer := _finer(resolution, attempt, tolerance)) == resolution:
             ending = Ending.ROUNDING
+        elif _size(finer) > max_unknowns:
+            ending = Ending.UNKNOWNS
         else:
-            finer = _finer(resolution, attempt, tolerance)
-            if finer == resolution:
-                ending = Ending.ROUNDING
-            elif _size(finer) > max_unknowns:
-                ending = Ending.UNKNOWNS
-            else:
-                resolution = finer
-                continue
-        return Refinement(best.best, best.resolution, ending, tuple(history))
+            resolution = finer
+            continue
+        return Refinement(best, space, ending, tuple(history))
 
 
 def _size(resolution: Resolution) -> int:
@@ -129,15 +112,11 @@ def _size(resolution: Resolution) -> int:
 
 def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     """Lower the highest degrees until the space fits."""
-    if _size(resolution) <= max_unknowns:
-        return resolution
-    degrees = resolution.degrees
-    while sum(degrees) + len(degrees) > max_unknowns:
-        top = max(degrees)
-        if top <= LEAST_DEGREE:
-            break  # the caller sees that even this is too large
-        degrees = tuple(min(n, top - 1) for n in degrees)
-    return replace(resolution, degrees=degrees)
+    # the caller sees where even the least is too large
+    while _size(resolution) > max_unknowns and (top := max(resolution.degrees)) > LEAST_DEGREE:
+        degrees = tuple(min(n, top - 1) for n in resolution.degrees)
+        resolution = replace(resolution, degrees=degrees)
+    return resolution
 
 
 def _finer(resolution: Resolution, attempt: Attempt[T], tolerance: float) -> Resolution:

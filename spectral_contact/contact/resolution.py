@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, inf, log
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import LogSeries, PressureField, Radius
+from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import EXTRA, TAIL_TERMS, legendre_projection_matrix
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
@@ -53,8 +53,6 @@ __all__ = [
     "table_rates",
 ]
 
-Array = NDArray[np.float64]
-
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
 #: That of what a closed form gives, of a pressure or a ratio at one place, and of a traction,
@@ -84,7 +82,7 @@ LEFT = 1e-2
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(
     "first spaces", 128, arrays=False
 )
-_LOAD_NODES: BoundedCache[LogPanels, tuple[Array, Array, int]] = BoundedCache("load nodes", 24)
+_LOAD_NODES: BoundedCache[LogPanels, tuple[Array, Array]] = BoundedCache("load nodes", 24)
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
@@ -131,12 +129,11 @@ class NormalContact:
         Its coefficients, for the transforms of the tangential problem.
     approach_error, pressure_error : float
         Estimates of the relative errors; of the pressure, pointwise.
-    change : NormalContact or None
+    changes : tuple of NormalContact
         What the top two degrees of every panel contribute, as a contact of its own: everything
-        tangential is linear in the pressure, so this shows how its error propagates.
-    lesser : NormalContact or None
-        The same of the top degree alone: where signs make the first small by accident, they do
-        not make this one.
+        tangential is linear in the pressure, so this shows how its error propagates. And the same
+        of the top degree alone: where signs make the first small by accident, they do not make
+        this one. Empty if it is not wanted.
     rate : float
         By what factor one more degree lowers the change.
     """
@@ -148,8 +145,7 @@ class NormalContact:
     coefficients: Array
     approach_error: float
     pressure_error: float
-    change: NormalContact | None = None
-    lesser: NormalContact | None = None
+    changes: tuple[NormalContact, ...] = ()
     rate: float = 0.0
 
 
@@ -315,17 +311,8 @@ def functional_error(
     It is the energy product of the errors of the solution and of its dual, panel by panel, so it
     falls as fast as the two together, and no sign can make it small by accident.
 
-    Parameters
-    ----------
-    factored : Regularised
-    functional : ndarray, shape (size,)
-        Values of the functional on the basis.
-    change : Change
-        Last change of the solution.
-    rates : ndarray, shape (panels,)
-        By what factor one more degree lowers it.
-    resolution : Resolution
-        The space.
+    The functional is given by its values on the basis; `change` is the last change of the solution,
+    and `rates`, of shape (panels,), are by what factor one more degree lowers it.
     """
     dual = factored.dual(functional)
     parts = np.sqrt(change.energies * factored.change(dual).energies)
@@ -379,25 +366,17 @@ def share_of_change(
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     """Return ``int basis * density(d) dd`` over (0, 1)."""
-    d, weights, points = _LOAD_NODES.get(panels, lambda: _load_nodes(panels))
-    values = weights * density(d)
-    count = panels.panels * points
-    own = values[:count].reshape(-1, points) @ legendre_projection_matrix(points, panels.degree)
-    tail = values[count:] @ legendre_projection_matrix(len(d) - count, TAIL_TERMS - 1)
-    return np.concatenate([own.ravel(), tail])
+    d, weights = _LOAD_NODES.get(panels, lambda: _load_nodes(panels))
+    values, points = weights * density(d), panels.tail_points
+    own = values[:-points].reshape(panels.panels, -1)
+    near = own @ legendre_projection_matrix(own.shape[1], panels.degree)
+    tail = values[-points:] @ legendre_projection_matrix(points, TAIL_TERMS - 1)
+    return np.concatenate([near.ravel(), tail])
 
 
-class _LoadNodes(NamedTuple):
-    """Nodes of `load_vector`, their weights but for Gauss's, and how many a panel has."""
-
-    d: Array
-    weights: Array
-    points: int
-
-
-def _load_nodes(panels: LogPanels) -> _LoadNodes:
-    x = panels.sampling(panels.degree + EXTRA)
-    near, tail = np.exp(-x), panels.tail_sampling()
-    weights = [panels.width / 2.0 * near.ravel(), np.full(len(tail), panels.end / 2.0)]
-    d = np.concatenate([near.ravel(), tail])
-    return _LoadNodes(d, np.concatenate(weights), x.shape[1])
+def _load_nodes(panels: LogPanels) -> tuple[Array, Array]:
+    """Return the nodes of `load_vector`, and their weights but for Gauss's."""
+    near = np.exp(-panels.sampling(panels.degree + EXTRA)).ravel()
+    tail = panels.tail_sampling()
+    weights = [panels.width / 2.0 * near, np.full(len(tail), panels.end / 2.0)]
+    return np.concatenate([near, tail]), np.concatenate(weights)

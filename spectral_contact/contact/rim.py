@@ -1,4 +1,4 @@
-"""What every solution with a central stick disk needs: its space and its target.
+"""What every solution with a central stick disk needs: its target.
 
 Near the rim the target is small against its parts, so it is built from differences that do not
 cancel.
@@ -12,19 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.resolution import TRIFLING, starting_resolution
-from spectral_contact.fields.series import PressureField, Radius
+from spectral_contact.contact.resolution import TRIFLING
+from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["RimRule", "SlipSource", "disk_resolution", "rim_target"]
-
-Array = NDArray[np.float64]
+__all__ = ["RimRule", "SlipSource", "rim_target"]
 
 _RULES: BoundedCache[tuple[int, int], RimRule] = BoundedCache("slip rules", 64)
 _GRIDS: BoundedCache[tuple[LogPanels, int, int], _Grid] = BoundedCache("slip at a rim", 24)
@@ -204,16 +201,6 @@ def _on_panels(starts: Array, widths: Array, points: int) -> tuple[Array, Array]
     g, w = gauss_rule(points)
     nodes = np.exp(-starts[:, None] - widths[:, None] * (1.0 + g) / 2.0)
     return nodes.ravel(), (nodes * (w * widths[:, None] / 2.0)).ravel()
-
-
-def disk_resolution(radius: Radius, alpha: float, beta: float, tolerance: float) -> Resolution:
-    """Return the first space for a stick disk: its layers are those of alpha, beta and the rim."""
-    rim = max(alpha, radius.rest) / radius.square
-    # without compliance the traction beyond the slip annulus is singular down to its width
-    layer = (beta / radius.value) or radius.rest / radius.square
-    bends = (1.0 - log(min(rim, 1.0)),)
-    depth = -log(min(1.0, rim, layer))
-    return starting_resolution(depth, tolerance, root_tail=beta == 0.0, bends=bends)
 
 
 def rim_target(

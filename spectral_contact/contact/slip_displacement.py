@@ -14,7 +14,6 @@ from math import ceil, log, pi
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import (
     DEEPEST,
@@ -28,6 +27,7 @@ from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
     EDGE,
     AnnulusSeries,
+    Array,
     DiskSeries,
     PressureField,
     Radius,
@@ -50,10 +50,7 @@ __all__ = [
     "free_displacement",
     "largest_displacement",
     "slip_displacement",
-    "slip_misfit",
 ]
-
-Array = NDArray[np.float64]
 
 #: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
 _MORE = 3.0
@@ -149,17 +146,7 @@ def slip_displacement(
 ) -> SlipFields:
     """Return the displacement on every slip zone.
 
-    Parameters
-    ----------
-    stuck, zones : list
-        The zones of both kinds, each ordered outward.
-    pressure : PressureField or ZonalField
-    beta, friction : float
-        ``beta*`` and ``f / kappa``.
-
-    Returns
-    -------
-    SlipFields
+    Zones of both kinds are ordered outward; friction is ``f / kappa``.
     """
     fields, samples, unresolved = [], [], 0.0
     for zone in zones:
@@ -259,18 +246,3 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     missing = float(last / np.abs(values).max())
     error = drive.contact.pressure_error + 2.0 * missing + FIELD_ROUNDING
     return DiskSeries(EDGE, series.times(-kappa)), error
-
-
-def slip_misfit(drive: Drive, annulus: Annulus, friction: float) -> tuple[Array, Array]:
-    """Return ``E = R - G`` at the sampling points of a slip zone that reaches the edge.
-
-    Parameters
-    ----------
-    drive : Drive
-    annulus : Annulus
-    friction : float
-        ``f / kappa``.
-    """
-    y, z = annulus.sampling
-    over = annulus.expand(annulus.halves(drive.pressure.at(y) / np.sqrt(z)))
-    return annulus.halves(drive.target(y) - friction * annulus.own_half_integral(over))

@@ -9,7 +9,6 @@ from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
@@ -25,12 +24,7 @@ from spectral_contact.contact.friction_law import (
 from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, ROUNDING, SAFETY, TINY
-from spectral_contact.contact.slip_displacement import (
-    Slipping,
-    annulus_between,
-    slip_displacement,
-    slip_misfit,
-)
+from spectral_contact.contact.slip_displacement import Slipping, annulus_between, slip_displacement
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -49,8 +43,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
 
 __all__ = ["PartialSlip", "all_slip", "everywhere", "no_slip", "one_disk_outcome", "zones_outcome"]
-
-Array = NDArray[np.float64]
 
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
 #: by 1, and zones that follow from less are made of noise.
@@ -97,11 +89,6 @@ class PartialSlip(ZoneNumbers):
     amiss: str = ""
     missing: tuple[Interval, ...] = ()
     layout: Layout | None = None
-
-    @property
-    def searched(self) -> bool:
-        """Whether one stick disk was not enough."""
-        return len(self.zones) > 2
 
     @property
     def settled(self) -> bool:
@@ -199,8 +186,6 @@ def zones_outcome(
 
     Parameters
     ----------
-    solved : ZoneSolution
-    parameters : Parameters
     drive : Drive, optional
         Of the pressure, if it was given.
     felt : bool
@@ -235,7 +220,11 @@ def _to_the_edge(
     alpha, inner = drive.contact.compliance, solved.radii[0]
     layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
     annulus = annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
-    slipping = Slipping(annulus, 1, slip_misfit(drive, annulus, friction))
+    y, z = annulus.sampling
+    over = annulus.expand(annulus.halves(drive.pressure.at(y) / np.sqrt(z)))
+    # E = R - G
+    misfit = annulus.halves(drive.target(y) - friction * annulus.own_half_integral(over))
+    slipping = Slipping(annulus, 1, misfit)
     parameters = Parameters(alpha, beta, 1.0, friction)
     return _held(solved, drive.pressure, sticks, excess, [slipping], parameters)
 

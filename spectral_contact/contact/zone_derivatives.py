@@ -26,6 +26,7 @@ from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import ROUNDING, series_of
 from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
+from spectral_contact.contact.zone_newton import ZoneState
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import (
     CENTRE,
@@ -127,7 +128,7 @@ class _AtBoundaries:
         for step in range(steps):
             system = problem.system(self.spaces, problem.logits)
             factors = factored(system)
-            self.state = problem.settled(factors, _LEFT)
+            self.state = problem.settled(ZoneState.begin(factors), _LEFT)
             if step == 0:
                 self.moved = self._moved(factors)
             if step + 1 < steps:
@@ -146,7 +147,8 @@ class _AtBoundaries:
                 logits = begin + _WIDTH * problem.narrowest * node * own
                 system = problem.system(self.spaces, logits)
                 own_factors = factors if near else factored(system)
-                state = problem.settled(own_factors, _LEFT, system, self.state)
+                state = replace(self.state, system=system, factored=own_factors)
+                state = problem.settled(state, _LEFT)
                 shear = state.approach * system.total_shear(state.solution)
                 values.append([*state.mismatch, state.approach, shear])
             rows.append(_SLOPE @ np.array(values) / problem.narrowest)

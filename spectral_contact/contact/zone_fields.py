@@ -9,13 +9,13 @@ from math import atan, ceil, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import LEADING
 from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import (
     AnnulusSeries,
+    Array,
     DiskSeries,
     LogSeries,
     PressureField,
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
 
 __all__ = ["in_stick", "positive", "pressure_field", "stick_series"]
-
-Array = NDArray[np.float64]
 
 
 def positive(solved: ZoneSolution) -> bool:

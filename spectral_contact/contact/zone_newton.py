@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.resolution import LEFT, TINY, TRIFLING
 from spectral_contact.contact.stick_radius import NOISE
+from spectral_contact.fields.series import Array
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.threads import cached_property
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.tangential import Tangential
 
 __all__ = ["Effect", "ZoneState", "ZonesNewton", "longest", "through_secants"]
-
-Array = NDArray[np.float64]
 
 
 class Effect(NamedTuple):
@@ -44,6 +42,7 @@ class Effect(NamedTuple):
     approach: float
 
 
+@dataclass(eq=False)
 class ZoneState:
     """The solution for unit approach with a continuous traction.
 
@@ -57,15 +56,15 @@ class ZoneState:
         They make the traction continuous; without tangential compliance they are zero.
     """
 
-    def __init__(
-        self, system: Tangential, factored: Factored, solution: Array, lifts: Array
-    ) -> None:
-        self.system, self.factored = system, factored
-        self.solution, self.lifts = solution, lifts
+    system: Tangential
+    factored: Factored
+    solution: Array
+    lifts: Array
 
     @classmethod
-    def begin(cls, system: Tangential, factored: Factored) -> ZoneState:
+    def begin(cls, factored: Factored) -> ZoneState:
         """Return a first solution: that of a symmetric matrix, or nothing, to be corrected."""
+        system = factored.system
         solution, lifts = np.zeros(system.unknowns), np.zeros(len(system.radii))
         if system.given:
             solution[0] = 1.0
@@ -73,14 +72,6 @@ class ZoneState:
             solution[: system.count] = system.load
             solution = factored.step(solution)
         return cls(system, factored, solution, lifts)
-
-    def at(self, system: Tangential) -> ZoneState:
-        """Return the same coefficients with other boundaries."""
-        return ZoneState(system, self.factored, self.solution, self.lifts)
-
-    def by(self, factored: Factored) -> ZoneState:
-        """Return the same, to be corrected with other factors."""
-        return ZoneState(self.system, factored, self.solution, self.lifts)
 
     def _continuous(self, values: Array) -> tuple[Array, Array]:
         """Return the lifts that take the jumps out of a vector, and what they make of it."""
@@ -95,7 +86,7 @@ class ZoneState:
         """Return a better solution, and by how much it is changed."""
         missed = self.system.residual(self.solution[:, None], np.ones(1), self.lifts[:, None])
         lifts, solution = self._continuous(self.solution + self.factored.step(missed)[:, 0])
-        better = ZoneState(self.system, self.factored, solution, self.lifts + lifts)
+        better = replace(self, solution=solution, lifts=self.lifts + lifts)
         return better, solution - self.solution
 
     def bearing(self, values: Array) -> float:
@@ -120,18 +111,14 @@ class ZoneState:
         """
         drive, _ = self.system.balances
         lifts = share * self.mismatch * (drive @ self.solution)
-        return self._at_unit_load(self.factored.responses @ lifts, lifts)
+        return self._at_unit_load(lifts, self.factored.responses @ lifts)
 
     def effects(self) -> list[Effect]:
         """Return what the top two degrees of every panel contribute, and what the top one does."""
-        return [self._moved(one) for one in self.factored.change(self.solution, self.system)]
+        changes = self.factored.change(self.solution, self.system)
+        return [self._at_unit_load(*self._continuous(one)) for one in changes]
 
-    def _moved(self, change: Array) -> Effect:
-        """Return what a change at given lifts becomes with a continuous traction and unit load."""
-        lifts, change = self._continuous(change)
-        return self._at_unit_load(change, lifts)
-
-    def _at_unit_load(self, change: Array, lifts: Array) -> Effect:
+    def _at_unit_load(self, lifts: Array, change: Array) -> Effect:
         drive, balance = self.system.balances
         raised = -self.bearing(change) / self.bearing(self.solution)
         return Effect(
@@ -277,7 +264,7 @@ class ZonesNewton:
     ) -> None:
         self._problem, self._spaces, self._settle = problem, spaces, settle
         self._factors = factors or problem.factored(problem.system(spaces, problem.logits))
-        self.state = ZoneState.begin(self._factors.system, self._factors)
+        self.state = ZoneState.begin(self._factors)
         self.left, self._begin, self._before, self._stalled = 0.0, problem.logits, inf, 0
         self._pace, self._move = _Pace(problem.thinnest), _NOTHING
         self._secants: list[tuple[Array, Array]] = []
@@ -369,13 +356,14 @@ class ZonesNewton:
         if problem.near and self._stalled > _MOST_STALLED:
             raise NoBoundariesError("no boundaries near by")
         problem.logits, self._before = problem.logits + step, off
-        self.state = self.state.at(problem.system(self._spaces, problem.logits))
+        self.state = replace(self.state, system=problem.system(self._spaces, problem.logits))
         self._pace.alike = 0
         return problem.drift(self._begin) > problem.far
 
     def _factored(self, *, exact: bool) -> None:
         self._factors = factored(self.state.system, exact=exact)
-        self.state, self._begin = self.state.by(self._factors), self._problem.logits
+        self.state = replace(self.state, factored=self._factors)
+        self._begin = self._problem.logits
         self._pace.alike = -_FIRST if self._pace.lossy else 0
 
 

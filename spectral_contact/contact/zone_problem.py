@@ -8,11 +8,11 @@ of its boundary.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
@@ -21,20 +21,19 @@ from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TINY, TRIFLING, joined
 from spectral_contact.contact.stick_radius import NOISE, root_near
-from spectral_contact.contact.zone_assessment import ZoneSolution, assessed, shares_of, sizes_of
+from spectral_contact.contact.zone_assessment import Assessment, ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
 from spectral_contact.contact.zone_spaces import first_spaces, parted, with_known_slip
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
+from spectral_contact.threads import cached_property
 
 __all__ = ["FreeBoundaryProblem", "differences", "solve_coupled_slip", "solve_zones"]
-
-Array = NDArray[np.float64]
 
 #: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
 _UNFELT = -40.0
@@ -92,7 +91,9 @@ class FreeBoundaryProblem:
         self.tolerance = tolerance if pointwise else float(np.sqrt(tolerance))
         self.states = layout.states
         self.logits = np.array(layout.logits)
-        self._slopes = layout.slopes if layout.logits else np.zeros((0, 0))
+        slopes = layout.slopes if layout.logits else np.zeros((0, 0))
+        if slopes is not None:
+            self.slopes = slopes
         self.near = layout.slopes is not None
 
     @property
@@ -101,25 +102,14 @@ class FreeBoundaryProblem:
         slopes = self.slopes  # boundaries are found with them
         return Layout(tuple(self.logits.tolist()), self.states, slopes)
 
-    @property
+    @cached_property
     def slopes(self) -> Array:
-        """By how much the conditions rise with the boundaries, as logits."""
-        if self._slopes is None:
-            self._look_near()
-        assert self._slopes is not None
-        return self._slopes
-
-    @slopes.setter
-    def slopes(self, slopes: Array) -> None:
-        self._slopes = slopes
-
-    def _look_near(self) -> None:
-        """Find the boundaries roughly, and the slopes of their conditions."""
+        """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
             near = float(self.logits[0]), 0.5, ROUGH, 1.0, _UNFELT
-            root = root_near(lambda logit: float(self.rough([logit]).mismatch[0]), *near)
-            self.logits, self._slopes = np.array(root[:1]), np.array([root[1:]])
-            return
+            root = root_near(lambda logit: float(self.rough(logit).mismatch[0]), *near)
+            self.logits = np.array(root[:1])
+            return np.array([root[1:]])
         begin, (spaces, factors) = self.logits, self._sloped()
         settle = min(ROUGH, 0.5 * _STALE * self.narrowest)
         state = ZonesNewton(self, spaces, settle, factors).run(ROUGH)
@@ -129,25 +119,26 @@ class FreeBoundaryProblem:
             raise NoBoundariesError("no such boundaries are found")
         if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
             self._sloped()
+        return self.slopes
 
-    def rough(self, logits: Sequence[float]) -> ZoneState:
-        """Return the contact with given boundaries, as logits, in a small space."""
-        at = np.array(logits)
+    def rough(self, logit: float) -> ZoneState:
+        """Return the contact with one given boundary in a small space."""
+        at = np.array([logit])
         system = self.system(self.spaces(PROBE, at), at)
-        return self.settled(self.factored(system), ROUGH)
+        return self.settled(ZoneState.begin(self.factored(system)), ROUGH)
 
     def _sloped(self, aim: float = _SLOPING) -> tuple[list[Resolution], Factored]:
         """Find the slopes of the conditions in a small space; return it and its factors."""
         spaces = self.spaces(ROUGH)
         factors = self.factored(self.system(spaces, self.logits))
-        begin = self.settled(factors, aim)
+        begin = self.settled(ZoneState.begin(factors), aim)
 
         def conditions(logits: Array) -> Array:
             system = self.system(spaces, logits)
             own = factors if self.drift(logits) <= self.far else self.factored(system)
-            return self.settled(own, aim, system, begin).mismatch
+            return self.settled(replace(begin, system=system, factored=own), aim).mismatch
 
-        self._slopes = differences(conditions, self.logits)
+        self.slopes = differences(conditions, self.logits)
         return spaces, factors
 
     # spaces
@@ -198,19 +189,8 @@ class FreeBoundaryProblem:
 
     # solutions
 
-    def settled(
-        self,
-        factored: Factored,
-        aim: float,
-        system: Tangential | None = None,
-        begin: ZoneState | None = None,
-    ) -> ZoneState:
-        """Correct a solution at given boundaries, of the factors or near, as far as is aimed.
-
-        It begins with that of boundaries near by, or from nothing.
-        """
-        own = system or factored.system
-        state = begin.at(own).by(factored) if begin else ZoneState.begin(own, factored)
+    def settled(self, state: ZoneState, aim: float) -> ZoneState:
+        """Correct a solution at given boundaries, as far as is aimed."""
         size = inf
         for _ in range(_CORRECTIONS):
             state, change = state.corrected()
@@ -255,7 +235,7 @@ class FreeBoundaryProblem:
         state = newton.run(max(least, 2.0 * ROUNDING))
         if not newton.settled:  # next to the onset of a zone steps say nothing of slopes
             self._sloped(ROUNDING)
-        return assessed(self, spaces, state, newton.left)
+        return Assessment(self, spaces, state, newton.left).attempt()
 
 
 def _radii(logits: Array) -> tuple[Radius, ...]:

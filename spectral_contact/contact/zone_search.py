@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
@@ -80,6 +80,8 @@ class ZoneSearch(ABC):
         Most unknowns of a space.
     record : callable
         Takes the name of a step, its outcome and its beginning, returns the value.
+    near : Layout, optional
+        Zones that come first, as `PartialSlip.layout` of a like scene has them.
     """
 
     parameters: Parameters
@@ -87,6 +89,7 @@ class ZoneSearch(ABC):
     tolerance: float
     max_unknowns: int
     record: Record
+    near: Layout | None = field(default=None, kw_only=True)
     _reasons: list[str] = field(default_factory=list, init=False)
 
     def outcome(self) -> PartialSlip:
@@ -179,15 +182,12 @@ class DrivenSearch(ZoneSearch):
     ----------
     drive : Drive
         Of the pressure.
-    near : Layout, optional
-        Where the search begins, as `PartialSlip.layout` of a like scene has it.
     pointwise : bool
         Whether the tolerance bounds q/s. If not, and slip is inside, it bounds the total shear
         and the stick radius, which need less.
     """
 
     drive: Drive
-    near: Layout | None = None
     pointwise: bool = True
     _disk: PartialSlip | None = field(default=None, init=False)
 
@@ -287,8 +287,8 @@ class DrivenSearch(ZoneSearch):
         disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
         outcome = one_disk_outcome(self.drive, disk, beta, friction, self.tolerance)
-        result: PartialSlip = self.record(SLIP_FIELD, outcome, begin)
-        return result
+        self.record(SLIP_FIELD, outcome, begin)
+        return outcome
 
     def _solved(self, layout: Layout) -> PartialSlip:
         if layout.states == (0, 1):
@@ -299,8 +299,6 @@ class DrivenSearch(ZoneSearch):
 
     def _refined(self, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these."""
-        from spectral_contact.contact.layout import NoBoundariesError
-
         if self.pointwise:
             return self._to(self.tolerance, layout)
         loose = self._to(self.tolerance**_SUPERCONVERGENCE, layout)
@@ -329,14 +327,7 @@ class CoupledSearch(ZoneSearch):
 
     Guesses are narrow slip where full stick breaks the law, what an active set finds on rings, and
     one stick disk. Of 600 random scenes, half of them at thresholds, none needed another one.
-
-    Parameters
-    ----------
-    near : Layout, optional
-        Zones with slopes, as a like scene has them: they come first.
     """
-
-    near: Layout | None = None
 
     def _tried(self) -> Iterator[PartialSlip]:
         if self.near is not None:

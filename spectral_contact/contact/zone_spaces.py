@@ -12,7 +12,6 @@ from itertools import accumulate, pairwise
 from math import atanh, ceil, log, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
@@ -25,20 +24,15 @@ __all__ = [
     "first_spaces",
     "leading_depth",
     "parted",
-    "root_error",
     "rounding_depth",
     "thinnest_layer",
     "with_known_slip",
     "without_rounding",
 ]
 
-Array = NDArray[np.float64]
-
 #: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
 #: in ``-ln d``, as where they end is felt for a while.
 _CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0
-#: Error at an end with a root there, relative to the change of the tail: 1.9, measured.
-_ROOT = 2.5
 #: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, as on the second
 #: panel, and on the first one, on the disk, above its rim, where the far end is a singularity ln 2
 #: before it, and at the edge.
@@ -101,22 +95,10 @@ def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolutio
     return Resolution(replace(space.panels, panels=len(degrees)), degrees)
 
 
-def root_error(panels: LogPanels, change: Array, at_end: float) -> float:
-    """Return the error of a field at an end where it has a root: no degree of a panel helps."""
-    return _ROOT * float(np.abs(change[-panels.tail_terms :]).sum() / abs(at_end))
-
-
 def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:
-    """Return the spaces of all parts; the pressure under a smooth edge has its singularity.
+    """Return the spaces of all parts, with their numbers of panels, from what `joined` returns.
 
-    Parameters
-    ----------
-    resolution : Resolution
-        As `joined` returns it.
-    counts : sequence of int
-        Numbers of panels.
-    alpha : float
-        ``alpha*``.
+    The pressure under a smooth edge has its singularity.
     """
     spaces, bounds = [], list(accumulate(counts, initial=0))
     for a, b in pairwise(bounds):

@@ -20,6 +20,7 @@ __all__ = [
     "CENTRE",
     "EDGE",
     "AnnulusSeries",
+    "Array",
     "DiskSeries",
     "EdgeWeight",
     "LogSeries",

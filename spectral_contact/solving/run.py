@@ -333,7 +333,7 @@ class Run:
         """Copy the outcome of partial slip, with everything tangential scaled."""
         reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
         self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
-        if solved.searched:
+        if len(solved.zones) > 2:
             found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
             self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, found)
         else:
