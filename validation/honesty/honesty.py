@@ -110,6 +110,12 @@ def violations_of(row: dict) -> list[dict]:
     ]
 
 
+def undecided(row: dict) -> bool:
+    """Return whether an error is above its estimate by no more than its truth may be off."""
+    found = row.get("errors", {}).values()
+    return not violations_of(row) and any(violates(error, bound, 0.0) for error, bound, _ in found)
+
+
 def study(
     count: int,
     seed: int,
@@ -180,6 +186,7 @@ def record_of(rows: list[dict], seeds: list[int], name: str) -> dict:
         "by_reference": sum(row.get("exact", False) for row in rows),
         "unconverged": sum(row.get("unconverged", False) for row in rows),
         "differing_zones": sum(row.get("differing", False) for row in rows),
+        "undecided": sum(map(undecided, rows)),
         "summary": summary,
         "violations": violations,
     }
@@ -192,8 +199,9 @@ def table(record: dict) -> str:
         f"{record['by_reference']} of them "
         f"against solutions to 20 digits; {record['unconverged']} did not "
         f"converge and said so; in {record['differing_zones']}, at the onset of a zone, the two "
-        "solves differ in zones. The ratio is that of the estimate to the true error or ten "
-        "roundings, whichever is larger; where no digit is known the estimate is infinite.",
+        f"solves differ in zones; in {record['undecided']} an error is above its estimate, but by "
+        "no more than the truth may be off. The ratio is that of the estimate to the true error or "
+        "ten roundings, whichever is larger; where no digit is known the estimate is infinite.",
         "",
         "| quantity | scenes | violations | no digit known | ratio at 5, 50, 95 % | within 100 |",
         "|---|---|---|---|---|---|",
@@ -264,9 +272,9 @@ def main() -> None:
     name = "honesty_coupled" if options.coupled else "honesty"
     store = options.store or Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl"
     rows = study(*counts, store, stale=options.stale, coupled=options.coupled)
-    for other in options.also:  # of other seeds, or of the sources before
-        each = map(json.loads, other.read_text(encoding="utf-8").splitlines())
-        rows += {(row["seed"], row["number"]): row for row in each}.values()  # the last of each
+    texts = [other.read_text(encoding="utf-8") for other in options.also]
+    each = [json.loads(line) for text in texts for line in text.splitlines()]
+    rows += {(row["seed"], row["number"]): row for row in each}.values()  # the last of each
     record = record_of(rows, sorted({row["seed"] for row in rows}), name)
     options.results.mkdir(exist_ok=True)
     text, file = json.dumps(record, indent=1), options.results / (options.name or name)

@@ -168,7 +168,7 @@ MUTANTS = (
     Mutant(
         "slip is known where its zone is not",
         f"{_CONTACT}/friction_law.py",
-        "return 10.0 * share * sqrt(share)",
+        "return _LOOSE * share * sqrt(share)",
         "return 0.0",
         f"{_UNIT}/contact/test_friction_law.py",
     ),
@@ -217,14 +217,14 @@ MUTANTS = (
     ),
     Mutant(
         "distances to a radius next to the edge cancel",
-        f"{_PACKAGE}/fields/series.py",
+        f"{_PACKAGE}/fields/radius.py",
         "np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)",
         "self.value - s",
         f"{_UNIT}/fields/test_fields.py",
     ),
     Mutant(
         "radii next to the edge lose their distance",
-        f"{_PACKAGE}/fields/series.py",
+        f"{_PACKAGE}/fields/radius.py",
         "return cls(value, outside / total / (1.0 + value))",
         "return cls(value, 1.0 - value)",
         f"{_UNIT}/fields/test_fields.py",

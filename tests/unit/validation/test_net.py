@@ -18,6 +18,7 @@ sys.path += [
     if folder.name != "results"
 ]
 
+import honesty
 import net_checks
 import net_speed
 from honesty_errors import compare, violates
@@ -43,6 +44,15 @@ def seen(solution, **changed):
 def violated(solution, truth):
     found = compare(solution, truth, truth.at)
     return {name for name, triple in found.items() if violates(*triple)}
+
+
+@pytest.mark.parametrize(
+    ("own", "violations", "undecided"), [(1e-12, 1, False), (1e-6, 0, True), (math.inf, 0, True)]
+)
+def test_a_truth_that_is_not_known_decides_nothing(own, violations, undecided):
+    row = {"errors": {"approach": (1e-7, 1e-9, own), "pressure": (1e-12, 1e-9, own)}}
+    assert len(honesty.violations_of(row)) == violations
+    assert honesty.undecided(row) is undecided
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-9])
