@@ -21,8 +21,6 @@ from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_operators
 
-__all__ = ["RingLaw", "RingLayout", "RingState", "Settled", "ring_layout", "settle"]
-
 Integers = NDArray[np.int_]
 
 #: Changes of all wrong rings that may fail to lower their number, before one changes at a time;

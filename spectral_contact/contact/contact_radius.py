@@ -21,8 +21,6 @@ from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.errors import SceneError
 from spectral_contact.profiles.base import Profile
 
-__all__ = ["Contact", "RadiusScale", "Solver", "find_radius", "indenter", "value_of"]
-
 Contact = Indentation | Refinement[Indentation]
 #: The contact of a radius, to a tolerance, and whether the pressure is wanted.
 Solver = Callable[[float, float, bool], Contact]

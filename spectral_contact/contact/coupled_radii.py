@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import ZoneState
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
-__all__ = ["PossibleRadius", "scanned", "stick_radii"]
-
 #: How far past the layers radii are looked at, as logits.
 _PAST = 8.0
 #: Half the width, as a logit, of what a radius is told apart by.

@@ -23,8 +23,6 @@ from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import EDGE, DiskSeries, LogSeries, PressureField
 from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["solve_coupled_stick"]
-
 
 def solve_coupled_stick(
     alpha: float,

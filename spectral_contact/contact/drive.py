@@ -24,8 +24,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.contact.normal import NormalContact
 
-__all__ = ["Drive", "Targets"]
-
 _NODES, _FIT = chebyshev_interpolation(14)
 _J, _K = np.ogrid[:13, :14]
 #: From a Chebyshev series f to that of ``(f(x) - f(-1)) / (x + 1)``.

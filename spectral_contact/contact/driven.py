@@ -22,8 +22,6 @@ from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import Misfit, Tangential
 from spectral_contact.threads import cached_property
 
-__all__ = ["Driven"]
-
 Degrees = tuple[int, ...]
 
 

@@ -13,17 +13,6 @@ from spectral_contact.fields.series import Array
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parts import gap
 
-__all__ = [
-    "DISTANCES",
-    "Interval",
-    "hidden_stick",
-    "known_share",
-    "loose_slip",
-    "missing_stick",
-    "obeys",
-    "stick_excess",
-]
-
 Interval: TypeAlias = tuple[float, float]
 
 #: Slip in the wrong sense that rounding makes, relative to the largest.

@@ -31,8 +31,6 @@ from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.spaces import unit_space
 
-__all__ = ["solve_full_stick"]
-
 
 class _StickProblem:
     """Spaces for the full-stick problem; see `solve_full_stick`."""

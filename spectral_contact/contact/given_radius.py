@@ -22,8 +22,6 @@ from spectral_contact.contact.stick_radius import NoStickDiskError
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import Resolution
 
-__all__ = ["radius_slopes", "solve_given_radius"]
-
 Array = NDArray[np.float64]
 
 #: Half the logit over which the slope of continuity is taken: it errs by the square, relative.

@@ -33,8 +33,6 @@ from spectral_contact.spectral.panels import LogPanels, Resolution, Used
 from spectral_contact.spectral.regularised import Change, Regularised
 from spectral_contact.spectral.spaces import Space, disk_space
 
-__all__ = ["glance", "solve_indentation"]
-
 Array = NDArray[np.float64]
 
 #: Places next to the edge, in units of the layer, where the pressure's slope is taken.

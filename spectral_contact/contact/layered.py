@@ -27,8 +27,6 @@ from spectral_contact.spectral.panels import Resolution
 if TYPE_CHECKING:
     from spectral_contact.contact.layered_spaces import Form
 
-__all__ = ["Layered", "at_centre"]
-
 Array = NDArray[np.float64]
 
 #: Of errors of integrals, as in `indented`; of what two spaces differ by, and of the stiffness.

@@ -26,8 +26,6 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution
 
-__all__ = ["CellProblem", "LayeredProblem", "layered_contact", "solve_layered"]
-
 Contact = Refinement[Indentation]
 
 #: Steps in all.

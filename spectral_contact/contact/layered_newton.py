@@ -21,8 +21,6 @@ from spectral_contact.spectral.regularised import Change
 if TYPE_CHECKING:
     from spectral_contact.contact.layered_spaces import Form
 
-__all__ = ["LayeredFields", "LayeredNewton", "LayeredSetting", "Totals", "balanced"]
-
 Array = NDArray[np.float64]
 
 #: ``N`` of the pressure 1 on the unit disk, at its centre.

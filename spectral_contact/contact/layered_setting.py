@@ -23,8 +23,6 @@ from spectral_contact.profiles.shapes import Flat
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.parts import Parts
 
-__all__ = ["has_edge", "setting_at_approach", "setting_at_radius"]
-
 Array = NDArray[np.float64]
 
 #: Share of the pressure at the centre at which the disk ends.

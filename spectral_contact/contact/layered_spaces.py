@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.on_parts import (
     edge_value,
     field_of,
@@ -16,7 +17,6 @@ from spectral_contact.contact.on_parts import (
     split_parts,
 )
 from spectral_contact.contact.resolution import (
-    NormalContact,
     expected_error,
     panel_table,
     series_of,
@@ -30,8 +30,6 @@ from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
 from spectral_contact.spectral.spaces import disk_space
-
-__all__ = ["CellForm", "Form", "PanelForm"]
 
 Array = NDArray[np.float64]
 Indicators = tuple[Array, Array]

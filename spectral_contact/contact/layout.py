@@ -15,8 +15,6 @@ from spectral_contact.fields.series import CENTRE, EDGE, Radius
 if TYPE_CHECKING:
     from spectral_contact.contact.slip_displacement import Stuck
 
-__all__ = ["Layout", "NoBoundariesError", "SolvedZones", "ZoneNumbers", "logit_at"]
-
 
 class NoBoundariesError(ArithmeticError):
     """There are no such boundaries near by."""

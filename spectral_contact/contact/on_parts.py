@@ -40,18 +40,6 @@ from spectral_contact.spectral.regularised import Change
 if TYPE_CHECKING:
     from spectral_contact.contact.normal import NormalContact
 
-__all__ = [
-    "Indentation",
-    "PartedProblem",
-    "edge_value",
-    "field_of",
-    "first_space",
-    "pointwise_errors",
-    "profile_parts",
-    "series_on_parts",
-    "split_parts",
-]
-
 Array = NDArray[np.float64]
 
 #: A part that ends at a break is seen from beyond it: its first two panels take so many degrees

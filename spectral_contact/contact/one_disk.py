@@ -63,8 +63,6 @@ from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.regularised import HARMLESS, Regularised
 from spectral_contact.spectral.spaces import unit_space
 
-__all__ = ["OneDisk", "OneDiskProblem", "solve_one_disk"]
-
 #: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
 _NEAR = 1e-5
 #: Panels cancel in both changes of the pressure at times: of 2000 errors of a radius one was 4.5

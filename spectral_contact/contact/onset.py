@@ -13,8 +13,6 @@ from spectral_contact.contact.resolution import DEEPEST, LEADING, places
 from spectral_contact.fields.series import Array, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["UNRESOLVED_SLIP", "exceeded", "is_narrow", "unresolved_slip"]
-
 #: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
 #: square root of what the friction lacks, 1e-13 at best.
 UNRESOLVED_SLIP = 1e-6

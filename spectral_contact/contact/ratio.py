@@ -21,8 +21,6 @@ from spectral_contact.fields.series import Array, DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["FullStick", "LargestRatio", "largest_ratio"]
-
 #: A share bounds the change on its whole panel by moduli of coefficients. At the place of the
 #: largest q/p that is too much by far: without this factor the estimate was 34 times the error at
 #: the least, over 45 random scenes whose error exceeds rounding.

@@ -13,8 +13,6 @@ from spectral_contact.fields.series import Array
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 
-__all__ = ["Attempt", "Problem", "Refinement", "fitted", "refine"]
-
 T = TypeVar("T")
 
 _LOG = logging.getLogger(__name__)

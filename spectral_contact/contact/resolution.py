@@ -3,55 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil, inf, log
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
+from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import EXTRA, TAIL_TERMS, legendre_projection_matrix
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.regularised import Change, Regularised
-
-__all__ = [
-    "CENTRE_ROUNDS",
-    "CLOSED_FORM_ROUNDING",
-    "DEEPEST",
-    "FIELD_ROUNDING",
-    "LEADING",
-    "LEAST_RATE",
-    "LEFT",
-    "PANEL_WIDTH",
-    "PROBE",
-    "ROUGH",
-    "ROUNDING",
-    "SAFETY",
-    "TINY",
-    "TRACTION_ROUNDING",
-    "TRIFLING",
-    "NormalContact",
-    "boundary_error",
-    "decay_rates",
-    "expected_error",
-    "functional_error",
-    "joined",
-    "load_vector",
-    "nearness",
-    "on_mesh",
-    "panel_of",
-    "panel_table",
-    "places",
-    "series_of",
-    "share_of_change",
-    "slip_degree",
-    "starting_resolution",
-    "table_rates",
-]
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
@@ -109,44 +74,6 @@ _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], 
 )
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
-
-
-@dataclass(frozen=True, slots=True)
-class NormalContact:
-    """Solution of the normal problem for unit load.
-
-    Attributes
-    ----------
-    compliance : float
-        ``alpha*``.
-    approach : float
-        ``delta*``.
-    pressure : PressureField
-        ``p*``.
-    panels : LogPanels or None
-        Where the series lives; None on a smooth surface, which needs none.
-    coefficients : ndarray
-        Its coefficients, for the transforms of the tangential problem.
-    approach_error, pressure_error : float
-        Estimates of the relative errors; of the pressure, pointwise.
-    changes : tuple of NormalContact
-        What the top two degrees of every panel contribute, as a contact of its own: everything
-        tangential is linear in the pressure, so this shows how its error propagates. And the same
-        of the top degree alone: where signs make the first small by accident, they do not make
-        this one. Empty if it is not wanted.
-    rate : float
-        By what factor one more degree lowers the change.
-    """
-
-    compliance: float
-    approach: float
-    pressure: PressureField
-    panels: LogPanels | None
-    coefficients: Array
-    approach_error: float
-    pressure_error: float
-    changes: tuple[NormalContact, ...] = ()
-    rate: float = 0.0
 
 
 def starting_resolution(

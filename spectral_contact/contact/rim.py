@@ -21,8 +21,6 @@ from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, ro
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["RimRule", "SlipSource", "rim_target"]
-
 _RULES: BoundedCache[tuple[int, int], RimRule] = BoundedCache("slip rules", 64)
 _GRIDS: BoundedCache[tuple[LogPanels, int, int], _Grid] = BoundedCache("slip at a rim", 24)
 #: Width in ``-ln`` of the panels that are graded to an end: a unit takes 4.7 points, and 6 with 2.

@@ -42,16 +42,6 @@ from spectral_contact.spectral.parts import Family, Points, gap
 if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive
 
-__all__ = [
-    "SlipFields",
-    "Slipping",
-    "Stuck",
-    "annulus_between",
-    "free_displacement",
-    "largest_displacement",
-    "slip_displacement",
-]
-
 #: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
 _MORE = 3.0
 #: By how much less the displacement is off than E, through an integral over 1/sqrt(d) of it.

@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.one_disk import OneDisk
     from spectral_contact.contact.zone_assessment import ZoneSolution
 
-__all__ = ["PartialSlip", "all_slip", "everywhere", "no_slip", "one_disk_outcome", "zones_outcome"]
-
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
 #: by 1, and zones that follow from less are made of noise.
 _DOUBTFUL = 0.5

@@ -25,8 +25,6 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Parts, Points, gap
 from spectral_contact.threads import cached_property
 
-__all__ = ["KnownContact", "SmoothPressure", "smooth_contact"]
-
 Array = NDArray[np.float64]
 
 #: What a pressure grows over a panel in the logarithm of the distance is rounding if it is less;

@@ -7,17 +7,6 @@ from math import copysign
 
 from spectral_contact.contact.resolution import ROUNDING
 
-__all__ = [
-    "LARGEST_LOGIT",
-    "LEAST_LOGIT",
-    "NOISE",
-    "NoStickDiskError",
-    "bracketed_root",
-    "polished_root",
-    "root_near",
-    "slope_at",
-]
-
 #: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
 LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
 #: What rounding leaves of conditions and fields; 1e-15 and 1e-12 change no space of 91 scenes.

@@ -40,16 +40,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import Effect, ZoneState
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
-__all__ = [
-    "BENT",
-    "Assessment",
-    "FieldErrors",
-    "ZoneSolution",
-    "shares_of",
-    "sizes_of",
-    "zones_error",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class FieldErrors:

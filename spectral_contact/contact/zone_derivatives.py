@@ -42,8 +42,6 @@ from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["ZoneDerivatives", "differentiated"]
-
 Array = NDArray[np.float64]
 
 #: Places that the conditions are taken at, and how far they are, of the narrowest zone: so near

@@ -30,8 +30,6 @@ from spectral_contact.spectral.parts import gap
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
 
-__all__ = ["in_stick", "positive", "pressure_field", "stick_series"]
-
 
 def positive(solved: ZoneSolution) -> bool:
     """Return whether the pressure is: else the contact would open."""

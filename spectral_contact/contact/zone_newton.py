@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
     from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["Effect", "ZoneState", "ZonesNewton", "longest", "through_secants"]
-
 
 class Effect(NamedTuple):
     """What a change of the space does at unit load.

@@ -33,8 +33,6 @@ from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
-__all__ = ["FreeBoundaryProblem", "differences", "solve_coupled_slip", "solve_zones"]
-
 #: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
 _UNFELT = -40.0
 #: What corrections leave of conditions whose differences are taken; what share of a zone's width

@@ -38,8 +38,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
 
-__all__ = ["CoupledSearch", "DrivenSearch", "NoZonesError", "ZoneSearch"]
-
 Record = Callable[[str, Any, float], Any]
 
 #: What tolerance of the traction one of shear and stick radius takes, as a power of it: of 216

@@ -19,17 +19,6 @@ from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
-__all__ = [
-    "ended",
-    "first_spaces",
-    "leading_depth",
-    "parted",
-    "rounding_depth",
-    "thinnest_layer",
-    "with_known_slip",
-    "without_rounding",
-]
-
 #: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
 #: in ``-ln d``, as where they end is felt for a while.
 _CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0

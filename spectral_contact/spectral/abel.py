@@ -34,25 +34,6 @@ from spectral_contact.spectral.jacobi import (
     tail_values,
 )
 
-__all__ = [
-    "Blockwise",
-    "Charges",
-    "beyond",
-    "beyond_tail",
-    "charges_on",
-    "deeper",
-    "deeper_blocks",
-    "deeper_tail",
-    "fall",
-    "fall_of_tail",
-    "far_blocks",
-    "far_fall",
-    "near_blocks",
-    "outer",
-    "outer_blocks",
-    "rise",
-]
-
 Array = NDArray[np.float64]
 
 #: Places in ``x`` that are the same to the rounding of an ``x`` of 50.

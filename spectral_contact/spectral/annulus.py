@@ -25,8 +25,6 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap, sampled_coefficients
 from spectral_contact.threads import cached_property
 
-__all__ = ["Annulus", "Transforms", "sampled_series", "transforms"]
-
 Array = NDArray[np.float64]
 
 

@@ -52,8 +52,6 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
 
-__all__ = ["Block", "across", "block", "disk_gram", "points_of"]
-
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
 Used: TypeAlias = tuple[int, ...] | LogPanels

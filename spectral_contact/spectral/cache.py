@@ -14,8 +14,6 @@ from weakref import WeakSet
 
 import numpy as np
 
-__all__ = ["BoundedCache", "cache_sizes", "clear_caches", "cleared_too"]
-
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
 

@@ -28,8 +28,6 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matr
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.threads import cached_property
 
-__all__ = ["CellSpace", "DiskCells", "cell_space"]
-
 Array = NDArray[np.float64]
 
 #: Nodes beyond twice the degree, for the square roots of what lies farther out.

@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-__all__ = ["Cholesky"]
-
 Array = NDArray[np.float64]
 
 

@@ -18,8 +18,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.spectral.tangential import Tangential
 
-__all__ = ["Factored", "Symmetric", "factored"]
-
 Array = NDArray[np.float64]
 
 #: What a correction may leave of the last one.

@@ -27,19 +27,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.spectral.panels import LogPanels
 
-__all__ = [
-    "FAR_FIT",
-    "FAR_NODES",
-    "SAMPLES",
-    "GradedNodes",
-    "PlainNodes",
-    "SmoothNodes",
-    "far_values",
-    "graded_nodes",
-    "root_sums",
-    "smooth_nodes",
-]
-
 Array = NDArray[np.float64]
 
 #: Gauss points that represent on a panel what is analytic in ``x`` up to an imaginary part of pi,

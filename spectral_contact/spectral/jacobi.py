@@ -12,22 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import lapack
 
-__all__ = [
-    "EXTRA",
-    "ROOT_TERMS",
-    "TAIL_EXTRA",
-    "TAIL_TERMS",
-    "chebyshev_interpolation",
-    "gauss_rule",
-    "graded_rule",
-    "legendre_expansion_matrix",
-    "legendre_interpolation_matrix",
-    "legendre_projection_matrix",
-    "legendre_rows",
-    "legendre_values",
-    "tail_values",
-]
-
 Array = NDArray[np.float64]
 
 #: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.

@@ -17,8 +17,6 @@ from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
 from spectral_contact.spectral.panels import BasisRule, LogPanels
 
-__all__ = ["inner_moments", "moments", "outer_moments"]
-
 Array = NDArray[np.float64]
 
 _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)

@@ -21,8 +21,6 @@ from spectral_contact.spectral.jacobi import (
     tail_values,
 )
 
-__all__ = ["LEAST_DEGREE", "BasisRule", "LogPanels", "Resolution", "Used"]
-
 Array = NDArray[np.float64]
 
 #: The estimate sheds two degrees and must keep one.

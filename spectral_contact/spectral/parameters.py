@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["Parameters"]
-
 
 class Parameters(NamedTuple):
     """Of partial slip with elastic coupling.

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from spectral_contact.fields.series import LogSeries
     from spectral_contact.spectral.panels import LogPanels
 
-__all__ = ["Family", "Parts", "Points", "gap", "sampled_coefficients"]
-
 Array = NDArray[np.float64]
 
 

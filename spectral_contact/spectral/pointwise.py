@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import Used
 
-__all__ = ["Sampling"]
-
 Array = NDArray[np.float64]
 
 #: Samples beyond the degree of a polynomial.

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.threads import cached_property
 
-__all__ = ["HARMLESS", "Change", "NodalSpace", "Regularised"]
-
 Array = NDArray[np.float64]
 
 #: So many targets are solved for one by one: products with few vectors take BLAS more time.

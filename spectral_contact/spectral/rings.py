@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 
-__all__ = ["RingOperators", "graded_rings", "ring_operators"]
-
 Array = NDArray[np.float64]
 
 #: Gauss points on every ring: entries are right to 3e-12 on rings as wide as 1.5 in the logit,

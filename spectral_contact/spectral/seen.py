@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.blocks import Block
     from spectral_contact.spectral.graded import GradedNodes, SmoothNodes
 
-__all__ = ["Fields", "PartProduct", "Seen"]
-
 Array = NDArray[np.float64]
 Fields: TypeAlias = Sequence[Array] | Mapping[int, Array]
 

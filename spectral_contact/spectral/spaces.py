@@ -34,8 +34,6 @@ from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
-__all__ = ["WHOLE", "Space", "disk_space", "unit_space"]
-
 Array = NDArray[np.float64]
 
 _SPACES: BoundedCache[tuple[Parts, tuple[Used, ...], bool], Space] = BoundedCache("spaces", 96)

@@ -33,8 +33,6 @@ from spectral_contact.spectral.parts import Family
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import AT_END, Field, Misfit, Tangential
 
-__all__ = ["System", "finer"]
-
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 

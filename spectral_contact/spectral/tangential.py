@@ -33,8 +33,6 @@ from spectral_contact.spectral.parts import Family, gap
 from spectral_contact.spectral.seen import Fields, Seen
 from spectral_contact.threads import cached_property
 
-__all__ = ["AT_END", "Field", "Misfit", "Part", "Tangential", "zone_parts"]
-
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
