@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import deeper, deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.graded import SAMPLES
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     gauss_rule,
     legendre_expansion_matrix,
-    legendre_interpolation_matrix,
     legendre_rows,
     legendre_values,
 )
@@ -74,23 +72,6 @@ class Transforms:
         self._across: BoundedCache[tuple[int, float], Array] = BoundedCache(
             "Abel transforms across an annulus", 4
         )
-
-    @cached_property
-    def coarse(self) -> Array:
-        """Distances of points that represent a smooth function: `SAMPLES` a panel, the tail's."""
-        return self.panels.with_tail(self.panels.sampling(SAMPLES))
-
-    @cached_property
-    def _from_coarse(self) -> Array:
-        """Matrix of `interpolate` on a panel."""
-        g, _ = gauss_rule(self.panels.samples)
-        return legendre_interpolation_matrix(g, SAMPLES).T.copy()
-
-    def interpolate(self, values: Array) -> Array:
-        """Return functions (..., sampling points) from their values at the `coarse` ones."""
-        count, shape = self.panels.panels * SAMPLES, values.shape[:-1]
-        on_panels = values[..., :count].reshape(*shape, -1, SAMPLES) @ self._from_coarse
-        return np.concatenate([on_panels.reshape(*shape, -1), values[..., count:]], axis=-1)
 
     def deeper(self, coefficients: Array) -> Array:
         """Return the `deeper` integral of a function, shape (sampling points,)."""
@@ -220,45 +201,17 @@ class Annulus:
             Family(self.outer, -1, half, self.toward_outer),
         )
 
-    @cached_property
-    def sampling(self) -> tuple[Array, Array]:
-        """``1 - s**2`` and ``s**2`` at the sampling points, those of the inner half first."""
-        points = [family.sampling() for family in self.families]
-        return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
+    def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
+        """Return integrals of a function at its own sampling points, on either half.
 
-    def own_half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral of a function at the annulus's own sampling points.
-
-        In scaled distances the transforms depend on the panels alone, whose blocks are cached.
-        The inner family's points come first.
+        The half-integral, over what lies outside of the points (+1), or the inner integral (-1), of
+        values at these points. In scaled distances the transforms depend on the panels alone.
         """
-        (inner, outer), (a, b) = self._transforms, self._split(coefficients)
-        above = inner.outer(a) + outer.across(b, self.toward_inner)
-        return self._scale * np.concatenate([above, outer.deeper(b)])
-
-    def own_inner_integral(self, coefficients: Array) -> Array:
-        """Return the inner integral of a function at the annulus's own sampling points."""
-        (inner, outer), (a, b) = self._transforms, self._split(coefficients)
-        below = inner.across(a, self.toward_outer) + outer.outer(b)
-        return self._scale * np.concatenate([inner.deeper(a), below])
-
-    @property
-    def _transforms(self) -> tuple[Transforms, Transforms]:
-        return transforms(self.toward_inner), transforms(self.toward_outer)
-
-    def _split(self, coefficients: Array) -> tuple[Array, Array]:
-        return coefficients[: self.toward_inner.size], coefficients[self.toward_inner.size :]
-
-    @property
-    def _scale(self) -> float:
-        return float(np.sqrt(gap(self.inner, self.outer) / 2.0))
-
-    def halves(self, values: Array) -> tuple[Array, Array]:
-        """Return the parts of values at the sampling points that lie in either half."""
-        split = len(self.toward_inner.distances)
-        return values[:split], values[split:]
-
-    def expand(self, values: Sequence[Array]) -> Array:
-        """Return coefficients through values at the sampling points of both families."""
-        pairs = zip(self.families, values, strict=True)
-        return np.concatenate([f.expand(v) for f, v in pairs])
+        panels = [family.panels for family in self.families]
+        own = [transforms(one) for one in panels]
+        each = [f.expand(one) for f, one in zip(self.families, values, strict=True)]
+        # one half sees the other, too
+        one, other = (0, 1) if side > 0 else (1, 0)
+        found = [own[other].deeper(each[other])]
+        found.insert(one, own[one].outer(each[one]) + own[other].across(each[other], panels[one]))
+        return [np.sqrt(self.families[0].reach) * values for values in found]

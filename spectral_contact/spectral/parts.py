@@ -10,13 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.radius import CENTRE, EDGE, Radius
-from spectral_contact.spectral.jacobi import (
-    EXTRA,
-    gauss_rule,
-    legendre_expansion_matrix,
-    legendre_values,
-    tail_values,
-)
+from spectral_contact.spectral.jacobi import legendre_expansion_matrix
 
 if TYPE_CHECKING:
     from spectral_contact.fields.series import LogSeries
@@ -89,23 +83,6 @@ class Family:
     def sampling(self) -> Points:
         """Return the sampling points: panels, then tail."""
         return self.points(self.panels.distances)
-
-    def sources(self) -> tuple[Points, Array]:
-        """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
-        p = self.panels
-        points = p.degree + EXTRA
-        (g, w), (gt, wt), x = gauss_rule(points), gauss_rule(p.tail_terms + 3), p.sampling(points)
-        values = legendre_values(g, p.degree)
-        tail = p.end * (1.0 + gt) / 2.0
-        matrix = np.zeros((x.size + len(gt), p.size))
-        for j in range(p.panels):
-            rows = slice(j * points, (j + 1) * points)
-            columns = slice(j * (p.degree + 1), (j + 1) * (p.degree + 1))
-            matrix[rows, columns] = values * (w * p.width / 2.0 * np.exp(-x[j]))[:, None]
-        basis = tail_values(tail, p.end, p.tail_terms, p.root_tail)
-        matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
-        places = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
-        return places, 0.5 * self.reach * matrix
 
     def unresolved(self, series: LogSeries) -> float:
         """Return the largest of the last coefficients of any panel or of the tail."""

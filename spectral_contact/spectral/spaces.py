@@ -131,7 +131,7 @@ class Space(NodalSpace):
         values = np.empty((self.unknowns, 1))
         values[self._order.place, 0] = coefficients[self.index]
         each = [values[one] for one in self._order.columns]
-        return np.concatenate([seen.whole(each)[:, 0] for seen in self._seen])
+        return np.concatenate([seen.more(each, whole=True)[:, 0] for seen in self._seen])
 
     def spectrum(self) -> tuple[Array, Array]:
         """Return eigenvalues and modes: ``gram v = value mass v``, normalised by the mass.

@@ -23,13 +23,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from spectral_contact.fields.series import CENTRE, EDGE, Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.blocks import disk_gram
-from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes, smooth_nodes
+from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
+from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.seen import Fields, Seen
 from spectral_contact.threads import cached_property
 
@@ -74,20 +75,15 @@ def zone_parts(
 
     Without tangential compliance the traction is singular at an edge that sticks.
     """
-    bounds = (CENTRE, *radii, EDGE)
     parts = []
-    each = iter(zip(panels, degrees, strict=True))
-    for zone, state in enumerate(states):
-        inner, outer = bounds[zone : zone + 2]
-        last = zone if zone < len(radii) else -1
-        ends = [(outer, -1, last)] if zone == 0 else [(inner, 1, zone - 1), (outer, -1, last)]
-        for boundary, sign, number in ends:
-            own, used = next(each)
-            family = Family(boundary, sign, gap(inner, outer) / len(ends), own)
-            power = own.power if state else -0.5 if beta == 0.0 and number < 0 else 0.0
-            alike = power == own.power
-            shear = family if alike else replace(family, panels=replace(own, power=power))
-            parts.append(Part(zone, state, number, family, shear, used))
+    each = zip(Parts(radii, pointed=False).ends, panels, degrees, strict=True)
+    for k, (end, own, used) in enumerate(each):
+        zone, boundary = (k + 1) // 2, k // 2 if k < 2 * len(radii) else -1
+        state, family = states[zone], Family(*end, own)
+        power = own.power if state else -0.5 if beta == 0.0 and boundary < 0 else 0.0
+        alike = power == own.power
+        shear = family if alike else replace(family, panels=replace(own, power=power))
+        parts.append(Part(zone, state, boundary, family, shear, used))
     return parts
 
 
@@ -194,14 +190,14 @@ class Tangential(ABC):
 
     def _place_nodes(self, each: Sequence[Degrees]) -> None:
         """Find Galerkin nodes for functions of these degrees on the first parts."""
-        self.nodes: list[GradedNodes | SmoothNodes] = []
+        self.nodes: list[GradedNodes] = []
         self.offsets, self._t = list[Array](), list[Array]()
         #: weights of ``t**2 dt / pi``
         self.shear_weights: list[Array] = []
         for part, degrees in zip(self.parts, each, strict=False):
             family, b = part.family, part.family.boundary
             on = family.panels
-            nodes = graded_nodes(on, degrees) if degrees else smooth_nodes(on)
+            nodes = graded_nodes(on, degrees)
             offset = family.sign * family.reach * nodes.d
             t = b.value * np.sqrt(nodes.rest) if part.zone == 0 else np.sqrt(b.square + offset)
             self.nodes.append(nodes)
@@ -239,9 +235,9 @@ class Tangential(ABC):
                 weights = np.pi * self.nodes[k].weights * part.family.reach
                 row[own] = seen.scale * (weights @ seen.whole)
             else:
-                points, matrix = part.shear.sources()
-                used = part.shear.panels.functions(part.degrees)
-                row[own] = (2.0 * np.pi * np.sqrt(points.z) @ matrix)[used]
+                form = part.shear.panels, part.degrees
+                roots = np.sqrt(part.shear.points(moment_points(*form)).z)
+                row[own] = np.pi * part.shear.reach * moments_with(*form, roots[None])[0]
         return row
 
     @abstractmethod
