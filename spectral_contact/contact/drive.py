@@ -174,5 +174,5 @@ def _demanded(panels: LogPanels, contacts: Sequence[NormalContact]) -> list[LogS
     """Return what the series of pressures on the same panels demand of the traction."""
     own = transforms(panels)
     values = own.outer(np.array([one.coefficients for one in contacts]))
-    values *= 2.0 / np.sqrt(1.0 - own.distances)
+    values *= 2.0 / np.sqrt(1.0 - panels.distances)
     return [sampled_series(panels, row) for row in values]

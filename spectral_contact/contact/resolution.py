@@ -44,9 +44,7 @@ SAFETY = 4.5
 #: The share of its step that a correction leaves at least. With 1e-4 estimates of stick radii are
 #: 0.6 times as large in the mean of 91 scenes, and the largest error is 0.55 of one, else 0.50.
 LEFT = 1e-2
-_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(
-    "first spaces", 128, arrays=False
-)
+_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).

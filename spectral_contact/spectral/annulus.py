@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +32,6 @@ _DEEP_POINTS = 14
 _TRANSFORMS: BoundedCache[LogPanels, Transforms] = BoundedCache("Abel transforms", 12)
 
 
-class _Means(NamedTuple):
-    """Matrices of means: on a panel, of a whole one, in the tail, of all of the tail."""
-
-    within: Array
-    whole: Array
-    in_tail: Array
-    below: Array
-
-
 def transforms(panels: LogPanels) -> Transforms:
     """Return the transforms of these panels, whose blocks are assembled once (cached)."""
     return _TRANSFORMS.get(panels, lambda: Transforms(panels))
@@ -67,8 +57,6 @@ class Transforms:
     def __init__(self, panels: LogPanels) -> None:
         self.panels = panels
         self._x = panels.sampling()
-        #: distances of the sampling points
-        self.distances = panels.distances
         self._across: BoundedCache[tuple[int, float], Array] = BoundedCache(
             "Abel transforms across an annulus", 4
         )
@@ -128,40 +116,42 @@ class Transforms:
         """
         panels, terms = self.panels, self.panels.degree + 1
         count, end = panels.panels, panels.end
-        within, whole, in_tail, below = self._mean
+        on_panel, in_tail = self._mean
         series = coefficients[: count * terms].reshape(count, terms)
-        tail = coefficients[count * terms :]
+        in_tail = in_tail @ coefficients[count * terms :]
         start = np.exp(-panels.width * np.arange(count))
-        parts = start * (series @ whole)
+        parts = start[:, None] * (series @ on_panel)
         # what lies beyond each panel
-        beyond = np.cumsum(np.concatenate([[end * (below @ tail)], parts[:0:-1]]))[::-1]
-        sums = beyond[:, None] + start[:, None] * (series @ within)
-        means = sums / self.distances[: sums.size].reshape(sums.shape)
-        return np.concatenate([means.ravel(), in_tail @ tail])
+        beyond = np.cumsum(np.concatenate([[end * in_tail[0]], parts[:0:-1, 0]]))[::-1]
+        sums = beyond[:, None] + parts[:, 1:]
+        means = sums / panels.distances[: sums.size].reshape(sums.shape)
+        return np.concatenate([means.ravel(), in_tail[1:]])
 
     @cached_property
-    def _mean(self) -> _Means:
-        """Matrices of `mean`."""
+    def _mean(self) -> tuple[Array, Array]:
+        """Matrices of `mean`: integrals over a panel and means over the tail.
+
+        Over all of it first, then from every sampling point on.
+        """
         panels, h = self.panels, self.panels.width
         g, w = gauss_rule(panels.degree + EXTRA)
-        half, degree = (1.0 + g) / 2.0, panels.tail_terms - 1
-        # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
-        reach = h - self._x[0]
-        source = self._x[0, :, None] + np.outer(reach, half)
-        weight = np.exp(-source) * (w / 2.0) * reach[:, None]
+        half = (1.0 + g) / 2.0
+        # in units of the panel's exp(-x_j)
+        begin = np.append(0.0, self._x[0])
+        source = begin[:, None] + np.outer(h - begin, half)
+        weight = np.exp(-source) * (w / 2.0) * (h - begin)[:, None]
         basis = legendre_values(2.0 * source / h - 1.0, panels.degree)
-        within = np.einsum("iq,iqk->ki", weight, basis)
-        whole = (np.exp(-h * half) * w * h / 2.0) @ legendre_values(g, panels.degree)
-        local = np.outer(panels.tail_sampling() / panels.end, 2.0 * half) - 1.0
-        in_tail = np.einsum("iqk,q->ik", legendre_values(local, degree), w / 2.0)
-        return _Means(within, whole, in_tail, (w / 2.0) @ legendre_values(g, degree))
+        on_panel = np.einsum("iq,iqk->ki", weight, basis)
+        ends = np.append(1.0, panels.tail_sampling() / panels.end)
+        tail = legendre_values(np.outer(ends, 2.0 * half) - 1.0, panels.tail_terms - 1)
+        return on_panel, np.einsum("iqk,q->ik", tail, w / 2.0)
 
     @cached_property
     def _deeper(self) -> tuple[Array, Array]:
         panels = self.panels
         to_end = panels.width - self._x[0]
         blocks = deeper_blocks(to_end, panels.panels, panels.width, panels.degree)
-        return _in_a_row(blocks[:, ::-1]), deeper_tail(self.distances, panels.end)
+        return _in_a_row(blocks[:, ::-1]), deeper_tail(panels.distances, panels.end)
 
     @cached_property
     def _outer(self) -> tuple[Array, Array]:

@@ -52,11 +52,21 @@ def moments(panels: LogPanels) -> Array:
     return _MOMENTS.get(panels, made)
 
 
-def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
-    """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size).
+def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
+    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent.
 
-    The panels of phi and of psi are the same but for the endpoint weight.
+    The panels of phi and of psi are the same but for the endpoint weight (cached).
     """
+
+    def made() -> Array:
+        deeper = _deeper_moments(panels, other)
+        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
+
+    return _OUTER.get((panels, other, sign), made)
+
+
+def _deeper_moments(panels: LogPanels, inner: LogPanels) -> Array:
+    """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size)."""
     terms, h = panels.degree + 1, panels.width
     # psi on a deeper panel counts whole, on a shallower one not at all
     matrix = np.outer(moments(panels), moments(inner))
@@ -83,13 +93,3 @@ def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
     within = np.einsum("iq,iqk->ik", values, tails)
     matrix[tail:, tail:] = (basis * (weights * d**panels.power)[:, None]).T @ within
     return matrix
-
-
-def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
-    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent."""
-
-    def made() -> Array:
-        deeper = inner_moments(panels, other)
-        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
-
-    return _OUTER.get((panels, other, sign), made)

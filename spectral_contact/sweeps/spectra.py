@@ -98,7 +98,7 @@ class StickSpectrum:
     def _targets(self, d: Array) -> Array:
         """Return R of every mode of the pressure, shape (modes, places); see `contact.drive`."""
         own = transforms(self.panels)
-        root = np.sqrt(1.0 - own.distances)
+        root = np.sqrt(1.0 - self.panels.distances)
         return np.array(
             [
                 sampled_series(self.panels, 2.0 * own.outer(np.ascontiguousarray(mode)) / root)(d)
