@@ -27,11 +27,11 @@ from spectral_contact.spectral.blocks import Block, block, disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.moments import moments, outer_moments
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family
 from spectral_contact.spectral.seen import Seen
-from spectral_contact.spectral.tangential import AT_END, Field, Misfit, Tangential
+from spectral_contact.spectral.tangential import AT_END, Misfit, Tangential
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
@@ -81,11 +81,10 @@ class System(Tangential):
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        panels: Sequence[LogPanels],
-        degrees: Sequence[Degrees],
+        spaces: Sequence[Resolution],
         parameters: Parameters,
     ) -> None:
-        super().__init__(radii, states, panels, degrees, parameters)
+        super().__init__(radii, states, spaces, parameters)
         self._over = [_over_radius(p.family, p.degrees) if p.state else None for p in self.parts]
         #: degrees and functions of q/s: in slip those of p/s
         self._finer = [
@@ -94,7 +93,10 @@ class System(Tangential):
         self._columns = [
             p.shear.panels.functions(n) for p, n in zip(self.parts, self._finer, strict=True)
         ]
-        self._place_pressure()
+        panels = {k: part.family.panels for k, part in enumerate(self.parts)}
+        self.fields, self.count = self._placed(panels, 0)
+        #: places of the pressure's parts
+        self.pressure = [one.own for one in self.fields]
         self._place_shear()
         self._place_nodes([part.degrees for part in self.parts])
         self._assemble_tests()
@@ -102,16 +104,6 @@ class System(Tangential):
         self._assemble_functionals()
 
     # vectors
-
-    def _place_pressure(self) -> None:
-        """Give the pressure its places, part by part."""
-        self.count, self.fields = 0, []
-        for k, part in enumerate(self.parts):
-            panels, start = part.family.panels, self.count
-            self.count += len(panels.functions(part.degrees))
-            self.fields.append(Field(k, panels, part.degrees, slice(start, self.count)))
-        #: places of the pressure's parts
-        self.pressure = [one.own for one in self.fields]
 
     def traction(self, values: Array) -> list[Array]:
         """Return the coefficients of q/s of vectors on every part, of the functions in use."""
@@ -262,7 +254,8 @@ class System(Tangential):
         [part], both = self.parts, (slice(self.count), slice(self.count, self.unknowns))
 
         def unit() -> Array:
-            own = [part.family.panels], [part.degrees], self.parameters._replace(kappa=1.0)
+            spaces = [Resolution(part.family.panels, part.degrees)]
+            own = spaces, self.parameters._replace(kappa=1.0)
             return System(self.radii, self.states, *own)._assembled(np.float64)
 
         form = part.family.panels, part.shear.panels, part.degrees

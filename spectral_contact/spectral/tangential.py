@@ -28,7 +28,7 @@ from spectral_contact.spectral.blocks import disk_gram
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.moments import moment_points, moments_with
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.seen import Fields, Seen
@@ -65,19 +65,15 @@ class Part:
 
 
 def zone_parts(
-    radii: tuple[Radius, ...],
-    states: tuple[int, ...],
-    panels: list[LogPanels],
-    degrees: list[Degrees],
-    beta: float,
+    radii: tuple[Radius, ...], states: tuple[int, ...], spaces: Sequence[Resolution], beta: float
 ) -> list[Part]:
     """Return the parts of all zones, outward; parameters are those of `System`.
 
     Without tangential compliance the traction is singular at an edge that sticks.
     """
     parts = []
-    each = zip(Parts(radii, pointed=False).ends, panels, degrees, strict=True)
-    for k, (end, own, used) in enumerate(each):
+    each = zip(Parts(radii, pointed=False).ends, spaces, strict=True)
+    for k, (end, (own, used)) in enumerate(each):
         zone, boundary = (k + 1) // 2, k // 2 if k < 2 * len(radii) else -1
         state, family = states[zone], Family(*end, own)
         power = own.power if state else -0.5 if beta == 0.0 and boundary < 0 else 0.0
@@ -131,10 +127,8 @@ class Tangential(ABC):
         Boundaries between zones, outward.
     states : tuple of int
         0 for stick, +1 or -1 for slip with this sign; the first is 0.
-    panels : sequence of LogPanels
-        Of the disk, then toward the inner and the outer end of every zone.
-    degrees : sequence of tuple of int
-        Highest degrees on them.
+    spaces : sequence of Resolution
+        On the disk, then toward the inner and the outer end of every zone.
     parameters : Parameters
 
     Attributes
@@ -156,12 +150,11 @@ class Tangential(ABC):
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        panels: Sequence[LogPanels],
-        degrees: Sequence[Degrees],
+        spaces: Sequence[Resolution],
         parameters: Parameters,
     ) -> None:
         self.radii, self.states, self.parameters = radii, states, parameters
-        self.parts = zone_parts(radii, states, list(panels), list(degrees), parameters.beta)
+        self.parts = zone_parts(radii, states, spaces, parameters.beta)
         self.stick = [k for k, part in enumerate(self.parts) if part.state == 0]
         #: whether the equations are tested without weights, so that their coupling is of moments
         self._plain = tuple(c > 0.0 or not radii for c in parameters[:2])
@@ -178,15 +171,20 @@ class Tangential(ABC):
 
     def _place_shear(self) -> None:
         """Give u its places on the parts that stick."""
-        start = self.count
-        for k in self.stick:
-            panels, degrees = self.parts[k].shear.panels, self.parts[k].degrees
-            stop = start + len(panels.functions(degrees))
-            self.fields.append(Field(k, panels, degrees, slice(start, stop)))
-            start = stop
+        panels = {k: self.parts[k].shear.panels for k in self.stick}
+        own, self.unknowns = self._placed(panels, self.count)
         #: places of u
-        self.shear = {one.part: one.own for one in self.fields[-len(self.stick) :]}
-        self.unknowns = start
+        self.shear = {one.part: one.own for one in own}
+        self.fields = [*self.fields, *own]
+
+    def _placed(self, panels: dict[int, LogPanels], start: int) -> tuple[list[Field], int]:
+        """Return fields on panels of parts, which follow each other, and where they end."""
+        fields = []
+        for k, own in panels.items():
+            stop = start + len(own.functions(self.parts[k].degrees))
+            fields.append(Field(k, own, self.parts[k].degrees, slice(start, stop)))
+            start = stop
+        return fields, start
 
     def _place_nodes(self, each: Sequence[Degrees]) -> None:
         """Find Galerkin nodes for functions of these degrees on the first parts."""
