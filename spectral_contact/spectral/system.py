@@ -135,18 +135,12 @@ class System(Tangential):
 
     def _assemble_blocks(self) -> None:
         """Find the integrals of every part at the nodes of every other."""
-        count = len(self.parts)
         #: of p outside and inside of the nodes, and of q/s
         self._f, self._j, self._g, self._i = ([Seen(n, {}) for n in self.nodes] for _ in range(4))
-        for i in range(count):
-            for k in range(count):
-                for side in (1, -1):
-                    if side * (k - i) < 0:
-                        continue
-                    pressure, shear = self._pair(k, i, side)
-                    outward = side > 0
-                    (self._f if outward else self._j)[i].blocks[k] = pressure
-                    (self._g if outward else self._i)[i].blocks[k] = shear
+        for i in range(len(self.parts)):
+            for k in range(i, len(self.parts)):
+                self._f[i].blocks[k], self._g[i].blocks[k] = self._pair(k, i, 1)
+                self._j[k].blocks[i], self._i[k].blocks[i] = self._pair(i, k, -1)
 
     def _pair(self, k: int, i: int, side: int) -> tuple[Block, Block]:
         """Return what is seen of p and of q/s of a part at the nodes of another."""
@@ -173,10 +167,8 @@ class System(Tangential):
         ]
 
     def _slipping_load(self) -> Array:
-        load: Array = np.zeros(self.count)
-        for own, part in zip(self.pressure, self.parts, strict=True):
-            load[own] = part.state * self.load[own]
-        return load
+        each = zip(self.parts, self.pressure, strict=True)
+        return np.concatenate([part.state * self.load[own] for part, own in each])
 
     def _pressure_at(self, k: int) -> Array:
         row, last = np.zeros(self.count), self.pressure[k].stop

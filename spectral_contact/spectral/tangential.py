@@ -249,9 +249,9 @@ class Tangential(ABC):
     @cached_property
     def masses(self) -> list[tuple[slice, Array]]:
         """Masses of what is unknown times their compliances, by their place."""
-        blocks, first = [], len(self.fields) - len(self.stick)
-        for i, one in enumerate(self.fields):
-            part, shear = self.parts[one.part], i >= first
+        blocks = []
+        for one in self.fields:
+            part, shear = self.parts[one.part], one.own.start >= self.count
             compliance = self.parameters.beta if shear else self.parameters.alpha
             if compliance > 0.0:
                 mass = (part.shear if shear else part.family).mass(one.degrees, shear=shear)
