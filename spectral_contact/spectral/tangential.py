@@ -235,7 +235,7 @@ class Tangential(ABC):
             else:
                 form = part.shear.panels, part.degrees
                 roots = np.sqrt(part.shear.points(moment_points(*form)).z)
-                row[own] = np.pi * part.shear.reach * moments_with(*form, roots[None])[0]
+                row[own] = 2.0 * np.pi * part.shear.reach * moments_with(*form, roots[None])[0]
         return row
 
     @abstractmethod
