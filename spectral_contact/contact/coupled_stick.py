@@ -16,7 +16,7 @@ import numpy as np
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import TINY, places, series_of
+from spectral_contact.contact.resolution import TINY, crossing, places, series_of
 from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_problem import solve_zones
 from spectral_contact.contact.zone_spaces import ended
@@ -95,10 +95,7 @@ def _opening(pressure: LogSeries) -> float | None:
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])
-        low, high = float(x[i - 1]), float(x[i])
-        for _ in range(52):
-            depth = (low + high) / 2.0
-            low, high = (depth, high) if pressure(np.array(exp(-depth))) > 0.0 else (low, depth)
+        depth = crossing(lambda x: pressure(np.exp(-x)), x[i - 1], x[i])
     elif pressure.oscillation:
         depth += atan2(pressure.tail[0], -pressure.tail[1]) / pressure.oscillation
     else:
