@@ -18,7 +18,7 @@ conditioned as the smooth limit, where ``m = 0``.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import log, pi, sqrt
+from math import log, log1p, pi, sqrt
 
 import numpy as np
 
@@ -119,15 +119,18 @@ class OneDiskProblem:
             space, least = self._resolution(guess, self.tolerance), TRIFLING * self.tolerance
             return guess, slope_at(lambda x: self._trial(space, x, least).mismatch, guess)
         if near is None or not LEAST_LOGIT < near[0] < LARGEST_LOGIT:
-            near = self._estimated_root()
+            near = self._asymptotic_root()
+            if self.beta > 0.0:
+                near = root_near(self._pressure_mismatch, *near, PROBE)
         mismatch = self._rough_mismatch if self.beta > 0.0 else self._pressure_mismatch
         return root_near(mismatch, *near, _NEAR)
 
-    def _estimated_root(self) -> tuple[float, float]:
-        """Return the radius to some per cent, and the slope there."""
+    def _asymptotic_root(self) -> tuple[float, float]:
+        """Return a guess of the radius from limits, and of the slope there."""
         friction = self.friction
-        # on a smooth surface 1 - c falls like exp(-pi f/2), and c like exp(-2/f) as f -> 0
-        start = 0.5 * pi * friction - 2.0 * (2.0 / friction)
+        # on a smooth surface 1 - c falls like exp(-pi f/2), and c ~ 4 exp(-2/f) as f -> 0
+        at_centre = 2.0 * log(2.0) - log1p(friction) - 2.0 / friction
+        start = 0.5 * pi * friction + 2.0 * at_centre
         slope = min(1.0, 0.5 * friction) / (2.0 * pi)
         if self.alpha > 0.0:  # closer to the edge than alpha the pressure does not grow any more
             start = min(start, 2.0 - log(self.alpha))
@@ -138,7 +141,7 @@ class OneDiskProblem:
             radius = Radius.from_logit(start)
             at_rim = self.drive.pressure.value(radius.rest)
             slope += 2.0 * friction * at_rim * self.beta / radius.value * radius.rest
-        return root_near(self._pressure_mismatch, start, slope, PROBE)
+        return start, slope
 
     def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c) - m`` with the m that a disk needs, roughly.
