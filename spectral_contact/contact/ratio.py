@@ -13,7 +13,6 @@ from numpy.polynomial.legendre import legder
 from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
-    panel_of,
     places,
 )
 from spectral_contact.fields.legendre import legendre_sum
@@ -112,9 +111,9 @@ class FullStick:
 
 def _share_at(panels: LogPanels, share: Array, y: float) -> float:
     """Return the larger share of the two panels next to a place: it may be on either in truth."""
-    k = panel_of(panels, y)
-    deeper = y <= 0.0 or -log(y) / panels.width - k > 0.5
-    beside = min(max(k + (1 if deeper else -1), 0), panels.panels - 1)
+    last, depth = panels.panels - 1, -log(y) / panels.width if y > 0.0 else inf
+    k = int(min(depth, last))  # the last one holds the tail
+    beside = min(max(k + (1 if depth > k + 0.5 else -1), 0), last)
     return float(max(share[k], share[beside]))
 
 

@@ -252,11 +252,6 @@ def places(depth: float, count: int) -> Array:
     return np.linspace(_FIRST, depth, count)
 
 
-def panel_of(panels: LogPanels, y: float) -> int:
-    """Return the panel that holds the distance `y`; the last one holds the tail."""
-    return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
-
-
 def share_of_change(
     panels: LogPanels, change: Array, size: Array, *, leading: float = inf, known: float = inf
 ) -> Array:

@@ -108,10 +108,12 @@ class ZoneSearch(ABC):
         return self._least_wrong(found)
 
     def _tried(self) -> Iterator[PartialSlip]:
-        """Solve for guesses, of every kind until there is one, and for what mends them."""
+        """Solve for guesses, of every kind once, and for what mends them."""
         seen: set[tuple[int, ...]] = set()
         for guess in self._guesses():
             layout: Layout | None = None if guess.states in seen else guess
+            if guess is not _DISK:  # of which no radius is told: a better guess may be
+                seen.add(guess.states)
             while layout is not None and self._possible(layout):
                 outcome = self._attempted(layout)
                 if outcome is None:
