@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.contact.friction_law import DISTANCES
+from spectral_contact.contact.friction_law import DISTANCES, stick_excess
 from spectral_contact.contact.resolution import DEEPEST, PROBE, series_of
 from spectral_contact.fields.series import Array
 
@@ -96,6 +96,6 @@ def _described(logit: float, state: ZoneState) -> PossibleRadius:
     *pressure, shear = _parts(state)
     if not _positive(pressure):
         return PossibleRadius(logit, False, inf)
-    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * np.abs(shear)
-    ratio = float((q / (state.system.parameters.friction * pressure[0])).max())
-    return PossibleRadius(logit, True, max(ratio - 1.0, 0.0))
+    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * shear
+    excess = stick_excess(state.system.parameters.friction, [(q, pressure[0])])
+    return PossibleRadius(logit, True, excess)

@@ -47,7 +47,6 @@ LEFT = 1e-2
 _FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(
     "first spaces", 128, arrays=False
 )
-_LOAD_NODES: BoundedCache[LogPanels, tuple[Array, Array]] = BoundedCache("load nodes", 24)
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
@@ -288,17 +287,12 @@ def share_of_change(
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     """Return ``int basis * density(d) dd`` over (0, 1)."""
-    d, weights = _LOAD_NODES.get(panels, lambda: _load_nodes(panels))
-    values, points = weights * density(d), panels.tail_points
+    near = np.exp(-panels.sampling(panels.degree + EXTRA)).ravel()
+    tail, points = panels.tail_sampling(), panels.tail_points
+    values = density(np.concatenate([near, tail]))
+    values[:-points] *= panels.width / 2.0 * near
+    values[-points:] *= panels.end / 2.0
     own = values[:-points].reshape(panels.panels, -1)
     near = own @ legendre_projection_matrix(own.shape[1], panels.degree)
     tail = values[-points:] @ legendre_projection_matrix(points, TAIL_TERMS - 1)
     return np.concatenate([near.ravel(), tail])
-
-
-def _load_nodes(panels: LogPanels) -> tuple[Array, Array]:
-    """Return the nodes of `load_vector`, and their weights but for Gauss's."""
-    near = np.exp(-panels.sampling(panels.degree + EXTRA)).ravel()
-    tail = panels.tail_sampling()
-    weights = [panels.width / 2.0 * near, np.full(len(tail), panels.end / 2.0)]
-    return np.concatenate([near, tail]), np.concatenate(weights)
