@@ -16,7 +16,7 @@ import numpy as np
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import ROUNDING, TINY, places, series_of
+from spectral_contact.contact.resolution import TINY, crossing, places, series_of
 from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_problem import solve_zones
 from spectral_contact.contact.zone_spaces import ended
@@ -89,15 +89,13 @@ def _with_fields(stick: FullStick, solved: ZoneSolution) -> FullStick:
 
 def _opening(pressure: LogSeries) -> float | None:
     """Return the distance from the edge at which the pressure first changes sign."""
-    from scipy.optimize import brentq
-
     count = len(pressure.coefficients)
     depth = count * pressure.width
     x = places(depth, 8 * count + 1)  # close enough to see every change of sign
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])
-        depth = brentq(lambda x: float(pressure(np.array(exp(-x)))), x[i - 1], x[i], xtol=ROUNDING)
+        depth = crossing(lambda x: pressure(np.exp(-x)), x[i - 1], x[i])
     elif pressure.oscillation:
         depth += atan2(pressure.tail[0], -pressure.tail[1]) / pressure.oscillation
     else:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf, log
 
 import numpy as np
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import DEEPEST, LEADING, places
+from spectral_contact.contact.resolution import DEEPEST, LEADING, crossing, places
 from spectral_contact.fields.series import Array, DiskSeries, PressureField, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -89,17 +88,6 @@ def _violations(
     x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))
     above = excess(x) > 0.0
     turns = np.flatnonzero(above[1:] != above[:-1]).tolist()
-    ends = [float(x[0])] * bool(above[0]) + [_crossing(excess, x[i], x[i + 1]) for i in turns]
+    ends = [float(x[0])] * bool(above[0]) + [crossing(excess, x[i], x[i + 1]) for i in turns]
     ends += [inf] * bool(above[-1])
     return list(zip(ends[::2], ends[1::2], strict=True))
-
-
-def _crossing(function: Callable[[Array], Array], a: float, b: float) -> float:
-    from scipy.optimize import brentq
-
-    def one(x: float) -> float:
-        return float(function(np.array([x]))[0])
-
-    if one(a) * one(b) >= 0.0:  # one by one they have the same sign: rounding is all there is
-        return float(b)
-    return float(brentq(one, a, b))

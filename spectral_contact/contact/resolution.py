@@ -68,6 +68,8 @@ _REACH, _FADING = 2.6, 1.2
 _FASTEST, _SLOWEST, _LIKELY = 0.05, 0.6, 0.3
 #: The first place at which a field is looked at: at 0 q/s is 0/0 and rounds like 1/s, here 30.
 _FIRST = 1e-3
+#: Places at which a function is looked at together, where its sign changes.
+_SECTIONS = 65
 _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
     BoundedCache("last coefficients", 128)
 )
@@ -249,6 +251,21 @@ def functional_error(
 def places(depth: float, count: int) -> Array:
     """Return depths ``x = -ln d`` to look at: from next to the far end, where q/s is 0/0, on."""
     return np.linspace(_FIRST, depth, count)
+
+
+def crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
+    """Return the first place between two at which a function changes sign, to rounding.
+
+    It is looked at in many places at once. Where signs do not differ that is the second of the two.
+    """
+    while high - low > np.spacing(high):
+        x = np.linspace(low, high, _SECTIONS)
+        above = function(x) > 0.0
+        first = int(np.argmax(above != above[0])) or _SECTIONS - 1
+        if (low, high) == (x[first - 1], x[first]):
+            break
+        low, high = float(x[first - 1]), float(x[first])
+    return high
 
 
 def share_of_change(

@@ -185,30 +185,31 @@ def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedN
     return matrix
 
 
+def kept_disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
+    """Return `disk_gram` (cached)."""
+    return _GRAMS.get((panels, degrees, shear), lambda: disk_gram(panels, degrees, shear))
+
+
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return the Gram matrix of the half-integrals on a disk, of unit extent and radius (cached).
+    """Return the Gram matrix of the half-integrals on a disk, of unit extent and radius.
 
     With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
-
-    def made() -> Array:
-        nodes = graded_nodes(panels, degrees)
-        t = np.sqrt(nodes.rest)
-        root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-        own = _own(panels, degrees, degrees, nodes, "toward").whole
-        gram = np.zeros((own.shape[1],) * 2)
-        # the nodes of a panel see its own functions and those of deeper panels
-        rows = np.cumsum([0, *map(len, nodes.start)])
-        rows[-1] = len(root)
-        seen = np.cumsum([0, *(n + 1 for n in degrees)]).tolist()
-        for strip in np.array_split(np.arange(panels.panels), min(_STRIPS, panels.panels)):
-            first, here = seen[strip[0]], slice(rows[strip[0]], rows[strip[-1] + 1])
-            part = root[here] * own[here, first:]
-            # of a matrix and its own transpose NumPy computes one triangle, in half the time
-            gram[first:, first:] += part.T @ part
-        return gram
-
-    return _GRAMS.get((panels, degrees, shear), made)
+    nodes = graded_nodes(panels, degrees)
+    t = np.sqrt(nodes.rest)
+    root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
+    own = _own(panels, degrees, degrees, nodes, "toward").whole
+    gram = np.zeros((own.shape[1],) * 2)
+    # the nodes of a panel see its own functions and those of deeper panels
+    rows = np.cumsum([0, *map(len, nodes.start)])
+    rows[-1] = len(root)
+    seen = np.cumsum([0, *(n + 1 for n in degrees)]).tolist()
+    for strip in np.array_split(np.arange(panels.panels), min(_STRIPS, panels.panels)):
+        first, here = seen[strip[0]], slice(rows[strip[0]], rows[strip[-1] + 1])
+        part = root[here] * own[here, first:]
+        # of a matrix and its own transpose NumPy computes one triangle, in half the time
+        gram[first:, first:] += part.T @ part
+    return gram
 
 
 def block(

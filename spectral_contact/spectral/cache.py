@@ -14,6 +14,9 @@ from weakref import WeakSet
 
 import numpy as np
 
+#: What holds no arrays.
+_PLAIN = {bool, float, int, str, type(None)}
+
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
 
@@ -115,6 +118,8 @@ def _bytes(value: Any, seen: set[int]) -> int:
     todo, total = [value], 0
     while todo:
         one = todo.pop()
+        if type(one) in _PLAIN:
+            continue
         if id(one) in seen or isinstance(one, BoundedCache):  # whose entries count by themselves
             continue
         seen.add(id(one))

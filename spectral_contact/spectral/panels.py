@@ -35,7 +35,7 @@ cleared_too(
     legendre_expansion_matrix.cache_clear,
     legendre_projection_matrix.cache_clear,
 )
-_MASSES: BoundedCache[tuple[LogPanels, tuple[int, ...], int], Array] = BoundedCache("masses", 256)
+_MASSES: BoundedCache[LogPanels, list[PartMass]] = BoundedCache("masses", 256)
 
 
 class BasisRule(NamedTuple):
@@ -44,6 +44,13 @@ class BasisRule(NamedTuple):
     points: Array
     weights: Array
     basis: Array
+
+
+class PartMass(NamedTuple):
+    """Masses of the functions of a panel, and of those of the tail."""
+
+    panel: Array
+    tail: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,28 +155,36 @@ class LogPanels:
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
         return BasisRule(d, w * v * self.end, values)
 
-    def mass(self, degrees: tuple[int, ...], decay: int) -> Array:
-        """Return ``int_0^1 phi psi d**(decay - 1) dd``, block diagonal (cached).
+    def mass(self, degrees: tuple[int, ...], constant: float, rising: float = 0.0) -> Array:
+        """Return ``int_0^1 phi psi (constant + rising d) dd``, block diagonal.
 
         Of the functions up to these degrees on the panels, and of the tail.
         """
-        return _MASSES.get((self, degrees, decay), lambda: self._mass(degrees, decay))
-
-    def _mass(self, degrees: tuple[int, ...], decay: int) -> Array:
         last = sum(degrees) + len(degrees)
         mass = np.zeros((last + self.tail_terms,) * 2)
         if self.power != 0.0:  # not square integrable: such panels serve zero compliance
             return mass
+        masses = _MASSES.get(self, self._masses)
+        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        blocks = constant * extents * masses[0].panel + rising * extents**2 * masses[1].panel
+        stop = 0
+        for n, block in zip(degrees, blocks, strict=True):
+            start, stop = stop, stop + n + 1
+            mass[start:stop, start:stop] = block[: n + 1, : n + 1]
+        mass[last:, last:] = constant * masses[0].tail + rising * masses[1].tail
+        return mass
+
+    def _masses(self) -> list[PartMass]:
+        """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
         g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
-        weight = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
-        first, stop = (values.T * weight) @ values, 0
-        for j, n in enumerate(degrees):
-            start, stop = stop, stop + n + 1
-            mass[start:stop, start:stop] = np.exp(-decay * j * self.width) * first[: n + 1, : n + 1]
         d, weights, tail = self.tail_rule()
-        mass[last:, last:] = (tail.T * (weights * d ** (decay - 1))) @ tail
-        return mass
+        found = []
+        for decay in (1, 2):
+            falling = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
+            on_tail = (tail.T * (weights * d ** (decay - 1))) @ tail
+            found.append(PartMass((values.T * falling) @ values, on_tail))
+        return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,9 +82,9 @@ class Family:
         """Return ``int phi psi s ds`` of pressures, or ``int phi psi s**3 ds`` of q/s."""
         half = self.reach / 2.0
         if not shear:
-            return half * self.panels.mass(degrees, 1)
-        rising = self.sign * self.reach * self.panels.mass(degrees, 2)
-        return half * (self.boundary.square * self.panels.mass(degrees, 1) + rising)
+            return self.panels.mass(degrees, half)
+        rising = self.sign * self.reach
+        return self.panels.mass(degrees, half * self.boundary.square, half * rising)
 
     def sampling(self) -> Points:
         """Return the sampling points: panels, then tail."""

@@ -23,7 +23,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import Blockwise
-from spectral_contact.spectral.blocks import Block, block, disk_gram
+from spectral_contact.spectral.blocks import Block, block, kept_disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.moments import moments, outer_moments
@@ -277,7 +277,7 @@ class System(Tangential):
         for i, part in enumerate(self.parts):
             f, kept = self._f[i], None
             if part.zone == 0 and self._plain[0]:
-                gram = disk_gram(part.family.panels, part.degrees, shear=False)
+                gram = kept_disk_gram(part.family.panels, part.degrees, shear=False)
                 kept = part.family.boundary.value * gram
             weights = self._weights[i].astype(kind)
             for k, j, product in f.products(f, weights, whole=True, own=kept):

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
-from spectral_contact.spectral.blocks import disk_gram
+from spectral_contact.spectral.blocks import kept_disk_gram
 from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes, smooth_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
@@ -352,7 +352,7 @@ class Tangential(ABC):
             stuck, weights = self._stuck(i), self._shear_tests[i].astype(matrix.dtype)
             kept = None
             if part.zone == 0 and self._plain[1]:
-                gram = disk_gram(part.shear.panels, part.degrees, shear=True)
+                gram = kept_disk_gram(part.shear.panels, part.degrees, shear=True)
                 kept = part.family.boundary.value**3 * gram
             pairs = stuck.products(self._g[i], weights, whole=self._plain[1], own=kept)
             for k, j, product in pairs:

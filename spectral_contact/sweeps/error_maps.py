@@ -29,7 +29,7 @@ _LEAST, _LARGEST, _DENSITY = -14, 14, 2
 #: Of normal contact every quantity superconverges: this degree is good to rounding.
 _NORMAL_DEGREE: Final = 10
 #: Degrees for full stick, and the least tolerance of each.
-_STICK_DEGREES: Final = ((1e-8, 14), (0.0, 18))
+_STICK_DEGREES: Final = ((1e-8, 14), (0.0, 20))
 #: Pointwise values have rounding of their own, of which the difference is a sample: over 3000
 #: random scenes the largest one within a decade was up to twice too small.
 _RATIO_SAFETY: Final = 8.0

@@ -142,11 +142,13 @@ def _ends(count: int, solver: Solver) -> _Ends | None:
     # where one disk is right at two frictions, it is between
     if is_alone(high):
         low = high
+    elif is_alone(LEAST - 1):
+        low = LEAST - 1
+    else:
+        return None
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if is_alone(middle) else (low, middle)
-    if low + 1 < LEAST:
-        return None
     disks = [alone[i].zones[0] for i in (0, low)]
     z, y = np.array([(one.outer**2, one.outer_from_edge * (1.0 + one.outer)) for one in disks]).T
     if not (np.minimum(z, y) > 0.0).all():
