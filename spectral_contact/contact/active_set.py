@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import DEEPEST
 from spectral_contact.fields.series import Array, Radius
-from spectral_contact.spectral.cholesky import Cholesky
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.regularised import Cholesky
 from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_operators
 
 Integers = NDArray[np.int_]

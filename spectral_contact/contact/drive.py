@@ -16,9 +16,10 @@ import numpy as np
 
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import Array, LogSeries, Radius
-from spectral_contact.spectral.annulus import sampled_series, transforms
+from spectral_contact.spectral.annulus import transforms
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import sampled_series
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -174,5 +175,5 @@ def _demanded(panels: LogPanels, contacts: Sequence[NormalContact]) -> list[LogS
     """Return what the series of pressures on the same panels demand of the traction."""
     own = transforms(panels)
     values = own.outer(np.array([one.coefficients for one in contacts]))
-    values *= 2.0 / np.sqrt(1.0 - own.distances)
+    values *= 2.0 / np.sqrt(1.0 - panels.distances)
     return [sampled_series(panels, row) for row in values]

@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike
 from spectral_contact.contact.drive import Drive
 from spectral_contact.fields.series import EDGE, Array, PressureField, Radius
 from spectral_contact.spectral.blocks import Block, across, block
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family
 from spectral_contact.spectral.seen import Seen
@@ -33,7 +33,7 @@ class Driven(Tangential):
 
     Parameters
     ----------
-    radii, states, panels, degrees, parameters
+    radii, states, spaces, parameters
         As of `Tangential`; with tangential compliance. In slip they are those of the pressure.
     drives : sequence of Drive
         Of the pressure, and of its changes.
@@ -43,18 +43,19 @@ class Driven(Tangential):
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        panels: Sequence[LogPanels],
-        degrees: Sequence[Degrees],
+        spaces: Sequence[Resolution],
         parameters: Parameters,
         drives: Sequence[Drive],
     ) -> None:
-        super().__init__(radii, states, panels, degrees, parameters)
+        super().__init__(radii, states, spaces, parameters)
         self.drives, self.count, self.fields = drives, len(drives), []
         self.load = np.zeros(self.count)
         self.load[0] = 1.0 / (2.0 * np.pi)
         self._place_shear()
         #: degrees for which there are nodes on every part: what is seen in slip is smooth
-        self._felt: list[Degrees] = [() if p.state else p.degrees for p in self.parts]
+        self._felt = [
+            (LEAST_DEGREE,) * len(p.degrees) if p.state else p.degrees for p in self.parts
+        ]
         self._place_nodes(self._felt[: self.stick[-1] + 1])
         self._shear_tests = self.shear_weights
         self._g = [Seen(one, self._seen(i)) for i, one in enumerate(self.nodes)]

@@ -29,7 +29,7 @@ from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING
 from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.panels import LogPanels, Resolution, Used
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.regularised import Change, Regularised
 from spectral_contact.spectral.spaces import Space, disk_space
 
@@ -137,7 +137,9 @@ class _IndentationProblem(PartedProblem):
         space = disk_space(self.parts, used)
         return self._contact(space, used, self._solve(space, used[-1][0]))
 
-    def _contact(self, space: Space, used: tuple[Used, ...], solved: _TwoPressures) -> Indentation:
+    def _contact(
+        self, space: Space, used: tuple[Resolution, ...], solved: _TwoPressures
+    ) -> Indentation:
         """Return the contact without its errors."""
         a, weights = self.radius, space.weights
         series, flat = (series_on_parts(used, one) for one in (solved.whole, solved.flat))
@@ -158,7 +160,7 @@ class _IndentationProblem(PartedProblem):
         return float(self.profile._transform(np.asarray(self.radius))) / (2.0 * self.radius)
 
     def _judged(
-        self, space: Space, used: tuple[Used, ...], solved: _TwoPressures
+        self, space: Space, used: tuple[Resolution, ...], solved: _TwoPressures
     ) -> Attempt[Indentation]:
         """Return the contact with its errors."""
         a, found = self.radius, self._contact(space, used, solved)

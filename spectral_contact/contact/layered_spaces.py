@@ -25,7 +25,7 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.panels import Used
+from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
@@ -93,7 +93,7 @@ class PanelForm:
         Panels of every part, and the degrees on them.
     """
 
-    def __init__(self, parts: Parts, used: tuple[Used, ...]) -> None:
+    def __init__(self, parts: Parts, used: tuple[Resolution, ...]) -> None:
         self._parts, self._used = parts, used
         self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)

@@ -33,7 +33,7 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.panels import LogPanels, Resolution, Used
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
 
@@ -127,11 +127,11 @@ class PartedProblem(ABC):
         capacity = 4 * ceil((max(space.degrees) + 1) / 4)
         return Resolution(replace(space.panels, degree=capacity), space.degrees)
 
-    def used(self, resolution: Resolution) -> tuple[Used, ...]:
+    def used(self, resolution: Resolution) -> tuple[Resolution, ...]:
         """Return the panels of every part, and the degrees on them."""
         degrees, used = resolution.degrees, []
         for count in self.counts:
-            used.append((replace(resolution.panels, panels=count), degrees[:count]))
+            used.append(Resolution(replace(resolution.panels, panels=count), degrees[:count]))
             degrees = degrees[count:]
         return tuple(used)
 
@@ -156,7 +156,7 @@ def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resol
 
 
 def pointwise_errors(
-    parts: Parts, used: tuple[Used, ...], whole: Array, change: Change, mean: float
+    parts: Parts, used: tuple[Resolution, ...], whole: Array, change: Change, mean: float
 ) -> tuple[Array, Array]:
     """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
 
@@ -182,7 +182,7 @@ def pointwise_errors(
     return np.concatenate(errors), np.concatenate(rates)
 
 
-def series_on_parts(used: tuple[Used, ...], coefficients: Array) -> list[LogSeries]:
+def series_on_parts(used: tuple[Resolution, ...], coefficients: Array) -> list[LogSeries]:
     """Return the function on every part."""
     return [
         series_of(p, c) for (p, _), c in zip(used, split_parts(used, coefficients), strict=True)
@@ -203,7 +203,7 @@ def field_of(parts: Parts, series: Sequence[LogSeries]) -> PressureField | Zonal
     return ZonalField(tuple(pieces))
 
 
-def split_parts(used: tuple[Used, ...], coefficients: Array) -> list[Array]:
+def split_parts(used: tuple[Resolution, ...], coefficients: Array) -> list[Array]:
     """Return the coefficients of every part."""
     return np.split(coefficients, np.cumsum([panels.size for panels, _ in used])[:-1])
 

@@ -113,7 +113,7 @@ def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     # the caller sees where even the least is too large
     while _size(resolution) > max_unknowns and (top := max(resolution.degrees)) > LEAST_DEGREE:
         degrees = tuple(min(n, top - 1) for n in resolution.degrees)
-        resolution = replace(resolution, degrees=degrees)
+        resolution = resolution._replace(degrees=degrees)
     return resolution
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import EXTRA, TAIL_TERMS, legendre_projection_matrix
+from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
@@ -44,9 +44,7 @@ SAFETY = 4.5
 #: The share of its step that a correction leaves at least. With 1e-4 estimates of stick radii are
 #: 0.6 times as large in the mean of 91 scenes, and the largest error is 0.55 of one, else 0.50.
 LEFT = 1e-2
-_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache(
-    "first spaces", 128, arrays=False
-)
+_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
@@ -304,12 +302,5 @@ def share_of_change(
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     """Return ``int basis * density(d) dd`` over (0, 1)."""
-    near = np.exp(-panels.sampling(panels.degree + EXTRA)).ravel()
-    tail, points = panels.tail_sampling(), panels.tail_points
-    values = density(np.concatenate([near, tail]))
-    values[:-points] *= panels.width / 2.0 * near
-    values[-points:] *= panels.end / 2.0
-    own = values[:-points].reshape(panels.panels, -1)
-    near = own @ legendre_projection_matrix(own.shape[1], panels.degree)
-    tail = values[-points:] @ legendre_projection_matrix(points, TAIL_TERMS - 1)
-    return np.concatenate([near.ravel(), tail])
+    form = panels, (panels.degree,) * panels.panels
+    return moments_with(*form, density(moment_points(*form))[None]).ravel()

@@ -29,15 +29,16 @@ from spectral_contact.fields.series import (
     AnnulusSeries,
     Array,
     DiskSeries,
+    LogSeries,
     PressureField,
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.annulus import Annulus, sampled_series, transforms
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.parts import Family, Points, gap, sampled_series
 
 if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive
@@ -70,12 +71,13 @@ class Slipping:
 
     annulus: Annulus
     sign: int
-    misfit: tuple[Array, Array]
+    misfit: list[Array]
 
     @property
-    def weighted_misfit(self) -> tuple[Array, Array]:
+    def weighted_misfit(self) -> list[Array]:
         """``t E`` at the sampling points."""
-        return self.annulus.halves(np.sqrt(self.annulus.sampling[1]) * np.concatenate(self.misfit))
+        each = zip(self.annulus.families, self.misfit, strict=True)
+        return [np.sqrt(family.sampling().z) * one for family, one in each]
 
 
 def annulus_between(
@@ -138,29 +140,26 @@ def slip_displacement(
 
     Zones of both kinds are ordered outward; friction is ``f / kappa``.
     """
-    fields, samples, unresolved = [], [], 0.0
+    fields, samples, unresolved = list[AnnulusSeries](), list[Array](), 0.0
     for zone in zones:
-        annulus = zone.annulus
-        weighted = zone.weighted_misfit
-        total = annulus.own_inner_integral(annulus.expand(weighted))
-        for family, part in zip(annulus.families, annulus.halves(total), strict=True):
+        annulus, weighted = zone.annulus, zone.weighted_misfit
+        halves, own = list[LogSeries](), list[Array]()
+        integrals = annulus.integrals(weighted, -1)
+        for family, e, total in zip(annulus.families, weighted, integrals, strict=True):
             for inner in _inside(stuck, annulus.inner):
-                part += _from_stuck_at_samples(inner, family)
-            for inner_zone in zones:
-                if inner_zone is zone:
-                    break
-                part += _from_slipping(inner_zone, family)
-        y, z = annulus.sampling
-        values = total / (-pi * np.sqrt(z))
-        if beta > 0.0:
-            values += beta * zone.sign * friction * pressure.at(y)
-        parts = zip(annulus.families, annulus.halves(values), strict=True)
-        series = [sampled_series(family.panels, u) for family, u in parts]
-        for family, e, u in zip(annulus.families, weighted, series, strict=True):
+                total += _from_stuck_at_samples(inner, family)
+            for inner_zone in zones[: len(fields)]:
+                total += _from_slipping(inner_zone, family)
+            points = family.sampling()
+            values = total / (-pi * np.sqrt(points.z))
+            if beta > 0.0:
+                values += beta * zone.sign * friction * pressure.at(points.y)
+            halves.append(sampled_series(family.panels, values))
             inner_error = family.truncated(e, 0.5) / _SMOOTHED
-            unresolved = max(unresolved, inner_error + family.unresolved(u))
-        fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
-        samples.append(zone.sign * values)
+            unresolved = max(unresolved, inner_error + family.unresolved(halves[-1]))
+            own.append(zone.sign * values)
+        fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1], power=0))
+        samples.append(np.concatenate(own))
     largest = max(float(np.abs(v).max()) for v in samples)
     return SlipFields(fields, samples, largest, 2.0 * SAFETY * unresolved)
 
@@ -173,16 +172,15 @@ def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
 def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
     """Integrate over a stick zone inside, at the sampling points of half a slip zone.
 
-    The integral is interpolated where it is smooth. The outer half is farther from the zone than it
-    is wide: there a polynomial in ``s**2`` through few points is right to rounding.
+    The outer half is farther from the zone than it is wide: there a polynomial in ``s**2`` through
+    few points is right to rounding.
     """
-    if family.sign < 0:
-        offset = family.sampling().offset
-        reach = -family.reach
-        fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
-        return chebyshev_sums(2.0 * offset / reach - 1.0, fit[:, None])
-    own = transforms(family.panels)
-    return own.interpolate(_from_stuck(zone, family.points(own.coarse)))
+    points = family.sampling()
+    if family.sign > 0:
+        return _from_stuck(zone, points)
+    reach = -family.reach
+    fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
+    return chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None])
 
 
 def _from_stuck(zone: Stuck, points: Points) -> Array:

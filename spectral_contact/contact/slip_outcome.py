@@ -218,11 +218,11 @@ def _to_the_edge(
     alpha, inner = drive.contact.compliance, solved.radii[0]
     layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
     annulus = annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
-    y, z = annulus.sampling
-    over = annulus.expand(annulus.halves(drive.pressure.at(y) / np.sqrt(z)))
+    points = [family.sampling() for family in annulus.families]
+    over = [drive.pressure.at(one.y) / np.sqrt(one.z) for one in points]
+    each = zip(points, annulus.integrals(over, 1), strict=True)
     # E = R - G
-    misfit = annulus.halves(drive.target(y) - friction * annulus.own_half_integral(over))
-    slipping = Slipping(annulus, 1, misfit)
+    slipping = Slipping(annulus, 1, [drive.target(one.y) - friction * half for one, half in each])
     parameters = Parameters(alpha, beta, 1.0, friction)
     return _held(solved, drive.pressure, sticks, excess, [slipping], parameters)
 

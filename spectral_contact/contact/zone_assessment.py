@@ -152,8 +152,7 @@ class ZoneSolution(SolvedZones):
                 )
                 annulus = Annulus(self.bounds[zone], self.bounds[zone + 1], first, second)
                 each = [self.system.slip_misfit(self.solution[:, :2], f) for f in annulus.families]
-                misfit = annulus.halves(np.concatenate([one[:, 0] for one in each]))
-                found.append(Slipping(annulus, state, misfit))
+                found.append(Slipping(annulus, state, [one[:, 0] for one in each]))
                 lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in each))
         return found, lost
 

@@ -175,8 +175,7 @@ class FreeBoundaryProblem:
         narrowest = _NARROWEST * self.parameters.alpha
         if len(radii) > 1 and radii[-1].rest < narrowest:
             raise NoBoundariesError("the last zone vanishes")
-        panels, degrees = [one.panels for one in spaces], [one.degrees for one in spaces]
-        form = radii, self.states, panels, degrees, self.parameters
+        form = radii, self.states, spaces, self.parameters
         return Driven(*form, self.drives) if self.drives else System(*form)
 
     def factored(self, system: Tangential) -> Factored:

@@ -209,14 +209,11 @@ class EdgeWeight:
                 value = value * np.where(z > 0.0, -np.log(y) / safe, 1.0)
         return np.asarray(value)
 
-    def half_integral(self, d: Array) -> Array:
-        """Return its half-integral at ``1 - t**2 = d``: amplitude arctan sqrt(d / shift)."""
-        if self.shift == 0.0:
-            return np.full(np.shape(d), self.amplitude * np.pi / 2.0)
-        return np.asarray(self.amplitude * np.arctan(np.sqrt(d / self.shift)))
-
     def deficit(self, d: Array) -> Array:
-        """Return ``amplitude pi/2`` minus the half-integral, without the subtraction."""
+        """Return ``amplitude pi/2`` minus the half-integral at ``1 - t**2 = d``.
+
+        Without the subtraction: the half-integral is ``amplitude arctan sqrt(d / shift)``.
+        """
         return np.asarray(self.amplitude * np.arctan(np.sqrt(self.shift / d)))
 
     def times(self, factor: float) -> EdgeWeight:

@@ -31,9 +31,7 @@ __all__ = ["plan"]
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
 _NO_FRICTION = "the scene has no friction coefficient"
-_PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache(
-    "plans", 64, arrays=False
-)
+_PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache("plans", 64)
 
 
 def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:

@@ -4,25 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import deeper, deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.graded import SAMPLES
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     gauss_rule,
     legendre_expansion_matrix,
-    legendre_interpolation_matrix,
     legendre_rows,
     legendre_values,
 )
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap, sampled_coefficients
+from spectral_contact.spectral.parts import Family, gap
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
@@ -35,23 +32,9 @@ _DEEP_POINTS = 14
 _TRANSFORMS: BoundedCache[LogPanels, Transforms] = BoundedCache("Abel transforms", 12)
 
 
-class _Means(NamedTuple):
-    """Matrices of means: on a panel, of a whole one, in the tail, of all of the tail."""
-
-    within: Array
-    whole: Array
-    in_tail: Array
-    below: Array
-
-
 def transforms(panels: LogPanels) -> Transforms:
     """Return the transforms of these panels, whose blocks are assembled once (cached)."""
     return _TRANSFORMS.get(panels, lambda: Transforms(panels))
-
-
-def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
-    """Return the series through samples at the sampling points of the panels and the tail."""
-    return LogSeries(*sampled_coefficients(panels, values), panels.width)
 
 
 class Transforms:
@@ -69,28 +52,9 @@ class Transforms:
     def __init__(self, panels: LogPanels) -> None:
         self.panels = panels
         self._x = panels.sampling()
-        #: distances of the sampling points
-        self.distances = panels.distances
         self._across: BoundedCache[tuple[int, float], Array] = BoundedCache(
             "Abel transforms across an annulus", 4
         )
-
-    @cached_property
-    def coarse(self) -> Array:
-        """Distances of points that represent a smooth function: `SAMPLES` a panel, the tail's."""
-        return self.panels.with_tail(self.panels.sampling(SAMPLES))
-
-    @cached_property
-    def _from_coarse(self) -> Array:
-        """Matrix of `interpolate` on a panel."""
-        g, _ = gauss_rule(self.panels.samples)
-        return legendre_interpolation_matrix(g, SAMPLES).T.copy()
-
-    def interpolate(self, values: Array) -> Array:
-        """Return functions (..., sampling points) from their values at the `coarse` ones."""
-        count, shape = self.panels.panels * SAMPLES, values.shape[:-1]
-        on_panels = values[..., :count].reshape(*shape, -1, SAMPLES) @ self._from_coarse
-        return np.concatenate([on_panels.reshape(*shape, -1), values[..., count:]], axis=-1)
 
     def deeper(self, coefficients: Array) -> Array:
         """Return the `deeper` integral of a function, shape (sampling points,)."""
@@ -147,40 +111,42 @@ class Transforms:
         """
         panels, terms = self.panels, self.panels.degree + 1
         count, end = panels.panels, panels.end
-        within, whole, in_tail, below = self._mean
+        on_panel, in_tail = self._mean
         series = coefficients[: count * terms].reshape(count, terms)
-        tail = coefficients[count * terms :]
+        in_tail = in_tail @ coefficients[count * terms :]
         start = np.exp(-panels.width * np.arange(count))
-        parts = start * (series @ whole)
+        parts = start[:, None] * (series @ on_panel)
         # what lies beyond each panel
-        beyond = np.cumsum(np.concatenate([[end * (below @ tail)], parts[:0:-1]]))[::-1]
-        sums = beyond[:, None] + start[:, None] * (series @ within)
-        means = sums / self.distances[: sums.size].reshape(sums.shape)
-        return np.concatenate([means.ravel(), in_tail @ tail])
+        beyond = np.cumsum(np.concatenate([[end * in_tail[0]], parts[:0:-1, 0]]))[::-1]
+        sums = beyond[:, None] + parts[:, 1:]
+        means = sums / panels.distances[: sums.size].reshape(sums.shape)
+        return np.concatenate([means.ravel(), in_tail[1:]])
 
     @cached_property
-    def _mean(self) -> _Means:
-        """Matrices of `mean`."""
+    def _mean(self) -> tuple[Array, Array]:
+        """Matrices of `mean`: integrals over a panel and means over the tail.
+
+        Over all of it first, then from every sampling point on.
+        """
         panels, h = self.panels, self.panels.width
         g, w = gauss_rule(panels.degree + EXTRA)
-        half, degree = (1.0 + g) / 2.0, panels.tail_terms - 1
-        # from every sampling point to the deep end of its panel, in units of the panel's exp(-x_j)
-        reach = h - self._x[0]
-        source = self._x[0, :, None] + np.outer(reach, half)
-        weight = np.exp(-source) * (w / 2.0) * reach[:, None]
+        half = (1.0 + g) / 2.0
+        # in units of the panel's exp(-x_j)
+        begin = np.append(0.0, self._x[0])
+        source = begin[:, None] + np.outer(h - begin, half)
+        weight = np.exp(-source) * (w / 2.0) * (h - begin)[:, None]
         basis = legendre_values(2.0 * source / h - 1.0, panels.degree)
-        within = np.einsum("iq,iqk->ki", weight, basis)
-        whole = (np.exp(-h * half) * w * h / 2.0) @ legendre_values(g, panels.degree)
-        local = np.outer(panels.tail_sampling() / panels.end, 2.0 * half) - 1.0
-        in_tail = np.einsum("iqk,q->ik", legendre_values(local, degree), w / 2.0)
-        return _Means(within, whole, in_tail, (w / 2.0) @ legendre_values(g, degree))
+        on_panel = np.einsum("iq,iqk->ki", weight, basis)
+        ends = np.append(1.0, panels.tail_sampling() / panels.end)
+        tail = legendre_values(np.outer(ends, 2.0 * half) - 1.0, panels.tail_terms - 1)
+        return on_panel, np.einsum("iqk,q->ik", tail, w / 2.0)
 
     @cached_property
     def _deeper(self) -> tuple[Array, Array]:
         panels = self.panels
         to_end = panels.width - self._x[0]
         blocks = deeper_blocks(to_end, panels.panels, panels.width, panels.degree)
-        return _in_a_row(blocks[:, ::-1]), deeper_tail(self.distances, panels.end)
+        return _in_a_row(blocks[:, ::-1]), deeper_tail(panels.distances, panels.end)
 
     @cached_property
     def _outer(self) -> tuple[Array, Array]:
@@ -220,45 +186,17 @@ class Annulus:
             Family(self.outer, -1, half, self.toward_outer),
         )
 
-    @cached_property
-    def sampling(self) -> tuple[Array, Array]:
-        """``1 - s**2`` and ``s**2`` at the sampling points, those of the inner half first."""
-        points = [family.sampling() for family in self.families]
-        return np.concatenate([p.y for p in points]), np.concatenate([p.z for p in points])
+    def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
+        """Return integrals of a function at its own sampling points, on either half.
 
-    def own_half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral of a function at the annulus's own sampling points.
-
-        In scaled distances the transforms depend on the panels alone, whose blocks are cached.
-        The inner family's points come first.
+        The half-integral, over what lies outside of the points (+1), or the inner integral (-1), of
+        values at these points. In scaled distances the transforms depend on the panels alone.
         """
-        (inner, outer), (a, b) = self._transforms, self._split(coefficients)
-        above = inner.outer(a) + outer.across(b, self.toward_inner)
-        return self._scale * np.concatenate([above, outer.deeper(b)])
-
-    def own_inner_integral(self, coefficients: Array) -> Array:
-        """Return the inner integral of a function at the annulus's own sampling points."""
-        (inner, outer), (a, b) = self._transforms, self._split(coefficients)
-        below = inner.across(a, self.toward_outer) + outer.outer(b)
-        return self._scale * np.concatenate([inner.deeper(a), below])
-
-    @property
-    def _transforms(self) -> tuple[Transforms, Transforms]:
-        return transforms(self.toward_inner), transforms(self.toward_outer)
-
-    def _split(self, coefficients: Array) -> tuple[Array, Array]:
-        return coefficients[: self.toward_inner.size], coefficients[self.toward_inner.size :]
-
-    @property
-    def _scale(self) -> float:
-        return float(np.sqrt(gap(self.inner, self.outer) / 2.0))
-
-    def halves(self, values: Array) -> tuple[Array, Array]:
-        """Return the parts of values at the sampling points that lie in either half."""
-        split = len(self.toward_inner.distances)
-        return values[:split], values[split:]
-
-    def expand(self, values: Sequence[Array]) -> Array:
-        """Return coefficients through values at the sampling points of both families."""
-        pairs = zip(self.families, values, strict=True)
-        return np.concatenate([f.expand(v) for f, v in pairs])
+        panels = [family.panels for family in self.families]
+        own = [transforms(one) for one in panels]
+        each = [f.expand(one) for f, one in zip(self.families, values, strict=True)]
+        # one half sees the other, too
+        one, other = (0, 1) if side > 0 else (1, 0)
+        found = [own[other].deeper(each[other])]
+        found.insert(one, own[one].outer(each[one]) + own[other].across(each[other], panels[one]))
+        return [np.sqrt(self.families[0].reach) * values for values in found]

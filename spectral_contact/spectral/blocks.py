@@ -38,11 +38,9 @@ from spectral_contact.spectral.graded import (
     SAMPLES,
     GradedNodes,
     PlainNodes,
-    SmoothNodes,
     far_values,
     graded_nodes,
     root_sums,
-    smooth_nodes,
 )
 from spectral_contact.spectral.jacobi import (
     chebyshev_interpolation,
@@ -55,7 +53,7 @@ from spectral_contact.spectral.parts import Family, gap
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
 Used: TypeAlias = tuple[int, ...] | LogPanels
-Nodes: TypeAlias = GradedNodes | SmoothNodes | PlainNodes
+Nodes: TypeAlias = GradedNodes | PlainNodes
 
 #: Distances, in units of a part's extent, up to which a difference is taken as such.
 _NEAR = 0.5
@@ -295,7 +293,7 @@ def points_of(panels: LogPanels, used: Used) -> Nodes:
     """Return the points of a part of unit extent; for `used` see `block`."""
     if isinstance(used, LogPanels):
         return PlainNodes(used.distances)
-    return graded_nodes(panels, used) if used else smooth_nodes(panels)
+    return graded_nodes(panels, used)
 
 
 def _vanishing(matrix: Array) -> Block:

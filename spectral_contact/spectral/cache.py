@@ -47,16 +47,13 @@ class BoundedCache(Generic[K, V]):
         Shown by `cache_sizes`.
     capacity : int
         Most entries it keeps.
-    arrays : bool
-        Whether its values hold arrays, whose bytes count.
     """
 
     _uncounted = 0
 
-    def __init__(self, name: str, capacity: int, *, arrays: bool = True) -> None:
+    def __init__(self, name: str, capacity: int) -> None:
         self.name = name
         self.capacity = capacity
-        self._arrays = arrays
         self._entries: dict[K, _Entry[V]] = {}
         self._lock = threading.RLock()
         _ALL.add(self)
@@ -75,7 +72,7 @@ class BoundedCache(Generic[K, V]):
             self._entries[key] = _Entry(value, next(_CLOCK))
             if len(self._entries) > self.capacity:
                 del self._entries[min(self._entries, key=lambda one: self._entries[one].used)]
-        if self._arrays and (made := _bytes(value, set())) >= _LARGE:
+        if (made := _bytes(value, set())) >= _LARGE:
             BoundedCache._uncounted += made
             if BoundedCache._uncounted >= _MOST // _SHARE:
                 BoundedCache._uncounted = 0

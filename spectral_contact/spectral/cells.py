@@ -98,9 +98,7 @@ class CellSpace(NodalSpace):
         cell = np.repeat(np.arange(len(terms)), terms)
         degree = np.arange(self.size) - np.repeat(np.cumsum(terms) - terms, terms)
         left = np.repeat(terms, terms) - 1 - degree
-        self.index = np.concatenate(
-            [np.flatnonzero(left > 1), *(np.flatnonzero(left == k) for k in (1, 0))]
-        )
+        self.index = np.argsort(-np.minimum(left, 2), kind="stable")
         self.kept = int((left > 1).sum())
         self.kept_but_one = self.kept + len(terms)
         self.panel = cell[self.index]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from spectral_contact.spectral.cholesky import Cholesky
+from spectral_contact.spectral.regularised import Cholesky
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -123,9 +123,7 @@ class Symmetric(Factored):
 
     def __init__(self, system: Tangential) -> None:
         self.system, self.exact = system, True
-        lacking = np.zeros(system.unknowns, dtype=int)
-        for places in system.shed:
-            lacking[places] += 1
+        lacking = np.bincount(np.concatenate(system.shed), minlength=system.unknowns)
         self._order = np.argsort(lacking, kind="stable")
         self._kept = int((lacking == 0).sum()), int((lacking < 2).sum())
         self._cholesky = Cholesky(system.matrix().take(self._order, 0).take(self._order, 1))

@@ -40,7 +40,6 @@ _TAIL_POINTS = 48
 _NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes] = BoundedCache(
     "graded nodes", 128
 )
-_SMOOTH: BoundedCache[LogPanels, SmoothNodes] = BoundedCache("smooth nodes", 24)
 
 
 class GradedNodes:
@@ -141,29 +140,6 @@ class PlainNodes:
         """The matrix from values at the few places that see what is far off."""
         return far_values(self.d)
 
-    def spread(self, values: Array) -> Array:
-        """Return the values."""
-        return values
-
-    def gathered(self, values: Array) -> Array:
-        """Return the values."""
-        return values
-
-
-class SmoothNodes(PlainNodes):
-    """Nodes for what is analytic in ``x``, and on the tail: they are their own samples.
-
-    Attributes are those of `GradedNodes`.
-    """
-
-    def __init__(self, panels: LogPanels) -> None:
-        _, w = gauss_rule(SAMPLES)
-        x, (tail, on_tail) = panels.sampling(SAMPLES).ravel(), _tail_rule(panels)
-        super().__init__(np.concatenate([np.exp(-x), tail]))
-        self.rest: Array = np.concatenate([-np.expm1(-x), 1.0 - tail])
-        on_panels = np.exp(-x) * np.tile(w * panels.width / 2.0, panels.panels)
-        self.weights: Array = np.concatenate([on_panels, on_tail])
-
 
 def _clustered_rule(points: int) -> tuple[Array, Array]:
     """Return a rule on (0, 1) for functions with square roots at both ends."""
@@ -195,11 +171,6 @@ def graded_nodes(panels: LogPanels, degrees: tuple[int, ...]) -> GradedNodes:
     The far end of a part is like the centre of a disk.
     """
     return _NODES.get((panels, degrees), lambda: GradedNodes(panels, degrees))
-
-
-def smooth_nodes(panels: LogPanels) -> SmoothNodes:
-    """Return the nodes of a part for what is smooth on it (cached)."""
-    return _SMOOTH.get(panels, lambda: SmoothNodes(panels))
 
 
 def _node_count(degree: int) -> int:

@@ -5,7 +5,7 @@ With ``p`` and ``q = s u`` the tractions change each other's displacement by
     <phi, int_s^1 q deta> = <s psi, g[p]> = 1/4 int_0^1 phi(y) int_0^y psi(y') dy' dy
 
 in the measure ``s ds`` and in ``y = 1 - s**2``: no kernel is left, and what lies on different
-panels couples by the product of its moments.
+panels couples by the product of its moments. Moments with a density are loads and shears.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.spectral.abel import charges_on
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
-from spectral_contact.spectral.panels import BasisRule, LogPanels
+from spectral_contact.spectral.jacobi import EXTRA, gauss_rule, legendre_values, tail_values
+from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
 
@@ -23,30 +24,54 @@ _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
 _OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
 
 
+def moment_points(panels: LogPanels, degrees: tuple[int, ...]) -> Array:
+    """Return the distances at which densities are asked for, on the panels and on the tail."""
+    return np.concatenate([charges_on(panels.width, degrees).d, panels.tail_rule().points])
+
+
+def moments_with(panels: LogPanels, degrees: tuple[int, ...], densities: Array) -> Array:
+    """Return ``int_0^1 psi density dy`` of the functions up to these degrees, as rows.
+
+    Of densities at the `moment_points`, as rows; psi has the endpoint weight.
+    """
+    charges = charges_on(panels.width, degrees)
+    d, weights, basis = panels.tail_rule()
+    split = len(charges.d)
+    own = charges.after(2.0 * densities[:, :split] * charges.d ** (1.0 + panels.power))
+    return np.hstack([own, densities[:, split:] @ ((weights * d**panels.power)[:, None] * basis)])
+
+
 def moments(panels: LogPanels) -> Array:
     """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
-    return _MOMENTS.get(panels, lambda: _moments(panels))
+    every = (panels.degree,) * panels.panels
+
+    def made() -> Array:
+        ones = np.ones((1, len(moment_points(panels, every))))
+        return moments_with(panels, every, ones).ravel()
+
+    return _MOMENTS.get(panels, made)
 
 
-def _moments(panels: LogPanels) -> Array:
-    offsets, weights, basis = _panel_rule(panels)
-    first = (weights * np.exp(-(1.0 + panels.power) * offsets)) @ basis
-    fall = np.exp(-(1.0 + panels.power) * panels.width * np.arange(panels.panels))
-    d, tail_weights, tail = panels.tail_rule()
-    deepest = (tail_weights * d**panels.power) @ tail
-    return np.concatenate([np.outer(fall, first).ravel(), deepest])
+def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
+    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent.
 
-
-def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
-    """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size).
-
-    The panels of phi and of psi are the same but for the endpoint weight.
+    The panels of phi and of psi are the same but for the endpoint weight (cached).
     """
+
+    def made() -> Array:
+        deeper = _deeper_moments(panels, other)
+        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
+
+    return _OUTER.get((panels, other, sign), made)
+
+
+def _deeper_moments(panels: LogPanels, inner: LogPanels) -> Array:
+    """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size)."""
     terms, h = panels.degree + 1, panels.width
     # psi on a deeper panel counts whole, on a shallower one not at all
     matrix = np.outer(moments(panels), moments(inner))
-    x, weights, basis = _panel_rule(panels)
-    g, w = gauss_rule(len(x))
+    g, w = gauss_rule(panels.degree + EXTRA)
+    x, weights, basis = h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree)
     rest = h - x
     deeper = x[:, None] + rest[:, None] * (1.0 + g) / 2.0
     values = np.exp(-(1.0 + inner.power) * deeper) * w * rest[:, None] / 2.0
@@ -68,20 +93,3 @@ def inner_moments(panels: LogPanels, inner: LogPanels) -> Array:
     within = np.einsum("iq,iqk->ik", values, tails)
     matrix[tail:, tail:] = (basis * (weights * d**panels.power)[:, None]).T @ within
     return matrix
-
-
-def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
-    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent."""
-
-    def made() -> Array:
-        deeper = inner_moments(panels, other)
-        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
-
-    return _OUTER.get((panels, other, sign), made)
-
-
-def _panel_rule(panels: LogPanels) -> BasisRule:
-    """Return offsets and ``dx`` weights on the first panel, and the polynomials there."""
-    g, w = gauss_rule(panels.degree + 14)
-    h = panels.width
-    return BasisRule(h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -187,13 +187,8 @@ class LogPanels:
         return found
 
 
-@dataclass(frozen=True, slots=True)
-class Resolution:
-    """A space: panels and the degree used on each of them."""
+class Resolution(NamedTuple):
+    """A space on a part: panels and the degree used on each of them."""
 
     panels: LogPanels
     degrees: tuple[int, ...]
-
-
-#: The panels of a part, and the degrees on them.
-Used: TypeAlias = tuple[LogPanels, tuple[int, ...]]

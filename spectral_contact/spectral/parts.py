@@ -9,17 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.radius import CENTRE, EDGE, Radius
-from spectral_contact.spectral.jacobi import (
-    EXTRA,
-    gauss_rule,
-    legendre_expansion_matrix,
-    legendre_values,
-    tail_values,
-)
+from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
+from spectral_contact.spectral.jacobi import legendre_expansion_matrix
 
 if TYPE_CHECKING:
-    from spectral_contact.fields.series import LogSeries
     from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
@@ -90,40 +83,22 @@ class Family:
         """Return the sampling points: panels, then tail."""
         return self.points(self.panels.distances)
 
-    def sources(self) -> tuple[Points, Array]:
-        """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
-        p = self.panels
-        points = p.degree + EXTRA
-        (g, w), (gt, wt), x = gauss_rule(points), gauss_rule(p.tail_terms + 3), p.sampling(points)
-        values = legendre_values(g, p.degree)
-        tail = p.end * (1.0 + gt) / 2.0
-        matrix = np.zeros((x.size + len(gt), p.size))
-        for j in range(p.panels):
-            rows = slice(j * points, (j + 1) * points)
-            columns = slice(j * (p.degree + 1), (j + 1) * (p.degree + 1))
-            matrix[rows, columns] = values * (w * p.width / 2.0 * np.exp(-x[j]))[:, None]
-        basis = tail_values(tail, p.end, p.tail_terms, p.root_tail)
-        matrix[x.size :, p.panels * (p.degree + 1) :] = basis * (wt * p.end / 2.0)[:, None]
-        places = self.points(np.concatenate([np.exp(-x).ravel(), tail]))
-        return places, 0.5 * self.reach * matrix
-
     def unresolved(self, series: LogSeries) -> float:
         """Return the largest of the last coefficients of any panel or of the tail."""
         return float(max(np.abs(series.coefficients[:, -3:]).max(), np.abs(series.tail[-2:]).max()))
 
     def truncated(self, values: Array, power: float) -> float:
         """Return the largest that `expand` drops of any panel or tail, times ``d**power``."""
-        table, tail = sampled_coefficients(self.panels, values)
-        p = self.panels
-        dropped = np.abs(table[:, p.degree + 1 :]).max(axis=1)
+        p, series = self.panels, sampled_series(self.panels, values)
+        dropped = np.abs(series.coefficients[:, p.degree + 1 :]).max(axis=1)
         in_panels = dropped * np.exp(-power * p.width * np.arange(p.panels))
-        return float(max(in_panels.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
+        return float(max(in_panels.max(), np.abs(series.tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
         """Return coefficients, of the size of the basis, through values at the sampling points."""
-        table, tail = sampled_coefficients(self.panels, values)
-        p = self.panels
-        return np.concatenate([table[:, : p.degree + 1].ravel(), tail[: p.tail_terms]])
+        p, series = self.panels, sampled_series(self.panels, values)
+        kept = series.coefficients[:, : p.degree + 1].ravel()
+        return np.concatenate([kept, series.tail[: p.tail_terms]])
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,11 +133,11 @@ class Parts:
             self.inner.extend([last] * len(halves))
 
 
-def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array]:
-    """Return coefficients on panels and tail through samples at the sampling points of both."""
+def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
+    """Return the series through samples at the sampling points of the panels and the tail."""
     tail_points = panels.tail_points
     inner = values[:-tail_points].reshape(panels.panels, -1)
     points = inner.shape[1]
     expand = legendre_expansion_matrix(points, points - 1)
     expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
-    return inner @ expand.T, expand_tail @ values[-tail_points:]
+    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
-from spectral_contact.spectral.panels import Used
+from spectral_contact.spectral.panels import Resolution
 
 Array = NDArray[np.float64]
 
@@ -48,13 +48,15 @@ class Sampling:
 
     Parameters
     ----------
-    used : tuple of (LogPanels, tuple of int)
-        Panels of every part, and the degrees on them.
+    used : tuple of Resolution
+        Of every part.
     polynomials : tuple of int
         Degrees on cells instead.
     """
 
-    def __init__(self, used: tuple[Used, ...] = (), polynomials: tuple[int, ...] = ()) -> None:
+    def __init__(
+        self, used: tuple[Resolution, ...] = (), polynomials: tuple[int, ...] = ()
+    ) -> None:
         self._pieces: list[_Stretch] = []
         self.size = self.samples = 0
         for panels, degrees in used:

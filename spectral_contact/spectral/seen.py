@@ -11,7 +11,7 @@ from numpy.typing import DTypeLike, NDArray
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.blocks import Block
-    from spectral_contact.spectral.graded import GradedNodes, SmoothNodes
+    from spectral_contact.spectral.graded import GradedNodes
 
 Array = NDArray[np.float64]
 Fields: TypeAlias = Sequence[Array] | Mapping[int, Array]
@@ -29,7 +29,7 @@ class PartProduct(NamedTuple):
 class Seen:
     """Integrals of several parts at the nodes of one."""
 
-    nodes: GradedNodes | SmoothNodes
+    nodes: GradedNodes
     #: by the part that is integrated
     blocks: dict[int, Block]
 
@@ -37,27 +37,16 @@ class Seen:
         """Return integrals at the boundary, of coefficients part by part, as columns."""
         return np.asarray(sum(one.scale * (one.at @ values[k]) for k, one in self.blocks.items()))
 
-    def more(self, values: Fields) -> Array:
-        """Return by how much they are more at the nodes."""
-        return self._sum({k: one.more for k, one in self.blocks.items()}, values)
-
-    def whole(self, values: Fields) -> Array:
-        """Return what they are at the nodes."""
-        return self._sum({k: one.whole for k, one in self.blocks.items()}, values)
-
-    def _sum(self, matrices: Mapping[int, Array], values: Fields) -> Array:
-        """Return the sum of matrices, at nodes or samples, times coefficients of the parts."""
-        direct: Array | float = 0.0
-        sampled: Array | float = 0.0
+    def more(self, values: Fields, *, whole: bool = False) -> Array:
+        """Return by how much they are more at the nodes, or what they are there."""
+        sums: list[Array | float] = [0.0, 0.0]
         for k, one in self.blocks.items():
-            part = matrices[k] @ one.onto(values[k])
-            if one.sampled:
-                sampled = sampled + part
-            else:
-                direct = direct + part
-        if isinstance(sampled, float):
-            return np.asarray(direct)
-        return np.asarray(direct + self.nodes.spread(sampled))
+            matrix = one.whole if whole else one.more
+            sums[one.sampled] = sums[one.sampled] + matrix @ one.onto(values[k])
+        direct, sampled = sums
+        return np.asarray(
+            direct if isinstance(sampled, float) else direct + self.nodes.spread(sampled)
+        )
 
     def tested(self, weighted: Array) -> Iterable[tuple[int, Array]]:
         """Yield, part by part, the sums of weighted values at the nodes times its integrals."""

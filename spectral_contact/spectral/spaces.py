@@ -28,7 +28,7 @@ from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import block, disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import graded_nodes
-from spectral_contact.spectral.panels import LogPanels, Used
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.spectral.seen import Seen
@@ -36,8 +36,10 @@ from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-_SPACES: BoundedCache[tuple[Parts, tuple[Used, ...], bool], Space] = BoundedCache("spaces", 96)
-_ORDERS: BoundedCache[tuple[Used, ...], _Order] = BoundedCache("orders of functions", 96)
+_SPACES: BoundedCache[tuple[Parts, tuple[Resolution, ...], bool], Space] = BoundedCache(
+    "spaces", 96
+)
+_ORDERS: BoundedCache[tuple[Resolution, ...], _Order] = BoundedCache("orders of functions", 96)
 
 
 #: A disk in one part.
@@ -50,13 +52,13 @@ class Space(NodalSpace):
     Parameters
     ----------
     parts : Parts
-    used : tuple of (LogPanels, tuple of int)
-        Panels of every part, and the degrees on them.
+    used : tuple of Resolution
+        Of every part.
     shear : bool
         Those of K2, with the mass ``int u v s**3 ds`` instead of ``int phi psi s ds``.
     """
 
-    def __init__(self, parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> None:
+    def __init__(self, parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> None:
         pairs = zip(parts.ends, used, strict=True)
         self._families = families = [Family(*end, panels) for end, (panels, _) in pairs]
         self._used, self.shear = used, shear
@@ -131,7 +133,7 @@ class Space(NodalSpace):
         values = np.empty((self.unknowns, 1))
         values[self._order.place, 0] = coefficients[self.index]
         each = [values[one] for one in self._order.columns]
-        return np.concatenate([seen.whole(each)[:, 0] for seen in self._seen])
+        return np.concatenate([seen.more(each, whole=True)[:, 0] for seen in self._seen])
 
     def spectrum(self) -> tuple[Array, Array]:
         """Return eigenvalues and modes: ``gram v = value mass v``, normalised by the mass.
@@ -171,7 +173,7 @@ class _Order:
         Where they are in that order.
     """
 
-    def __init__(self, used: tuple[Used, ...]) -> None:
+    def __init__(self, used: tuple[Resolution, ...]) -> None:
         self.size = sum(panels.size for panels, _ in used)
         self.panels = sum(panels.panels for panels, _ in used)
         place, left, panel, starts = [], [], [], [0]
@@ -200,7 +202,7 @@ class _Order:
         return matrix[np.ix_(self.place, self.place)]
 
 
-def disk_space(parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> Space:
+def disk_space(parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> Space:
     """Return the space on these parts (cached where there are no breaks).
 
     Those of breaks are seldom the same, and what is kept of them are their blocks.
@@ -212,4 +214,4 @@ def disk_space(parts: Parts, used: tuple[Used, ...], *, shear: bool = False) -> 
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:
     """Return the space on a disk in one part (cached)."""
-    return disk_space(WHOLE, ((panels, degrees),), shear=shear)
+    return disk_space(WHOLE, (Resolution(panels, degrees),), shear=shear)

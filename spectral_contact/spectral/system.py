@@ -27,11 +27,11 @@ from spectral_contact.spectral.blocks import Block, block, kept_disk_gram
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.moments import moments, outer_moments
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family
 from spectral_contact.spectral.seen import Seen
-from spectral_contact.spectral.tangential import AT_END, Field, Misfit, Tangential
+from spectral_contact.spectral.tangential import AT_END, Misfit, Tangential
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
@@ -81,11 +81,10 @@ class System(Tangential):
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        panels: Sequence[LogPanels],
-        degrees: Sequence[Degrees],
+        spaces: Sequence[Resolution],
         parameters: Parameters,
     ) -> None:
-        super().__init__(radii, states, panels, degrees, parameters)
+        super().__init__(radii, states, spaces, parameters)
         self._over = [_over_radius(p.family, p.degrees) if p.state else None for p in self.parts]
         #: degrees and functions of q/s: in slip those of p/s
         self._finer = [
@@ -94,7 +93,10 @@ class System(Tangential):
         self._columns = [
             p.shear.panels.functions(n) for p, n in zip(self.parts, self._finer, strict=True)
         ]
-        self._place_pressure()
+        panels = {k: part.family.panels for k, part in enumerate(self.parts)}
+        self.fields, self.count = self._placed(panels, 0)
+        #: places of the pressure's parts
+        self.pressure = [one.own for one in self.fields]
         self._place_shear()
         self._place_nodes([part.degrees for part in self.parts])
         self._assemble_tests()
@@ -102,16 +104,6 @@ class System(Tangential):
         self._assemble_functionals()
 
     # vectors
-
-    def _place_pressure(self) -> None:
-        """Give the pressure its places, part by part."""
-        self.count, self.fields = 0, []
-        for k, part in enumerate(self.parts):
-            panels, start = part.family.panels, self.count
-            self.count += len(panels.functions(part.degrees))
-            self.fields.append(Field(k, panels, part.degrees, slice(start, self.count)))
-        #: places of the pressure's parts
-        self.pressure = [one.own for one in self.fields]
 
     def traction(self, values: Array) -> list[Array]:
         """Return the coefficients of q/s of vectors on every part, of the functions in use."""
@@ -143,18 +135,12 @@ class System(Tangential):
 
     def _assemble_blocks(self) -> None:
         """Find the integrals of every part at the nodes of every other."""
-        count = len(self.parts)
         #: of p outside and inside of the nodes, and of q/s
         self._f, self._j, self._g, self._i = ([Seen(n, {}) for n in self.nodes] for _ in range(4))
-        for i in range(count):
-            for k in range(count):
-                for side in (1, -1):
-                    if side * (k - i) < 0:
-                        continue
-                    pressure, shear = self._pair(k, i, side)
-                    outward = side > 0
-                    (self._f if outward else self._j)[i].blocks[k] = pressure
-                    (self._g if outward else self._i)[i].blocks[k] = shear
+        for i in range(len(self.parts)):
+            for k in range(i, len(self.parts)):
+                self._f[i].blocks[k], self._g[i].blocks[k] = self._pair(k, i, 1)
+                self._j[k].blocks[i], self._i[k].blocks[i] = self._pair(i, k, -1)
 
     def _pair(self, k: int, i: int, side: int) -> tuple[Block, Block]:
         """Return what is seen of p and of q/s of a part at the nodes of another."""
@@ -181,10 +167,8 @@ class System(Tangential):
         ]
 
     def _slipping_load(self) -> Array:
-        load: Array = np.zeros(self.count)
-        for own, part in zip(self.pressure, self.parts, strict=True):
-            load[own] = part.state * self.load[own]
-        return load
+        each = zip(self.parts, self.pressure, strict=True)
+        return np.concatenate([part.state * self.load[own] for part, own in each])
 
     def _pressure_at(self, k: int) -> Array:
         row, last = np.zeros(self.count), self.pressure[k].stop
@@ -262,7 +246,8 @@ class System(Tangential):
         [part], both = self.parts, (slice(self.count), slice(self.count, self.unknowns))
 
         def unit() -> Array:
-            own = [part.family.panels], [part.degrees], self.parameters._replace(kappa=1.0)
+            spaces = [Resolution(part.family.panels, part.degrees)]
+            own = spaces, self.parameters._replace(kappa=1.0)
             return System(self.radii, self.states, *own)._assembled(np.float64)
 
         form = part.family.panels, part.shear.panels, part.degrees

@@ -23,13 +23,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from spectral_contact.fields.series import CENTRE, EDGE, Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.blocks import kept_disk_gram
-from spectral_contact.spectral.graded import GradedNodes, SmoothNodes, graded_nodes, smooth_nodes
+from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.moments import moment_points, moments_with
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.seen import Fields, Seen
 from spectral_contact.threads import cached_property
 
@@ -64,30 +65,21 @@ class Part:
 
 
 def zone_parts(
-    radii: tuple[Radius, ...],
-    states: tuple[int, ...],
-    panels: list[LogPanels],
-    degrees: list[Degrees],
-    beta: float,
+    radii: tuple[Radius, ...], states: tuple[int, ...], spaces: Sequence[Resolution], beta: float
 ) -> list[Part]:
     """Return the parts of all zones, outward; parameters are those of `System`.
 
     Without tangential compliance the traction is singular at an edge that sticks.
     """
-    bounds = (CENTRE, *radii, EDGE)
     parts = []
-    each = iter(zip(panels, degrees, strict=True))
-    for zone, state in enumerate(states):
-        inner, outer = bounds[zone : zone + 2]
-        last = zone if zone < len(radii) else -1
-        ends = [(outer, -1, last)] if zone == 0 else [(inner, 1, zone - 1), (outer, -1, last)]
-        for boundary, sign, number in ends:
-            own, used = next(each)
-            family = Family(boundary, sign, gap(inner, outer) / len(ends), own)
-            power = own.power if state else -0.5 if beta == 0.0 and number < 0 else 0.0
-            alike = power == own.power
-            shear = family if alike else replace(family, panels=replace(own, power=power))
-            parts.append(Part(zone, state, number, family, shear, used))
+    each = zip(Parts(radii, pointed=False).ends, spaces, strict=True)
+    for k, (end, (own, used)) in enumerate(each):
+        zone, boundary = (k + 1) // 2, k // 2 if k < 2 * len(radii) else -1
+        state, family = states[zone], Family(*end, own)
+        power = own.power if state else -0.5 if beta == 0.0 and boundary < 0 else 0.0
+        alike = power == own.power
+        shear = family if alike else replace(family, panels=replace(own, power=power))
+        parts.append(Part(zone, state, boundary, family, shear, used))
     return parts
 
 
@@ -135,10 +127,8 @@ class Tangential(ABC):
         Boundaries between zones, outward.
     states : tuple of int
         0 for stick, +1 or -1 for slip with this sign; the first is 0.
-    panels : sequence of LogPanels
-        Of the disk, then toward the inner and the outer end of every zone.
-    degrees : sequence of tuple of int
-        Highest degrees on them.
+    spaces : sequence of Resolution
+        On the disk, then toward the inner and the outer end of every zone.
     parameters : Parameters
 
     Attributes
@@ -160,12 +150,11 @@ class Tangential(ABC):
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        panels: Sequence[LogPanels],
-        degrees: Sequence[Degrees],
+        spaces: Sequence[Resolution],
         parameters: Parameters,
     ) -> None:
         self.radii, self.states, self.parameters = radii, states, parameters
-        self.parts = zone_parts(radii, states, list(panels), list(degrees), parameters.beta)
+        self.parts = zone_parts(radii, states, spaces, parameters.beta)
         self.stick = [k for k, part in enumerate(self.parts) if part.state == 0]
         #: whether the equations are tested without weights, so that their coupling is of moments
         self._plain = tuple(c > 0.0 or not radii for c in parameters[:2])
@@ -182,26 +171,31 @@ class Tangential(ABC):
 
     def _place_shear(self) -> None:
         """Give u its places on the parts that stick."""
-        start = self.count
-        for k in self.stick:
-            panels, degrees = self.parts[k].shear.panels, self.parts[k].degrees
-            stop = start + len(panels.functions(degrees))
-            self.fields.append(Field(k, panels, degrees, slice(start, stop)))
-            start = stop
+        panels = {k: self.parts[k].shear.panels for k in self.stick}
+        own, self.unknowns = self._placed(panels, self.count)
         #: places of u
-        self.shear = {one.part: one.own for one in self.fields[-len(self.stick) :]}
-        self.unknowns = start
+        self.shear = {one.part: one.own for one in own}
+        self.fields = [*self.fields, *own]
+
+    def _placed(self, panels: dict[int, LogPanels], start: int) -> tuple[list[Field], int]:
+        """Return fields on panels of parts, which follow each other, and where they end."""
+        fields = []
+        for k, own in panels.items():
+            stop = start + len(own.functions(self.parts[k].degrees))
+            fields.append(Field(k, own, self.parts[k].degrees, slice(start, stop)))
+            start = stop
+        return fields, start
 
     def _place_nodes(self, each: Sequence[Degrees]) -> None:
         """Find Galerkin nodes for functions of these degrees on the first parts."""
-        self.nodes: list[GradedNodes | SmoothNodes] = []
+        self.nodes: list[GradedNodes] = []
         self.offsets, self._t = list[Array](), list[Array]()
         #: weights of ``t**2 dt / pi``
         self.shear_weights: list[Array] = []
         for part, degrees in zip(self.parts, each, strict=False):
             family, b = part.family, part.family.boundary
             on = family.panels
-            nodes = graded_nodes(on, degrees) if degrees else smooth_nodes(on)
+            nodes = graded_nodes(on, degrees)
             offset = family.sign * family.reach * nodes.d
             t = b.value * np.sqrt(nodes.rest) if part.zone == 0 else np.sqrt(b.square + offset)
             self.nodes.append(nodes)
@@ -239,9 +233,9 @@ class Tangential(ABC):
                 weights = np.pi * self.nodes[k].weights * part.family.reach
                 row[own] = seen.scale * (weights @ seen.whole)
             else:
-                points, matrix = part.shear.sources()
-                used = part.shear.panels.functions(part.degrees)
-                row[own] = (2.0 * np.pi * np.sqrt(points.z) @ matrix)[used]
+                form = part.shear.panels, part.degrees
+                roots = np.sqrt(part.shear.points(moment_points(*form)).z)
+                row[own] = np.pi * part.shear.reach * moments_with(*form, roots[None])[0]
         return row
 
     @abstractmethod
@@ -255,9 +249,9 @@ class Tangential(ABC):
     @cached_property
     def masses(self) -> list[tuple[slice, Array]]:
         """Masses of what is unknown times their compliances, by their place."""
-        blocks, first = [], len(self.fields) - len(self.stick)
-        for i, one in enumerate(self.fields):
-            part, shear = self.parts[one.part], i >= first
+        blocks = []
+        for one in self.fields:
+            part, shear = self.parts[one.part], one.own.start >= self.count
             compliance = self.parameters.beta if shear else self.parameters.alpha
             if compliance > 0.0:
                 mass = (part.shear if shear else part.family).mass(one.degrees, shear=shear)

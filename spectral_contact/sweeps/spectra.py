@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH
-from spectral_contact.spectral.annulus import sampled_series, transforms
+from spectral_contact.spectral.annulus import transforms
 from spectral_contact.spectral.jacobi import legendre_rows
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import sampled_series
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["NormalSpectrum", "StickSpectrum"]
@@ -98,7 +99,7 @@ class StickSpectrum:
     def _targets(self, d: Array) -> Array:
         """Return R of every mode of the pressure, shape (modes, places); see `contact.drive`."""
         own = transforms(self.panels)
-        root = np.sqrt(1.0 - own.distances)
+        root = np.sqrt(1.0 - self.panels.distances)
         return np.array(
             [
                 sampled_series(self.panels, 2.0 * own.outer(np.ascontiguousarray(mode)) / root)(d)

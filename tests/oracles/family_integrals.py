@@ -3,6 +3,7 @@
 import numpy as np
 
 from spectral_contact.spectral.abel import beyond, deeper, outer
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
 
 
 def half_integral(family, points):
@@ -33,3 +34,17 @@ def inner_integral(family, points):
         rows = e < 0.0
         matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)
     return matrix * np.sqrt(family.reach)
+
+
+def sources(family):
+    """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
+    p, (g, w) = family.panels, gauss_rule(family.panels.degree + 12)
+    d, share = np.exp(-p.sampling(len(g))), (1.0 + g) / 2.0
+    matrix = np.zeros((d.size + len(g), p.size))
+    for j, own in enumerate(d):
+        rows, columns = (slice(j * n, (j + 1) * n) for n in (len(g), p.degree + 1))
+        matrix[rows, columns] = (0.5 * p.width * w * own)[:, None] * legendre_values(g, p.degree)
+    tail = tail_values(p.end * share, p.end, p.tail_terms, p.root_tail)
+    matrix[d.size :, -p.tail_terms :] = (0.5 * p.end * w)[:, None] * tail
+    points = family.points(np.concatenate([d.ravel(), p.end * share]))
+    return points, 0.5 * family.reach * matrix

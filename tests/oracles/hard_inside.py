@@ -14,7 +14,7 @@ from spectral_contact.contact import zone_problem
 from spectral_contact.spectral import factored as factors
 from spectral_contact.spectral import regularised
 from spectral_contact.spectral.cache import clear_caches
-from spectral_contact.spectral.cholesky import Cholesky
+from spectral_contact.spectral.regularised import Cholesky
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from spectral_contact.equations.residuals import (
     shear_lift,
     tangential_displacement,
 )
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 from spectral_contact.testing import check_solution
@@ -108,7 +108,8 @@ def test_any_tractions_strain_the_body(panels, degree, power):
     """The couplings are 2 kappa of the rest at most, which is below 3/4, and come close to it."""
     own = LogPanels(panels, 2.0, degree, power)
     none = 1e-300 if power == 0.0 else 0.0  # a compliance, which decides on the endpoint weight
-    system = System((), (0,), [own], [(degree,) * panels], Parameters(none, none, 1.0, math.inf))
+    parameters = Parameters(none, none, 1.0, math.inf)
+    system = System((), (0,), [Resolution(own, (degree,) * panels)], parameters)
     matrix, n = system.matrix(), system.count
     roots = [cholesky(matrix[place, place], lower=True) for place in (slice(n), slice(n, None))]
     half = solve_triangular(roots[0], -matrix[:n, n:], lower=True)

@@ -15,7 +15,6 @@ from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.blocks import across, block
-from spectral_contact.spectral.graded import smooth_nodes
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family
@@ -102,17 +101,6 @@ def test_known_functions_across_a_boundary_are_those_of_their_block():
     assert np.allclose(at, wanted.scale * (wanted.at @ values), rtol=1e-13)
     found = wanted.more @ wanted.onto(values)
     assert np.abs(more - found).max() <= 1e-13 * np.abs(found).max()
-
-
-def test_smooth_nodes_integrate_and_are_their_own_samples():
-    nodes = smooth_nodes(LogPanels(9, 2.0, 12))
-    assert nodes.samples is nodes.d
-    for power in (0, 0.5, 1, 3):
-        exact = 1.0 / (power + 1.0)
-        assert nodes.weights @ nodes.d**power == pytest.approx(exact, rel=1e-13)
-    assert np.allclose(nodes.d + nodes.rest, 1.0, atol=1e-15)
-    values = np.ones((len(nodes.d), 1))
-    assert nodes.spread(values) is nodes.gathered(values) is values
 
 
 def drive_of(alpha, tolerance):

@@ -9,9 +9,10 @@ from scipy.special import eval_legendre
 
 from spectral_contact.contact.resolution import series_of
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.annulus import Annulus, sampled_series
+from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.parts import Family, Points, gap, sampled_series
 
 mp = MPContext()
 mp.dps = 40
@@ -92,12 +93,17 @@ def function(u):
 
 
 def expansion(annulus):
+    return np.concatenate(
+        [f.expand(one) for f, one in zip(annulus.families, sampled(annulus), strict=True)]
+    )
+
+
+def sampled(annulus):
     inner, outer = annulus.families
-    values = (
+    return [
         function(inner.sampling().offset / (2 * inner.reach)),
         function(1 + outer.sampling().offset / (2 * outer.reach)),
-    )
-    return annulus.expand(values)
+    ]
 
 
 OFFSETS = np.array([1e-200, 1e-30, 1e-12, 1e-5, 0.01, 0.2, 0.4999, 0.5, 0.5001, 0.6, 0.9])
@@ -170,21 +176,15 @@ def test_nothing_comes_from_the_far_side(annulus):
 
 
 def test_own_integrals_are_those_at_the_sampling_points(annulus):
-    coefficients = expansion(annulus)
-    split = len(annulus.toward_inner.distances)
-    samplings = [f.sampling() for f in annulus.families]
-    assert split == len(samplings[0].offset)
-    half, inner = (
-        annulus.own_half_integral(coefficients),
-        annulus.own_inner_integral(coefficients),
-    )
-    for points, part in zip(samplings, (slice(split), slice(split, None)), strict=True):
-        few = slice(None, None, 17)
-        chosen = Points(points.anchor, points.offset[few])
-        exact = exact_integral(annulus, chosen, below=False)
-        assert_allclose(half[part][few], exact, rtol=1e-14)
-        exact = exact_integral(annulus, chosen, below=True)
-        assert_allclose(inner[part][few], exact, rtol=1e-14)
+    values, few = sampled(annulus), slice(None, None, 17)
+    for side in (1, -1):
+        found = annulus.integrals(values, side)
+        for family, own in zip(annulus.families, found, strict=True):
+            points = family.sampling()
+            assert len(own) == len(points.offset)
+            chosen = Points(points.anchor, points.offset[few])
+            exact = exact_integral(annulus, chosen, below=side < 0)
+            assert_allclose(own[few], exact, rtol=1e-14)
 
 
 # --- quadrature -----------------------------------------------------------------------------------
@@ -223,9 +223,9 @@ def basis(family):
 
 
 @FAMILIES
-def test_sources_integrate_smooth_functions(family):
-    points, matrix = family.sources()
-    assert matrix.shape == (len(points.offset), family.panels.size)
+def test_moments_with_smooth_densities(family):
+    form = family.panels, (family.panels.degree,) * family.panels.panels
+    points = family.points(moment_points(*form))
     base, reach = square(family.boundary), mp.mpf(family.reach)
     for column, polynomial, ends in basis(family):
         for m in (0, 2):
@@ -235,7 +235,8 @@ def test_sources_integrate_smooth_functions(family):
 
             exact = float(mp.quad(integrand, mp.linspace(*ends, 4)))
             scale = family.reach / 2 * float(ends[1] - ends[0])
-            assert abs(points.z**m @ matrix[:, column] - exact) < 4e-15 * scale
+            found = family.reach / 2 * moments_with(*form, points.z[None] ** m)
+            assert abs(found[0, column] - exact) < 4e-15 * scale
 
 
 # --- series ---------------------------------------------------------------------------------------

@@ -4,13 +4,13 @@ from itertools import product
 
 import numpy as np
 import pytest
-from oracles.family_integrals import half_integral, inner_integral
+from oracles.family_integrals import half_integral, inner_integral, sources
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.parts import Family, gap
 
 FIRST, SECOND = Radius.from_logit(-1.0), Radius.from_logit(8.0)
 COUNT, DEGREE = 14, 16
@@ -76,11 +76,10 @@ def test_differences_keep_their_digits_next_to_the_boundary(i, k):
     # of a point source, from the sum and not from the difference
     d = rule.d[rule.d < 1e-6]
     z = nodes.sign * nodes.reach * d
-    sources, matrix = family.sources()
-    apart = np.abs(sources.before(nodes.boundary))[None]
+    points, matrix = sources(family)
+    apart = np.abs(points.before(nodes.boundary))[None]
     moved = apart - z[:, None] if outside else apart + z[:, None]
     closer = z[:, None] if outside else -z[:, None]
     kernel = closer / (np.sqrt(apart * moved) * (np.sqrt(apart) + np.sqrt(moved)))
     known = kernel @ matrix
     assert (np.abs(more[rule.d < 1e-6] - known) <= 1e-12 * scale(known)).all()
-    assert isinstance(sources, Points)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from oracles.family_integrals import half_integral, inner_integral
+from oracles.family_integrals import half_integral, inner_integral, sources
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.factored import Factored
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Points
 from spectral_contact.spectral.system import System
@@ -32,7 +32,7 @@ def zones(states, degree=6, parameters=PARAMETERS):
     panels = [LogPanels(6, 2.0, 12) for _ in range(count)]
     panels[-1] = LogPanels(6, 2.0, 12, 0.0 if parameters.alpha else -0.5)
     radii = tuple(Radius.from_logit(x) for x in np.linspace(-1.0, 3.0, len(states) - 1))
-    return System(radii, states, panels, [(degree,) * 6] * count, parameters)
+    return System(radii, states, [Resolution(one, (degree,) * 6) for one in panels], parameters)
 
 
 def vector(system):
@@ -64,7 +64,7 @@ def test_loads_and_shears_are_those_of_the_fields(states):
     traction = whole_traction(system, values)
     load = shear = 0.0
     for part, p, q in zip(system.parts, pressure, traction, strict=True):
-        points, matrix = part.family.sources()
+        points, matrix = sources(part.family)
         # quadrature of a disk has a root at the centre
         load += float((matrix @ p).sum())
         shear += 2.0 * np.pi * float(np.sqrt(points.z) @ (matrix @ q))

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from spectral_contact.spectral import LogPanels
 from spectral_contact.spectral.abel import deeper, outer
 from spectral_contact.spectral.annulus import transforms
+from spectral_contact.spectral.panels import LogPanels
 
 
 @pytest.mark.parametrize("count", [1, 2, 7])
@@ -15,8 +15,8 @@ def test_transforms_are_the_matrices_at_the_sampling_points(count, width):
     own = transforms(panels)
     mesh = count, width, 6
     for matrix, values in [
-        (deeper(own.distances, *mesh), own.deeper(coefficients)),
-        (outer(own.distances, *mesh), own.outer(coefficients)),
+        (deeper(panels.distances, *mesh), own.deeper(coefficients)),
+        (outer(panels.distances, *mesh), own.outer(coefficients)),
     ]:
         assert_allclose(values, matrix @ coefficients, rtol=0, atol=1e-14)
 
@@ -25,6 +25,6 @@ def test_transforms_are_the_matrices_at_the_sampling_points(count, width):
 def test_across_is_the_integral_past_the_first_panel(count, other):
     panels, points = LogPanels(count, 2.0, 8), LogPanels(other, 2.0, 10)
     coefficients = np.random.default_rng(4).standard_normal(panels.size)
-    matrix = deeper(2.0 - transforms(points).distances, count, 2.0, 8)
+    matrix = deeper(2.0 - points.distances, count, 2.0, 8)
     values = transforms(panels).across(coefficients, points)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
