@@ -56,18 +56,18 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core, flat punches", 8_971, 6_500),
-    Gate("lines of the core with all else", 12_036, 6_500),
-    Gate("lines in all", 48_203, 23_000),
-    Gate("float literals of the core, flat punches", 86, 90),
-    Gate("float literals of the core with all else", 142, 90),
+    Gate("lines of the core, flat punches", 8_874, 6_500),
+    Gate("lines of the core with all else", 11_939, 6_500),
+    Gate("lines in all", 48_108, 23_000),
+    Gate("float literals of the core, flat punches", 87, 90),
+    Gate("float literals of the core with all else", 143, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 13, 12),
+    Gate("longest chain of imports", 12, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

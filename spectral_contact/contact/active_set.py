@@ -193,17 +193,8 @@ class RingState:
         return states
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Settled:
-    """What an active set came to: the state, the systems solved, whether the law holds."""
-
-    state: RingState
-    iterations: int
-    settled: bool
-
-
-def settle(law: RingLaw, states: Integers) -> Settled:
-    """Change states until all obey the law.
+def settle(law: RingLaw, states: Integers) -> tuple[RingState, int]:
+    """Change states until all obey the law; return the last one, and how many systems it took.
 
     All wrong rings change at once. If their number does not fall, the last of them alone does: then
     a positive definite problem is solved after finitely many changes (Judice and Pires, 1994).
@@ -214,7 +205,7 @@ def settle(law: RingLaw, states: Integers) -> Settled:
         wanted = state.wanted()
         wrong = np.flatnonzero(wanted != states)
         if len(wrong) == 0:
-            return Settled(state, iteration, True)
+            return state, iteration
         if len(wrong) < fewest:
             fewest, patience = len(wrong), _PATIENCE
         elif patience > 0:
@@ -223,7 +214,7 @@ def settle(law: RingLaw, states: Integers) -> Settled:
             wrong = wrong[-1:]
         states = states.copy()
         states[wrong] = wanted[wrong]
-    return Settled(state, _MOST, False)
+    return state, _MOST
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -241,15 +232,17 @@ class RingLayout:
         The last of all.
     iterations : int
         Linear systems solved, on all grids.
-    settled : bool
-        Whether the law holds on every ring, as far as the pressure is positive.
     """
 
     states: tuple[int, ...]
     boundaries: tuple[Radius, ...]
     on_rings: RingState
     iterations: int
-    settled: bool
+
+    @property
+    def settled(self) -> bool:
+        """Whether the law holds on every ring, as far as the pressure is positive."""
+        return bool((self.on_rings.wanted() == self.on_rings.states).all())
 
     @property
     def centre_unseen(self) -> bool:
@@ -280,19 +273,18 @@ def ring_layout(
     passes = [False] * coupled + [coupled] * (splits + 1)
     for number, back in enumerate(passes):
         law = RingLaw(ring_operators(logits), parameters, coupled=back)
-        found = settle(law, states)
-        iterations += found.iterations
-        states = found.state.states
+        found, solved = settle(law, states)
+        iterations += solved
+        states = found.states
         if coupled <= number < len(passes) - 1:
-            logits, states = _split(found.state)
+            logits, states = _split(found)
     states = _resolved(states) if splits else states
-    last, ends = _boundaries(replace(found.state, states=states))
+    last, ends = _boundaries(replace(found, states=states))
     return RingLayout(
         tuple(int(one) for one in states[np.append(last, len(states) - 1)]),
         tuple(Radius.from_logit(float(end)) for end in ends),
-        found.state,
+        found,
         iterations,
-        found.settled,
     )
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.contact.friction_law import DISTANCES
+from spectral_contact.contact.friction_law import DISTANCES, stick_excess
 from spectral_contact.contact.resolution import DEEPEST, PROBE, series_of
 from spectral_contact.fields.series import Array
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 #: How far past the layers radii are looked at, as logits.
 _PAST = 8.0
-#: Half the width, as a logit, of what a radius is told apart by.
+#: What a radius is told apart by, as a logit.
 _NEAR = 0.02
 
 
@@ -59,21 +59,17 @@ def stick_radii(
     These are so close to each other that the condition changes its sign once between two. If only
     contacts are wanted it stops where the pressure is no longer positive.
     """
+    from scipy.optimize import brentq
+
+    def condition(logit: float) -> float:
+        return float(problem.rough(logit).mismatch[0])
+
     solved = ((one, problem.rough(one)) for one in logits)
     trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:-1]), solved)
     for (low, first), (high, second) in pairwise(trials):
-        own, other = float(first.mismatch[0]), float(second.mismatch[0])
-        if (own > 0.0) == (other > 0.0):
-            continue
-        while high - low > 2.0 * _NEAR:  # false position; next to an end it closes in on the root
-            x = low + min(max((high - low) * own / (own - other), _NEAR), high - low - _NEAR)
-            value = float(problem.rough(x).mismatch[0])
-            if (value > 0.0) == (own > 0.0):
-                low, own, other = x, value, 0.5 * other
-            else:
-                high, own, other = x, 0.5 * own, value
-        middle = (low + high) / 2.0
-        yield _described(middle, problem.rough(middle))
+        if (first.mismatch[0] > 0.0) != (second.mismatch[0] > 0.0):
+            root = float(brentq(condition, low, high, xtol=_NEAR))
+            yield _described(root, problem.rough(root))
 
 
 def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
@@ -100,6 +96,6 @@ def _described(logit: float, state: ZoneState) -> PossibleRadius:
     *pressure, shear = _parts(state)
     if not _positive(pressure):
         return PossibleRadius(logit, False, inf)
-    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * np.abs(shear)
-    ratio = float((q / (state.system.parameters.friction * pressure[0])).max())
-    return PossibleRadius(logit, True, max(ratio - 1.0, 0.0))
+    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * shear
+    excess = stick_excess(state.system.parameters.friction, [(q, pressure[0])])
+    return PossibleRadius(logit, True, excess)

@@ -22,7 +22,7 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.normal import NormalContact
+    from spectral_contact.contact.resolution import NormalContact
 
 _NODES, _FIT = chebyshev_interpolation(14)
 _J, _K = np.ogrid[:13, :14]

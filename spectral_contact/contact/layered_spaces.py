@@ -8,7 +8,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.on_parts import (
     edge_value,
     field_of,
@@ -17,6 +16,7 @@ from spectral_contact.contact.on_parts import (
     split_parts,
 )
 from spectral_contact.contact.resolution import (
+    NormalContact,
     expected_error,
     panel_table,
     series_of,

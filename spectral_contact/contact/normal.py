@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
@@ -12,59 +11,22 @@ from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
     ROUNDING,
+    NormalContact,
     decay_rates,
     expected_error,
-    load_vector,
     series_of,
     share_of_change,
     starting_resolution,
 )
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.moments import load_vector
+from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.spaces import unit_space
 
 #: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
 SMALL_COMPLIANCE = 1e-2
 #: With ``1/sqrt(y + WEIGHT_SHIFT * c)`` the weight alone has the right edge value as c -> 0.
 WEIGHT_SHIFT = 4 / pi
-
-
-@dataclass(frozen=True, slots=True)
-class NormalContact:
-    """Solution of the normal problem for unit load.
-
-    Attributes
-    ----------
-    compliance : float
-        ``alpha*``.
-    approach : float
-        ``delta*``.
-    pressure : PressureField
-        ``p*``.
-    panels : LogPanels or None
-        Where the series lives; None on a smooth surface, which needs none.
-    coefficients : ndarray
-        Its coefficients, for the transforms of the tangential problem.
-    approach_error, pressure_error : float
-        Estimates of the relative errors; of the pressure, pointwise.
-    changes : tuple of NormalContact
-        What the top two degrees of every panel contribute, as a contact of its own: everything
-        tangential is linear in the pressure, so this shows how its error propagates. And the same
-        of the top degree alone: where signs make the first small by accident, they do not make
-        this one. Empty if it is not wanted.
-    rate : float
-        By what factor one more degree lowers the change.
-    """
-
-    compliance: float
-    approach: float
-    pressure: PressureField
-    panels: LogPanels | None
-    coefficients: Array
-    approach_error: float
-    pressure_error: float
-    changes: tuple[NormalContact, ...] = ()
-    rate: float = 0.0
 
 
 class _NormalProblem:

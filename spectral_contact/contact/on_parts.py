@@ -38,7 +38,7 @@ from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.normal import NormalContact
+    from spectral_contact.contact.resolution import NormalContact
 
 Array = NDArray[np.float64]
 

@@ -18,10 +18,9 @@ conditioned as the smooth limit, where ``m = 0``.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atanh, log, pi, sqrt
+from math import log, log1p, pi, sqrt
 
 import numpy as np
-from scipy.special import ellipkm1
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import SolvedZones
@@ -52,8 +51,6 @@ from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
     LEAST_LOGIT,
     NoStickDiskError,
-    bracketed_root,
-    polished_root,
     root_near,
     slope_at,
 )
@@ -121,48 +118,30 @@ class OneDiskProblem:
         if guess is not None:  # in a space that sees a narrow annulus
             space, least = self._resolution(guess, self.tolerance), TRIFLING * self.tolerance
             return guess, slope_at(lambda x: self._trial(space, x, least).mismatch, guess)
-        if near is not None and self.beta > 0.0 and LEAST_LOGIT < near[0] < LARGEST_LOGIT:
-            return root_near(self._rough_mismatch, *near, _NEAR)
-        # of a smooth surface, then of this pressure, then in small spaces
-        smooth = self._smooth_root()
-        if self.beta > 0.0:
-            return root_near(self._rough_mismatch, *self._soft_root(*smooth), _NEAR)
-        return root_near(self._pressure_mismatch, *smooth, _NEAR) if self.alpha > 0.0 else smooth
+        if near is None or not LEAST_LOGIT < near[0] < LARGEST_LOGIT:
+            near = self._asymptotic_root()
+            if self.beta > 0.0:
+                near = root_near(self._pressure_mismatch, *near, PROBE)
+        mismatch = self._rough_mismatch if self.beta > 0.0 else self._pressure_mismatch
+        return root_near(mismatch, *near, _NEAR)
 
-    def _smooth_root(self) -> tuple[float, float]:
-        """Return the radius on a smooth surface, and the slope there."""
+    def _asymptotic_root(self) -> tuple[float, float]:
+        """Return a guess of the radius from limits, and of the slope there."""
         friction = self.friction
-
-        def mismatch(logit: float) -> float:  # of the pressure 1/(2 pi sqrt(y)), times 2 pi
-            radius = Radius.from_logit(logit)
-            c, rest = radius.value, radius.rest
-            rise = 2.0 * atanh(c) if c < 0.5 else log((1.0 + c) ** 2 / rest)
-            return rise / c - friction * float(ellipkm1(c * c))
-
-        try:
-            logit, slope = bracketed_root(mismatch)
-        except NoStickDiskError as missing:
-            if self.alpha == self.beta == 0.0:
-                raise
-            logit, slope = (LEAST_LOGIT if missing.at_centre else LARGEST_LOGIT), 1.0
+        # on a smooth surface 1 - c falls like exp(-pi f/2), and c ~ 4 exp(-2/f) as f -> 0
+        at_centre = 2.0 * log(2.0) - log1p(friction) - 2.0 / friction
+        start = 0.5 * pi * friction + 2.0 * at_centre
+        slope = min(1.0, 0.5 * friction) / (2.0 * pi)
         if self.alpha > 0.0:  # closer to the edge than alpha the pressure does not grow any more
-            logit = min(logit, 2.0 - log(self.alpha))
-        return logit, slope / (2.0 * pi)
-
-    def _soft_root(self, smooth: float, steep: float) -> tuple[float, float]:
-        """Return the radius with tangential compliance, to some per cent, and the slope there."""
-        # c grows like 2 beta f/kappa at first
-        start = max(smooth, 2.0 * log(2.0 * self.beta * self.friction))
-        if start <= LEAST_LOGIT:
-            raise NoStickDiskError(at_centre=True)
-        # what a disk of great compliance needs falls like 1/c
-        radius = Radius.from_logit(start)
-        at_rim = self.drive.pressure.value(radius.rest)
-        slope = 2.0 * self.friction * at_rim * self.beta / radius.value * radius.rest
-        try:
-            return root_near(self._pressure_mismatch, start, steep + slope, PROBE, 1.0)
-        except NoStickDiskError:  # that of the estimate, not of the disk
-            return start, steep
+            start = min(start, 2.0 - log(self.alpha))
+        if self.beta > 0.0:  # c grows like 2 beta f/kappa at first
+            start = max(start, 2.0 * log(2.0 * self.beta * friction))
+        start = min(max(start, LEAST_LOGIT), LARGEST_LOGIT)
+        if self.beta > 0.0:  # what a disk of great compliance needs falls like 1/c
+            radius = Radius.from_logit(start)
+            at_rim = self.drive.pressure.value(radius.rest)
+            slope += 2.0 * friction * at_rim * self.beta / radius.value * radius.rest
+        return start, slope
 
     def _pressure_mismatch(self, logit: float) -> float:
         """Return ``R(c) - (f/kappa) P(c) - m`` with the m that a disk needs, roughly.
@@ -258,7 +237,7 @@ class OneDiskProblem:
             trials.append((logit, self._trial(resolution, logit, ROUNDING)))
             return trials[-1][1].mismatch
 
-        self.logit, self.slope = polished_root(mismatch, self.logit, self.slope)
+        self.logit, self.slope = root_near(mismatch, self.logit, self.slope, known=ROUGH)
         (before, first), (last, second) = trials[-2:] if len(trials) > 1 else trials * 2
         step, lag = self.logit - last, self.logit - before
         if before != last and abs(step * lag) <= ROUNDING:

@@ -8,15 +8,13 @@ from math import inf, log
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import legder
+from numpy.polynomial.legendre import legder, legroots
 
 from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
-    panel_of,
     places,
 )
-from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
@@ -112,9 +110,9 @@ class FullStick:
 
 def _share_at(panels: LogPanels, share: Array, y: float) -> float:
     """Return the larger share of the two panels next to a place: it may be on either in truth."""
-    k = panel_of(panels, y)
-    deeper = y <= 0.0 or -log(y) / panels.width - k > 0.5
-    beside = min(max(k + (1 if deeper else -1), 0), panels.panels - 1)
+    last, depth = panels.panels - 1, -log(y) / panels.width if y > 0.0 else inf
+    k = int(min(depth, last))  # the last one holds the tail
+    beside = min(max(k + (1 if depth > k + 0.5 else -1), 0), last)
     return float(max(share[k], share[beside]))
 
 
@@ -156,24 +154,10 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     near = middle + half * _NODES
     around = ratio(near)
-    top = middle + half * _stationary((_SLOPE @ around).tolist(), int(np.argmax(around)))
+    roots = legroots(_SLOPE @ around)
+    tops = middle + half * roots[(roots.imag == 0.0) & (np.abs(roots) <= 1.0)].real
     # of what was seen the largest counts, so that a jump between panels does no harm
-    seen = np.concatenate([values, around, ratio(np.array([top]))])
+    seen = np.concatenate([values, around, ratio(tops)])
     i = int(np.argmax(seen))
-    where = [*x, *near, top][i]
+    where = np.concatenate([x, near, tops])[i]
     return LargestRatio(edge, float(seen[i]), float(np.exp(-where)))
-
-
-def _stationary(slope: list[float], nearest: int) -> float:
-    """Return the zero of a Legendre series on [-1, 1] next to a node, by secants."""
-    before, x = (float(_NODES[min(max(nearest + k, 0), _POINTS - 1)]) for k in (-1, 1))
-    value_before, value = legendre_sum(before, slope), legendre_sum(x, slope)
-    for _ in range(8):
-        if value == value_before:
-            break
-        step = -value * (x - before) / (value - value_before)
-        before, value_before, x = x, value, min(max(x + step, -1.0), 1.0)
-        if (x - before) ** 2 < np.finfo(float).eps:
-            break
-        value = legendre_sum(x, slope)
-    return x

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil, inf, log
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Array, LogSeries, Radius
+from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:
@@ -73,6 +72,44 @@ _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], 
 )
 #: A mesh with so many panels more than needed is used if it is there: three unknowns each.
 _SPARE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class NormalContact:
+    """Solution of the normal problem for unit load.
+
+    Attributes
+    ----------
+    compliance : float
+        ``alpha*``.
+    approach : float
+        ``delta*``.
+    pressure : PressureField
+        ``p*``.
+    panels : LogPanels or None
+        Where the series lives; None on a smooth surface, which needs none.
+    coefficients : ndarray
+        Its coefficients, for the transforms of the tangential problem.
+    approach_error, pressure_error : float
+        Estimates of the relative errors; of the pressure, pointwise.
+    changes : tuple of NormalContact
+        What the top two degrees of every panel contribute, as a contact of its own: everything
+        tangential is linear in the pressure, so this shows how its error propagates. And the same
+        of the top degree alone: where signs make the first small by accident, they do not make
+        this one. Empty if it is not wanted.
+    rate : float
+        By what factor one more degree lowers the change.
+    """
+
+    compliance: float
+    approach: float
+    pressure: PressureField
+    panels: LogPanels | None
+    coefficients: Array
+    approach_error: float
+    pressure_error: float
+    changes: tuple[NormalContact, ...] = ()
+    rate: float = 0.0
 
 
 def starting_resolution(
@@ -266,11 +303,6 @@ def crossing(function: Callable[[Array], Array], low: float, high: float) -> flo
     return high
 
 
-def panel_of(panels: LogPanels, y: float) -> int:
-    """Return the panel that holds the distance `y`; the last one holds the tail."""
-    return panels.panels - 1 if y <= 0.0 else min(int(-log(y) / panels.width), panels.panels - 1)
-
-
 def share_of_change(
     panels: LogPanels, change: Array, size: Array, *, leading: float = inf, known: float = inf
 ) -> Array:
@@ -303,9 +335,3 @@ def share_of_change(
         share *= np.exp(-np.maximum(x - leading, 0.0))
         share[x > known] = 0.0
     return np.asarray(share)
-
-
-def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
-    """Return ``int basis * density(d) dd`` over (0, 1)."""
-    form = panels, (panels.degree,) * panels.panels
-    return 2.0 * moments_with(*form, density(moment_points(*form))[None]).ravel()

@@ -104,8 +104,8 @@ class FreeBoundaryProblem:
     def slopes(self) -> Array:
         """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
-            near = float(self.logits[0]), 0.5, ROUGH, 1.0, _UNFELT
-            root = root_near(lambda logit: float(self.rough(logit).mismatch[0]), *near)
+            guess = float(self.logits[0]), 0.5, ROUGH
+            root = root_near(lambda x: float(self.rough(x).mismatch[0]), *guess, least=_UNFELT)
             self.logits = np.array(root[:1])
             return np.array([root[1:]])
         begin, (spaces, factors) = self.logits, self._sloped()

@@ -112,13 +112,15 @@ class ZoneSearch(ABC):
         seen: set[tuple[int, ...]] = set()
         for guess in self._guesses():
             layout: Layout | None = None if guess.states in seen else guess
-            seen.add(guess.states)
+            if guess is not _DISK:  # of which no radius is told: a better guess may be
+                seen.add(guess.states)
             while layout is not None and self._possible(layout):
                 outcome = self._attempted(layout)
-                layout = None
-                if outcome is not None:
-                    yield outcome
-                    layout = outcome.mended
+                if outcome is None:
+                    break
+                seen.add(layout.states)
+                yield outcome
+                layout = outcome.mended
 
     @cached_property
     def _exceeded(self) -> Layout:
@@ -137,9 +139,14 @@ class ZoneSearch(ABC):
         """The width in ``y`` over which a smooth edge sticks, but for a factor of about 1."""
         return (self.parameters.friction * self.parameters.beta) ** 2
 
+    @property
+    def _edge_sticks(self) -> bool:
+        """Whether a smooth edge does, over more than a point."""
+        return self._smooth and self._smooth_edge >= _NO_EDGE
+
     def _to_the_edge(self, logits: list[float], states: tuple[int, ...]) -> Layout:
         """Return zones on rings, with the stick at a smooth edge if that is below all rings."""
-        if self._smooth and states[-1] != 0 and self._smooth_edge >= _NO_EDGE:
+        if self._edge_sticks and states[-1] != 0:
             logits, states = [*logits, -log(self._smooth_edge)], (*states, 0)
         return Layout(tuple(logits), states)
 
@@ -173,8 +180,8 @@ class ZoneSearch(ABC):
 class DrivenSearch(ZoneSearch):
     """The search under a pressure that is given, for kappa = 1.
 
-    Guesses are zones of a like scene, one stick disk, narrow slip where full stick breaks the law,
-    and what an active set finds on rings.
+    Guesses are zones of a like scene, one stick disk and the stick that it lacks, narrow slip where
+    full stick breaks the law, and what an active set finds on rings.
 
     Parameters
     ----------
@@ -187,11 +194,10 @@ class DrivenSearch(ZoneSearch):
 
     drive: Drive
     pointwise: bool = True
-    _disk: PartialSlip | None = field(default=None, init=False)
 
     def outcome(self) -> PartialSlip:
         """Return the best outcome; full stick where it fails and the errors decide on slip."""
-        best = self._handed_on() or self._one_disk_alone() or super().outcome()
+        best = self._handed_on() or super().outcome()
         error = max(best.traction_error if self.pointwise else 0.0, best.shear_error)
         failed = not best.consistent or error > self.tolerance
         critical = self.stick.critical * (1.0 - self.stick.critical_error)
@@ -217,29 +223,13 @@ class DrivenSearch(ZoneSearch):
         self.record(ZONE_SEARCH, refinement, begin)
         return outcome
 
-    def _one_disk_alone(self) -> PartialSlip | None:
-        """Return one stick disk where it is enough, or what is known to be there instead."""
-        _, beta, _, friction = self.parameters
-        if self._smooth and self._smooth_edge >= _NO_EDGE:
-            return None
-        near = None
-        if self.near is not None and self.near.states == (0, 1) and self.near.slopes is not None:
-            near = self.near.logits[0], float(self.near.slopes[0, 0])
-        try:
-            found = self._on_disk(near=near)
-        except NoStickDiskError as missing:
-            if missing.at_centre:
-                return all_slip(self.drive, beta, friction, self.tolerance)
-            return no_slip(self.stick, self.parameters) if beta == 0.0 else None
-        if found.settled or beta == 0.0 or self._smooth:
-            return found
-        self._disk = found
-        return None
-
     def _guesses(self) -> Iterator[Layout]:
-        """Yield zones with the stick that one disk lacks, and what full stick and rings tell."""
-        if self._disk is not None and self._disk.mended is not None:
-            yield self._disk.mended
+        """Yield one disk, and what full stick and rings tell."""
+        if not self._edge_sticks:
+            near = self.near or _DISK
+            yield _DISK if near.slopes is None or near.states != _DISK.states else near
+        if self.parameters.beta == 0.0:
+            return
         from spectral_contact.contact.onset import is_narrow
 
         violated = self._exceeded
@@ -251,49 +241,50 @@ class DrivenSearch(ZoneSearch):
         logits, states = [one.logit for one in found.boundaries], found.states
         if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
             centre = 2.0 * self.parameters.beta * self.parameters.friction
-            if self._disk is not None:
-                centre = self._disk.zones[0].outer
             logits, states = [Radius(centre, 1.0 - centre).logit, *logits], (0, *states)
         yield self._to_the_edge(logits, states)
         yield violated  # rings have a pressure of their own
 
     def _possible(self, layout: Layout) -> bool:
-        return 1 < len(layout.states) <= _MOST_ZONES and (
-            self._disk is None or layout.states != (0, 1)
-        )
+        """Return whether there may be such zones: without a layer of q there is one stick disk."""
+        if self.parameters.beta == 0.0 or (self._smooth and not self._edge_sticks):
+            return layout.states == _DISK.states
+        return 1 < len(layout.states) <= _MOST_ZONES
 
     def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
-        if self._disk is not None:
-            if self._disk.consistent:
-                # but for the sense of slip, of which no digit is known
-                found = [one for one in found if one.consistent and one.slip_error < inf]
-            found = [self._disk, *found]
         if not found:  # slip about to start, thinner than its own conditioning
             return no_slip(self.stick, self.parameters)
-        best = min(found, key=lambda outcome: outcome.violation)
+        lawful = [one for one in found if one.consistent]
+        best = min(lawful or found, key=lambda outcome: outcome.violation)
         if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
             best = replace(best, zones_error=max(best.zones_error, 1.0))
         return best
 
-    def _on_disk(
-        self, guess: float | None = None, near: tuple[float, float] | None = None
-    ) -> PartialSlip:
+    def _solved(self, layout: Layout) -> PartialSlip:
+        if layout.states == _DISK.states:
+            return self._on_disk(layout)
+        begin = perf_counter()
+        zones: ZoneSolution = self.record(ZONE_SEARCH, self._refined(layout), begin)
+        return zones_outcome(zones, self.parameters, self.drive)
+
+    def _on_disk(self, layout: Layout) -> PartialSlip:
         """Return the solution with one stick disk, by the operators of the unit disk."""
         _, beta, _, friction = self.parameters
         form, begin = (self.drive, beta, friction, self.tolerance), perf_counter()
-        refinement = solve_one_disk(*form, self.max_unknowns, guess=guess, near=near)
+        begins = layout.logits[0]
+        near = None if layout.slopes is None else (begins, float(layout.slopes[0, 0]))
+        guess = begins if near is None and layout is not _DISK else None
+        try:
+            refinement = solve_one_disk(*form, self.max_unknowns, guess=guess, near=near)
+        except NoStickDiskError as missing:
+            if missing.at_centre:
+                return all_slip(*form)
+            raise
         disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
         outcome = one_disk_outcome(self.drive, disk, beta, friction, self.tolerance)
         self.record(SLIP_FIELD, outcome, begin)
         return outcome
-
-    def _solved(self, layout: Layout) -> PartialSlip:
-        if layout.states == (0, 1):
-            return self._on_disk(layout.logits[0])
-        begin = perf_counter()
-        zones: ZoneSolution = self.record(ZONE_SEARCH, self._refined(layout), begin)
-        return zones_outcome(zones, self.parameters, self.drive)
 
     def _refined(self, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these."""

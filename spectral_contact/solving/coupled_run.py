@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from spectral_contact.contact.coupled_stick import solve_coupled_stick
-from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.solution import (
     COUPLING,

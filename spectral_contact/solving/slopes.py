@@ -15,8 +15,9 @@ from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.normal import NormalContact, by_compliance, solve_normal
+from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.zone_derivatives import ZoneDerivatives, differentiated
 from spectral_contact.fields.series import Radius
 from spectral_contact.scene import Scene

@@ -94,7 +94,9 @@ class Factored:
         if self.system.parameters.beta == 0.0:
             return True
         whole = self.system.jumps @ self.responses
-        return bool(np.abs(self.system.jumps @ self._last).max() <= _LEFT_OVER * np.abs(whole).max())
+        return bool(
+            np.abs(self.system.jumps @ self._last).max() <= _LEFT_OVER * np.abs(whole).max()
+        )
 
     def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.

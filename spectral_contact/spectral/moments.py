@@ -10,6 +10,8 @@ panels couples by the product of its moments. Moments with a density are loads a
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,6 +42,12 @@ def moments_with(panels: LogPanels, degrees: tuple[int, ...], densities: Array) 
     own = charges.after(densities[:, :split] * charges.d ** (1.0 + panels.power))
     on_tail = densities[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
     return np.hstack([own, on_tail])
+
+
+def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
+    """Return ``int basis * density(d) dd`` over (0, 1)."""
+    form = panels, (panels.degree,) * panels.panels
+    return 2.0 * moments_with(*form, density(moment_points(*form))[None]).ravel()
 
 
 def moments(panels: LogPanels) -> Array:

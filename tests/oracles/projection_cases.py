@@ -16,10 +16,10 @@ from oracles.whole_spaces import ordered
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
-from spectral_contact.contact.resolution import load_vector
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.contact.zone_spaces import first_spaces, with_known_slip
 from spectral_contact.fields.series import EdgeWeight, Radius
+from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.spaces import unit_space

@@ -14,9 +14,8 @@ import pytest
 from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import solve_full_stick
-from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import series_of
+from spectral_contact.contact.resolution import NormalContact, series_of
 from spectral_contact.contact.zone_search import DrivenSearch
 from spectral_contact.equations.residuals import tangential_displacement
 from spectral_contact.fields.series import PressureField

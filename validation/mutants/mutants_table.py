@@ -175,8 +175,8 @@ MUTANTS = (
     Mutant(
         "secants that crawl are given up next to an onset",
         f"{_CONTACT}/stick_radius.py",
-        "return _enclosed_root(function, x, value)",
-        "return x, slope",
+        "    return _enclosed_root(function, x, value, error, least)\n\n\ndef",
+        "    return x, 1.0 / inverse\n\n\ndef",
         f"{_UNIT}/contact/test_stick_radius.py -k enclosed",
     ),
     Mutant(
