@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Array, LogSeries, Radius
+from spectral_contact.spectral.abel import moment_points, moments_with
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 if TYPE_CHECKING:

@@ -28,6 +28,8 @@ from spectral_contact.spectral.abel import (
     fall_of_tail,
     far_blocks,
     far_fall,
+    moment_points,
+    moments_with,
     near_blocks,
     outer,
     rise,
@@ -47,7 +49,6 @@ from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_interpolation_matrix,
 )
-from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
 

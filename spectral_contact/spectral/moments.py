@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import charges_on
+from spectral_contact.spectral.abel import moment_points, moments_with
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import EXTRA, gauss_rule, legendre_values, tail_values
 from spectral_contact.spectral.panels import LogPanels
@@ -22,24 +22,6 @@ Array = NDArray[np.float64]
 
 _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
 _OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
-
-
-def moment_points(panels: LogPanels, degrees: tuple[int, ...]) -> Array:
-    """Return the distances at which densities are asked for, on the panels and on the tail."""
-    return np.concatenate([charges_on(panels.width, degrees).d, panels.tail_rule().points])
-
-
-def moments_with(panels: LogPanels, degrees: tuple[int, ...], densities: Array) -> Array:
-    """Return ``1/2 int_0^1 psi density dy`` of the functions up to these degrees, as rows.
-
-    Of densities at the `moment_points`, as rows; psi has the endpoint weight.
-    """
-    charges = charges_on(panels.width, degrees)
-    d, weights, basis = panels.tail_rule()
-    split = len(charges.d)
-    own = charges.after(densities[:, :split] * charges.d ** (1.0 + panels.power))
-    on_tail = densities[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
-    return np.hstack([own, on_tail])
 
 
 def moments(panels: LogPanels) -> Array:
