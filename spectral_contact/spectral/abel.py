@@ -18,6 +18,7 @@ rules below are converged to rounding (docs/theory).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ from spectral_contact.spectral.jacobi import (
     legendre_values,
     tail_values,
 )
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
 
@@ -90,6 +94,24 @@ _CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
 def charges_on(width: float, degrees: tuple[int, ...]) -> Charges:
     """Return functions up to these degrees on panels as charges (cached)."""
     return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
+
+
+def moment_points(panels: LogPanels, degrees: tuple[int, ...]) -> Array:
+    """Return the distances at which densities are asked for, on the panels and on the tail."""
+    return np.concatenate([charges_on(panels.width, degrees).d, panels.tail_rule().points])
+
+
+def moments_with(panels: LogPanels, degrees: tuple[int, ...], densities: Array) -> Array:
+    """Return ``1/2 int_0^1 psi density dy`` of the functions up to these degrees, as rows.
+
+    Of densities at the `moment_points`, as rows; psi has the endpoint weight.
+    """
+    charges = charges_on(panels.width, degrees)
+    d, weights, basis = panels.tail_rule()
+    split = len(charges.d)
+    own = charges.after(densities[:, :split] * charges.d ** (1.0 + panels.power))
+    on_tail = densities[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
+    return np.hstack([own, on_tail])
 
 
 def _smooth(u: Array) -> Array:

@@ -28,6 +28,8 @@ from spectral_contact.spectral.abel import (
     fall_of_tail,
     far_blocks,
     far_fall,
+    moment_points,
+    moments_with,
     near_blocks,
     outer,
     rise,
@@ -321,8 +323,8 @@ def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
     count, form = degrees[0] + 1, (1, panels.width, panels.degree, panels.power)
     # as near as 1.5 a panel takes more points than a low degree has
     every, reach = (panels.degree,) * panels.panels, np.exp(-panels.width)
-    fit = chebvander(2.0 * _log_places(panels, every) / reach - 1.0, len(_DEEP_NODES) - 1)
-    rest = _onto(panels, every, (fit @ _DEEP_FIT).T)[:, panels.functions(degrees)[count:]]
+    fit = chebvander(2.0 * moment_points(panels, every) / reach - 1.0, len(_DEEP_NODES) - 1)
+    rest = moments_with(panels, every, (fit @ _DEEP_FIT).T)[:, panels.functions(degrees)[count:]]
     gathered = block_diag(np.eye(count), rest)
     at_end = 2.0 - reach * (1.0 + _DEEP_NODES) / 2.0
     root, whole = np.sqrt(at_end), np.sqrt(at_end - d[:, None])
@@ -345,7 +347,7 @@ def _apart(
     between = apart + min(outward, 0.0) - max(onward, 0.0)
     panels = source.panels
     far = between >= _FAR * source.reach
-    places = _PLACES if far else _log_places(panels, degrees)
+    places = _PLACES if far else moment_points(panels, degrees)
     at_end = apart + outward * places
     near = between < _FAR * target.reach
     d = nodes.samples if near else _PLACES
@@ -356,7 +358,7 @@ def _apart(
     kernels = np.vstack([1.0 / root[None], more, 1.0 / whole])
     gathered = _gathered(panels, degrees) if far else None
     if gathered is None:
-        kernels = _onto(panels, degrees, kernels)
+        kernels = moments_with(panels, degrees, kernels)
     at, more, whole = kernels[0], kernels[1 : 1 + len(d)], kernels[1 + len(d) :]
     if gathered is not None:
         at = at @ gathered
@@ -367,29 +369,13 @@ def _apart(
     return Block(at, more, whole, True, float(np.sqrt(source.reach)), gathered)
 
 
-def _log_places(panels: LogPanels, degrees: Degrees) -> Array:
-    """Return the places on the panels and on the tail that stand for its functions."""
-    charges = charges_on(panels.width, degrees)
-    return np.concatenate([charges.d, panels.tail_rule().points])
-
-
-def _onto(panels: LogPanels, degrees: Degrees, kernels: Array) -> Array:
-    """Return ``1/2 int d**power psi kernel dd`` of kernels at these places, as rows."""
-    charges = charges_on(panels.width, degrees)
-    d, weights, basis = panels.tail_rule()
-    split = len(charges.d)
-    own = charges.after(kernels[:, :split] * charges.d ** (1.0 + panels.power))
-    on_tail = kernels[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
-    return np.hstack([own, on_tail])
-
-
 def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
 
     def made() -> Array:
         # polynomials of degree 23 take more points than low degrees have
         every = (panels.degree,) * panels.panels
-        whole = _onto(panels, every, far_values(_log_places(panels, every)).T)
+        whole = moments_with(panels, every, far_values(moment_points(panels, every)).T)
         return np.ascontiguousarray(whole[:, panels.functions(degrees)])
 
     return _GATHERED.get((panels, degrees), made)

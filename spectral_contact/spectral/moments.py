@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import charges_on
+from spectral_contact.spectral.abel import moment_points, moments_with
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import EXTRA, gauss_rule, legendre_values, tail_values
 from spectral_contact.spectral.panels import LogPanels
@@ -26,24 +26,6 @@ _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
 _OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
 
 
-def moment_points(panels: LogPanels, degrees: tuple[int, ...]) -> Array:
-    """Return the distances at which densities are asked for, on the panels and on the tail."""
-    return np.concatenate([charges_on(panels.width, degrees).d, panels.tail_rule().points])
-
-
-def moments_with(panels: LogPanels, degrees: tuple[int, ...], densities: Array) -> Array:
-    """Return ``1/2 int_0^1 psi density dy`` of the functions up to these degrees, as rows.
-
-    Of densities at the `moment_points`, as rows; psi has the endpoint weight.
-    """
-    charges = charges_on(panels.width, degrees)
-    d, weights, basis = panels.tail_rule()
-    split = len(charges.d)
-    own = charges.after(densities[:, :split] * charges.d ** (1.0 + panels.power))
-    on_tail = densities[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
-    return np.hstack([own, on_tail])
-
-
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     """Return ``int basis * density(d) dd`` over (0, 1)."""
     form = panels, (panels.degree,) * panels.panels
@@ -52,13 +34,7 @@ def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
 
 def moments(panels: LogPanels) -> Array:
     """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
-    every = (panels.degree,) * panels.panels
-
-    def made() -> Array:
-        ones = np.ones((1, len(moment_points(panels, every))))
-        return 2.0 * moments_with(panels, every, ones).ravel()
-
-    return _MOMENTS.get(panels, made)
+    return _MOMENTS.get(panels, lambda: load_vector(panels, np.ones_like))
 
 
 def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:

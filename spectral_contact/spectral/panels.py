@@ -141,11 +141,11 @@ class LogPanels:
     @property
     def distances(self) -> Array:
         """Distances of the sampling points, those of the panels and then the tail's (cached)."""
-        return _DISTANCES.get(self, lambda: self.with_tail(self.sampling()))
 
-    def with_tail(self, x: Array) -> Array:
-        """Return the distances of points on the panels, and of the sampling points in the tail."""
-        return np.concatenate([np.exp(-x).ravel(), self.tail_sampling()])
+        def made() -> Array:
+            return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
+
+        return _DISTANCES.get(self, made)
 
     def tail_rule(self) -> BasisRule:
         """Return distances and ``dd`` weights on the tail, and the polynomials there."""

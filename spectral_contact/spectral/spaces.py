@@ -176,24 +176,20 @@ class _Order:
     def __init__(self, used: tuple[Resolution, ...]) -> None:
         self.size = sum(panels.size for panels, _ in used)
         self.panels = sum(panels.panels for panels, _ in used)
-        place, left, panel, starts = [], [], [], [0]
+        place, panel, starts, shed = [], [], [0], list[NDArray[np.int_]]()
         start = first = 0
         for panels, degrees in used:
             functions, count = panels.functions(degrees), panels.panels
-            own = np.minimum(functions // (panels.degree + 1), count)
-            degree = functions - own * (panels.degree + 1)
-            highest = np.append(np.array(degrees), panels.tail_terms - 1)
-            # of the tail only the last is shed; the constant of a panel is not
-            shed = np.where(own < count, highest[own] - degree, 2 * (degree < highest[-1]))
-            left.append(np.where((own < count) & (degree == 0), 2, np.minimum(shed, 2)))
             place.append(start + functions)
             # of one part the tail counts by itself
+            own = functions // (panels.degree + 1)
             panel.append(first + np.minimum(own, count - (len(used) > 1)))
+            shed.extend(starts[-1] + panels.top(degrees, n) for n in (2, 1))
             starts.append(starts[-1] + len(functions))
             start, first = start + panels.size, first + count
-        ahead = np.concatenate(left)
-        self.place = np.argsort(-ahead, kind="stable")
-        self.kept = int((ahead > 1).sum()), int((ahead > 0).sum())
+        lacking = np.bincount(np.concatenate(shed), minlength=starts[-1])
+        self.place = np.argsort(lacking, kind="stable")
+        self.kept = int((lacking < 1).sum()), int((lacking < 2).sum())
         self.columns = [slice(*ends) for ends in pairwise(starts)]
         self.places = np.concatenate(place)[self.place], np.concatenate(panel)[self.place]
 

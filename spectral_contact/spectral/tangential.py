@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.abel import moment_points, moments_with
 from spectral_contact.spectral.blocks import kept_disk_gram
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
-from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family, Parts

@@ -9,8 +9,8 @@ from scipy.special import eval_legendre
 
 from spectral_contact.contact.resolution import series_of
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.abel import moment_points, moments_with
 from spectral_contact.spectral.annulus import Annulus, sampled_series
-from spectral_contact.spectral.moments import moment_points, moments_with
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap
 
