@@ -56,9 +56,9 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core, flat punches", 8_864, 6_500),
-    Gate("lines of the core with all else", 11_929, 6_500),
-    Gate("lines in all", 48_096, 23_000),
+    Gate("lines of the core, flat punches", 8_871, 6_500),
+    Gate("lines of the core with all else", 11_936, 6_500),
+    Gate("lines in all", 48_103, 23_000),
     Gate("float literals of the core, flat punches", 86, 90),
     Gate("float literals of the core with all else", 142, 90),
     Gate("functions above 15", 0, 0),
@@ -67,7 +67,7 @@ GATES = (
     Gate("modules at the root", 9, 10),
     Gate("packages at the root", 21, 15),
     Gate("circles of imports", 0, 0),
-    Gate("longest chain of imports", 14, 12),
+    Gate("longest chain of imports", 13, 12),
     Gate("lines of import contracts", 90, 90),
 )
 

@@ -16,10 +16,9 @@ import numpy as np
 
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import Array, LogSeries, Radius
-from spectral_contact.spectral.annulus import transforms
+from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import sampled_series
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:

@@ -303,4 +303,4 @@ def share_of_change(
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     """Return ``int basis * density(d) dd`` over (0, 1)."""
     form = panels, (panels.degree,) * panels.panels
-    return moments_with(*form, density(moment_points(*form))[None]).ravel()
+    return 2.0 * moments_with(*form, density(moment_points(*form))[None]).ravel()

@@ -34,11 +34,11 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.annulus import Annulus, sampled_series
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Points, gap, sampled_series
+from spectral_contact.spectral.parts import Family, Points, gap
 
 if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.annulus import transforms
+from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Parts, Points, gap, sampled_series
+from spectral_contact.spectral.parts import Family, Parts, Points, gap
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]

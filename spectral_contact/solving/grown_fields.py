@@ -29,9 +29,10 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import Panel
+from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap, sampled_series
+from spectral_contact.spectral.parts import Family, gap
 
 __all__ = ["GrownField", "GrownFields", "opening"]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import deeper, deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
@@ -19,7 +19,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_values,
 )
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import Family, gap, sampled_coefficients
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
@@ -35,6 +35,11 @@ _TRANSFORMS: BoundedCache[LogPanels, Transforms] = BoundedCache("Abel transforms
 def transforms(panels: LogPanels) -> Transforms:
     """Return the transforms of these panels, whose blocks are assembled once (cached)."""
     return _TRANSFORMS.get(panels, lambda: Transforms(panels))
+
+
+def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
+    """Return the series through samples at the sampling points of the panels and the tail."""
+    return LogSeries(*sampled_coefficients(panels, values), panels.width)
 
 
 class Transforms:

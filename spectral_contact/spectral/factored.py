@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: What a correction may leave of the last one.
-_HALF = 0.5
+#: What a correction may leave of the last one: with 0.5, 13 of 16 inputs an ulp apart converge to
+#: 1e-10 next to an edge that sticks over 2e-6, all to 1e-11; with 0.01 all do. Most leave 1e-7.
+_LEFT_OVER = 0.01
 #: A diagonal below it has no digits in single precision: a stick disk of 1e-9 has one of 1e-45.
 _SINGLE = np.finfo(np.float32)
 _LEAST = float(_SINGLE.tiny / _SINGLE.eps)
@@ -93,7 +94,7 @@ class Factored:
         if self.system.parameters.beta == 0.0:
             return True
         whole = self.system.jumps @ self.responses
-        return bool(np.abs(self.system.jumps @ self._last).max() <= _HALF * np.abs(whole).max())
+        return bool(np.abs(self.system.jumps @ self._last).max() <= _LEFT_OVER * np.abs(whole).max())
 
     def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.

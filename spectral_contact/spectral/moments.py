@@ -30,15 +30,16 @@ def moment_points(panels: LogPanels, degrees: tuple[int, ...]) -> Array:
 
 
 def moments_with(panels: LogPanels, degrees: tuple[int, ...], densities: Array) -> Array:
-    """Return ``int_0^1 psi density dy`` of the functions up to these degrees, as rows.
+    """Return ``1/2 int_0^1 psi density dy`` of the functions up to these degrees, as rows.
 
     Of densities at the `moment_points`, as rows; psi has the endpoint weight.
     """
     charges = charges_on(panels.width, degrees)
     d, weights, basis = panels.tail_rule()
     split = len(charges.d)
-    own = charges.after(2.0 * densities[:, :split] * charges.d ** (1.0 + panels.power))
-    return np.hstack([own, densities[:, split:] @ ((weights * d**panels.power)[:, None] * basis)])
+    own = charges.after(densities[:, :split] * charges.d ** (1.0 + panels.power))
+    on_tail = densities[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
+    return np.hstack([own, on_tail])
 
 
 def moments(panels: LogPanels) -> Array:
@@ -47,7 +48,7 @@ def moments(panels: LogPanels) -> Array:
 
     def made() -> Array:
         ones = np.ones((1, len(moment_points(panels, every))))
-        return moments_with(panels, every, ones).ravel()
+        return 2.0 * moments_with(panels, every, ones).ravel()
 
     return _MOMENTS.get(panels, made)
 

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
+from spectral_contact.fields.radius import CENTRE, EDGE, Radius
 from spectral_contact.spectral.jacobi import legendre_expansion_matrix
 
 if TYPE_CHECKING:
+    from spectral_contact.fields.series import LogSeries
     from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
@@ -89,16 +90,17 @@ class Family:
 
     def truncated(self, values: Array, power: float) -> float:
         """Return the largest that `expand` drops of any panel or tail, times ``d**power``."""
-        p, series = self.panels, sampled_series(self.panels, values)
-        dropped = np.abs(series.coefficients[:, p.degree + 1 :]).max(axis=1)
+        table, tail = sampled_coefficients(self.panels, values)
+        p = self.panels
+        dropped = np.abs(table[:, p.degree + 1 :]).max(axis=1)
         in_panels = dropped * np.exp(-power * p.width * np.arange(p.panels))
-        return float(max(in_panels.max(), np.abs(series.tail[p.tail_terms :]).max() * p.end**power))
+        return float(max(in_panels.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
         """Return coefficients, of the size of the basis, through values at the sampling points."""
-        p, series = self.panels, sampled_series(self.panels, values)
-        kept = series.coefficients[:, : p.degree + 1].ravel()
-        return np.concatenate([kept, series.tail[: p.tail_terms]])
+        table, tail = sampled_coefficients(self.panels, values)
+        p = self.panels
+        return np.concatenate([table[:, : p.degree + 1].ravel(), tail[: p.tail_terms]])
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,11 +135,11 @@ class Parts:
             self.inner.extend([last] * len(halves))
 
 
-def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
-    """Return the series through samples at the sampling points of the panels and the tail."""
+def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array]:
+    """Return coefficients on panels and tail through samples at the sampling points of both."""
     tail_points = panels.tail_points
     inner = values[:-tail_points].reshape(panels.panels, -1)
     points = inner.shape[1]
     expand = legendre_expansion_matrix(points, points - 1)
     expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
-    return LogSeries(inner @ expand.T, expand_tail @ values[-tail_points:], panels.width)
+    return inner @ expand.T, expand_tail @ values[-tail_points:]

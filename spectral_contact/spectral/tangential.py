@@ -194,8 +194,7 @@ class Tangential(ABC):
         self.shear_weights: list[Array] = []
         for part, degrees in zip(self.parts, each, strict=False):
             family, b = part.family, part.family.boundary
-            on = family.panels
-            nodes = graded_nodes(on, degrees)
+            nodes = graded_nodes(family.panels, degrees)
             offset = family.sign * family.reach * nodes.d
             t = b.value * np.sqrt(nodes.rest) if part.zone == 0 else np.sqrt(b.square + offset)
             self.nodes.append(nodes)
@@ -235,7 +234,7 @@ class Tangential(ABC):
             else:
                 form = part.shear.panels, part.degrees
                 roots = np.sqrt(part.shear.points(moment_points(*form)).z)
-                row[own] = np.pi * part.shear.reach * moments_with(*form, roots[None])[0]
+                row[own] = 2.0 * np.pi * part.shear.reach * moments_with(*form, roots[None])[0]
         return row
 
     @abstractmethod

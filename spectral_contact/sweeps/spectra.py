@@ -19,10 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH
-from spectral_contact.spectral.annulus import transforms
+from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.jacobi import legendre_rows
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import sampled_series
 from spectral_contact.spectral.spaces import unit_space
 
 __all__ = ["NormalSpectrum", "StickSpectrum"]

@@ -235,6 +235,8 @@ def test_next_to_the_critical_friction_there_is_an_answer(layers, below):
         # the edge sticks over 2e-12 and 3e-15, and factors lose the digits of what is there
         (Scene(-0.46296, 0.0, 4.193e-5, 1.19435, coupling=True), 1e-6),
         (Scene(-0.2, 0.0, 1e-6, 0.9, coupling=True), 1e-8),
+        # single precision lost a thirtieth of what is next to the edge; 1e-11 was reached
+        (Scene(-0.2344, 2.484e-6, 5.814e-5, 1.05518), 1e-10),
     ],
 )
 def test_an_estimate_that_one_tolerance_reaches_every_looser_one_does(scene, rtol):
