@@ -28,7 +28,7 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
             return space
         count = space.panels.panels + more
         panels = replace(space.panels, panels=count, degree=degree)
-        return replace(space, panels=panels, degrees=(degree,) * count)
+        return space._replace(panels=panels, degrees=(degree,) * count)
 
     def finer(alpha, beta, radii, states, tolerance):
         tighter = tolerance if tolerance > 1e-7 or len(radii) < 2 else 1e-4 * tolerance
