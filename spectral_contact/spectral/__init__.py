@@ -1,7 +1,27 @@
 """The discretised operators of axisymmetric contact: a public subpackage, usable on its own.
 
 It knows panels, half-order integrals and the two kernels; it knows no scene, friction or Poisson's
-ratio.
+ratio. The modules have more than what is exported here.
 """
 
-__all__: list[str] = []
+from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.cache import cache_sizes, clear_caches
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Family, Points
+from spectral_contact.spectral.regularised import Regularised
+from spectral_contact.spectral.spaces import Space, unit_space
+
+__all__ = [
+    "Annulus",
+    "Family",
+    "LogPanels",
+    "Points",
+    "Regularised",
+    "Space",
+    "cache_sizes",
+    "clear_caches",
+    "gauss_rule",
+    "legendre_values",
+    "unit_space",
+]

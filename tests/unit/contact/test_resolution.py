@@ -1,9 +1,9 @@
-"""By what factor coefficients fall: what the error estimates rest on."""
+"""By what factor coefficients fall, what the error estimates rest on; and where signs change."""
 
 import numpy as np
 import pytest
 
-from spectral_contact.contact.resolution import table_rates
+from spectral_contact.contact.resolution import crossing, table_rates
 
 
 def rate(*coefficients):
@@ -40,3 +40,19 @@ def test_too_fast_a_fall_is_an_accident():
 @pytest.mark.parametrize(("coefficients", "kept"), [((1.0, 0.5, 0.1), 0.3), ((1e-16,) * 9, 0.6)])
 def test_what_shows_nothing_has_a_default(coefficients, kept):
     assert rate(*coefficients) == kept
+
+
+@pytest.mark.parametrize("root", [1e-3, 0.7, 35.999])
+def test_a_change_of_sign_is_found_to_rounding(root):
+    for sign in (1.0, -1.0):
+        assert crossing(lambda x, sign=sign: sign * (x - root), 0.0, 36.0) == pytest.approx(
+            root, rel=4e-16
+        )
+
+
+def test_the_first_of_several_changes_of_sign_is_found():
+    assert crossing(np.sin, 0.5, 9.0) == pytest.approx(np.pi, rel=4e-16)
+
+
+def test_without_a_change_of_sign_it_is_the_farther_end():
+    assert crossing(np.exp, 0.5, 9.0) == 9.0

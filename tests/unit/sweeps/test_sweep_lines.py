@@ -12,7 +12,7 @@ from spectral_contact.contact.given_radius import solve_given_radius
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import sweep
-from spectral_contact.sweeps.lines import LEAST, lines
+from spectral_contact.sweeps.lines import LEAST, between, lines
 from spectral_contact.sweeps.parameters import listed
 from spectral_contact.sweeps.request import requested
 
@@ -57,6 +57,19 @@ def test_a_line_has_the_numbers_of_solve_within_its_estimates(work, scene, frict
             error = abs(float(found[name][i]) / getattr(truth, name) - 1.0)
             assert error <= own + getattr(truth.error, name) + 1e-15
             assert own <= 1e-8
+
+
+def test_a_line_with_slip_inside_is_given_up_after_three_scenes():
+    asked = []
+
+    class Solver:
+        def at_scene(self, i, more):
+            asked.append(i)
+            return solve(Scene(0.3, 0.05, 1.0, 0.01 if i == 0 else 0.0295), 1e-6)
+
+    columns = listed([Scene(0.3, 0.05, 1.0, 0.01)] * 100).columns(np.arange(100))
+    assert not between(columns, requested(NUMBERS, 1e-8, 100, None, None), Solver()).mask.any()
+    assert asked == [0, 99, LEAST - 1]
 
 
 def test_what_friction_does_not_change_is_that_of_solve():
