@@ -33,8 +33,10 @@ from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
-#: The logit of a stick disk too small to be felt, with 1e-17 of the load on it.
-_UNFELT = -40.0
+#: The logit of a stick disk too small to be felt, with 1e-26 of the load on it, or 1e-17 without
+#: tangential compliance. With 1e-17 the pressure around it ends at 2e-10 for frictions below 1e-10;
+#: without compliance tractions do not fall with the disk: a smooth surface is refused with 1e-26.
+_UNFELT, _UNFELT_PLAIN = -60.0, -40.0
 #: What corrections leave of conditions whose differences are taken; what share of a zone's width
 #: they span at most: 1e-5 takes 25 scenes 214 corrections, not 212; 0.03 and 0.5 change no digit.
 _SLOPING, _MOST_SHARE = 1e-8, 0.2
@@ -105,7 +107,8 @@ class FreeBoundaryProblem:
         """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
             guess = float(self.logits[0]), 0.5, ROUGH
-            root = root_near(lambda x: float(self.rough(x).mismatch[0]), *guess, least=_UNFELT)
+            least = _unfelt(self.parameters)
+            root = root_near(lambda x: float(self.rough(x).mismatch[0]), *guess, least=least)
             self.logits = np.array(root[:1])
             return np.array([root[1:]])
         begin, (spaces, factors) = self.logits, self._sloped()
@@ -285,6 +288,11 @@ def solve_zones(
     return best
 
 
+def _unfelt(parameters: Parameters) -> float:
+    """Return the logit of a stick disk too small to be felt."""
+    return _UNFELT if parameters.beta > 0.0 else _UNFELT_PLAIN
+
+
 def solve_coupled_slip(
     parameters: Parameters, tolerance: float, max_unknowns: int
 ) -> Refinement[ZoneSolution]:
@@ -295,7 +303,7 @@ def solve_coupled_slip(
     alpha, beta, kappa, friction = parameters
     # with less friction the traction has no digits; slopes so steep that the boundary does not move
     felt = Parameters(alpha, beta, kappa, max(friction, ROUNDING))
-    disk = Layout((_UNFELT,), (0, 1), np.array([[1.0 / TINY]]))
+    disk = Layout((_unfelt(parameters),), (0, 1), np.array([[1.0 / TINY]]))
     return solve_zones(felt, disk, tolerance, max_unknowns)
 
 

@@ -184,7 +184,7 @@ def test_thin_layers_keep_twelve_digits(layers):
 
 
 @pytest.mark.parametrize(
-    ("layers", "friction"), [((0.0, 0.0), 3e-3), ((0.1, 0.1), 1e-10), ((0.1, 0.1), 1e-80)]
+    ("layers", "friction"), [((0.0, 0.0), 3e-3), ((0.1, 0.1), 1e-14), ((0.1, 0.1), 1e-80)]
 )
 def test_where_the_stick_disk_is_too_small_to_be_felt_all_slips(layers, friction):
     scene = Scene(0.3, *layers, friction, coupling=True)
@@ -194,6 +194,17 @@ def test_where_the_stick_disk_is_too_small_to_be_felt_all_slips(layers, friction
     assert solution.total_shear == pytest.approx(friction, rel=1e-14)
     assert solution.error.zones == solution.error.stick_radius == 1.0
     assert check_solution(solution, scene, 1e-8).passed
+
+
+@pytest.mark.parametrize("friction", [1e-8, 1e-10, 1e-13])
+def test_under_little_friction_the_stick_disk_is_that_without_coupling(friction):
+    # the tractions are too small to change the pressure
+    scene = Scene(0.3, 0.1, 0.1, friction)
+    coupled, plain = solve(scene.replace(coupling=True), 1e-12), solve(scene, 1e-12)
+    assert coupled.stick_radius == pytest.approx(plain.stick_radius, rel=max(friction, 3e-13))
+    assert abs(coupled.stick_radius / plain.stick_radius - 1.0) <= coupled.error.stick_radius + max(
+        friction, plain.error.stick_radius
+    )
 
 
 def test_a_stick_disk_that_single_precision_cannot_hold():
