@@ -58,7 +58,7 @@ class Gate:
 GATES = (
     Gate("lines of the core, flat punches", 8_908, 6_500),
     Gate("lines of the core with all else", 11_973, 6_500),
-    Gate("lines in all", 48_142, 23_000),
+    Gate("lines in all", 48_143, 23_000),
     Gate("float literals of the core, flat punches", 88, 90),
     Gate("float literals of the core with all else", 144, 90),
     Gate("functions above 15", 0, 0),

@@ -383,8 +383,8 @@ MUTANTS = (
     Mutant(
         "spectra are trusted sixteen times more",
         f"{_PACKAGE}/sweeps/error_maps.py",
-        "_RATIO_SAFETY: Final = 8.0",
-        "_RATIO_SAFETY: Final = 0.5",
+        "_EDGE_SAFETY, _CRITICAL_SAFETY = 4.0, 8.0",
+        "_EDGE_SAFETY, _CRITICAL_SAFETY = 0.25, 0.5",
         f"{_UNIT}/sweeps/test_sweep.py -k sharp",
     ),
     Mutant(
