@@ -18,6 +18,7 @@ rules below are converged to rounding (docs/theory).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,26 +50,38 @@ class Blockwise:
     """A matrix of blocks along its diagonal."""
 
     def __init__(self, blocks: Sequence[Array]) -> None:
-        self._blocks: list[tuple[slice, slice, Array]] = []
+        #: blocks of one shape in a row, of which the products are taken at once
+        self._runs: list[tuple[slice, slice, Array]] = []
         row = column = 0
-        for one in blocks:
-            rows, columns = slice(row, row + one.shape[0]), slice(column, column + one.shape[1])
-            self._blocks.append((rows, columns, one))
+        for (height, width), run in groupby(blocks, np.shape):
+            alike = np.stack(list(run))
+            rows = slice(row, row + len(alike) * height)
+            columns = slice(column, column + len(alike) * width)
+            self._runs.append((rows, columns, alike))
             row, column = rows.stop, columns.stop
         self.shape = row, column
+
+    def blocks(self) -> list[Array]:
+        """Return the blocks."""
+        return [one for *_, alike in self._runs for one in alike]
 
     def of(self, columns: Array) -> Array:
         """Return this matrix times another, or times a vector."""
         result = np.empty((self.shape[0], *columns.shape[1:]))
-        for rows, own, one in self._blocks:
-            np.matmul(one, columns[own], out=result[rows])
+        for rows, own, alike in self._runs:
+            number, height, width = alike.shape
+            each = columns[own].reshape(number, width, -1)
+            np.matmul(alike, each, out=result[rows].reshape(number, height, -1))
         return result
 
     def after(self, rows: Array) -> Array:
         """Return the product of another matrix, in whose precision, with this one."""
         result = np.empty((len(rows), self.shape[1]), rows.dtype)
-        for own, columns, one in self._blocks:
-            np.matmul(rows[:, own], one.astype(rows.dtype, copy=False), out=result[:, columns])
+        for own, columns, alike in self._runs:
+            number, height, width = alike.shape
+            each = rows[:, own].reshape(-1, number, height).swapaxes(0, 1)
+            out = result[:, columns].reshape(-1, number, width).swapaxes(0, 1)
+            np.matmul(each, alike.astype(rows.dtype, copy=False), out=out)
         return result
 
 
@@ -96,22 +109,33 @@ def charges_on(width: float, degrees: tuple[int, ...]) -> Charges:
     return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
 
 
-def moment_points(panels: LogPanels, degrees: tuple[int, ...]) -> Array:
-    """Return the distances at which densities are asked for, on the panels and on the tail."""
-    return np.concatenate([charges_on(panels.width, degrees).d, panels.tail_rule().points])
+class Moments(Blockwise):
+    """``1/2 int_0^1 psi density dy`` of functions on panels and the tail, over densities at points.
 
-
-def moments_with(panels: LogPanels, degrees: tuple[int, ...], densities: Array) -> Array:
-    """Return ``1/2 int_0^1 psi density dy`` of the functions up to these degrees, as rows.
-
-    Of densities at the `moment_points`, as rows; psi has the endpoint weight.
+    Psi has the endpoint weight.
     """
-    charges = charges_on(panels.width, degrees)
-    d, weights, basis = panels.tail_rule()
-    split = len(charges.d)
-    own = charges.after(densities[:, :split] * charges.d ** (1.0 + panels.power))
-    on_tail = densities[:, split:] @ ((0.5 * weights * d**panels.power)[:, None] * basis)
-    return np.hstack([own, on_tail])
+
+    def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
+        charges, tail = charges_on(panels.width, degrees), panels.tail_rule()
+        super().__init__([*charges.blocks(), (0.5 * tail.weights)[:, None] * tail.basis])
+        #: distances of the points
+        self.d: Array = np.concatenate([charges.d, tail.points])
+        own = charges.d ** (1.0 + panels.power)
+        self._weights = np.concatenate([own, tail.points**panels.power])
+
+    def with_densities(self, densities: Array) -> Array:
+        """Return them with densities at the points, as rows."""
+        return self.after(densities * self._weights)
+
+
+_MOMENTS: BoundedCache[tuple[LogPanels, tuple[int, ...]], Moments] = BoundedCache(
+    "moments with densities", 128
+)
+
+
+def moments_on(panels: LogPanels, degrees: tuple[int, ...]) -> Moments:
+    """Return the moments of the functions up to these degrees (cached)."""
+    return _MOMENTS.get((panels, degrees), lambda: Moments(panels, degrees))
 
 
 def _smooth(u: Array) -> Array:

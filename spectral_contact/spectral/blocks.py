@@ -28,8 +28,7 @@ from spectral_contact.spectral.abel import (
     fall_of_tail,
     far_blocks,
     far_fall,
-    moment_points,
-    moments_with,
+    moments_on,
     near_blocks,
     outer,
     rise,
@@ -322,9 +321,9 @@ def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
     """
     count, form = degrees[0] + 1, (1, panels.width, panels.degree, panels.power)
     # as near as 1.5 a panel takes more points than a low degree has
-    every, reach = (panels.degree,) * panels.panels, np.exp(-panels.width)
-    fit = chebvander(2.0 * moment_points(panels, every) / reach - 1.0, len(_DEEP_NODES) - 1)
-    rest = moments_with(panels, every, (fit @ _DEEP_FIT).T)[:, panels.functions(degrees)[count:]]
+    on_all, reach = moments_on(panels, (panels.degree,) * panels.panels), np.exp(-panels.width)
+    fit = chebvander(2.0 * on_all.d / reach - 1.0, len(_DEEP_NODES) - 1)
+    rest = on_all.with_densities((fit @ _DEEP_FIT).T)[:, panels.functions(degrees)[count:]]
     gathered = block_diag(np.eye(count), rest)
     at_end = 2.0 - reach * (1.0 + _DEEP_NODES) / 2.0
     root, whole = np.sqrt(at_end), np.sqrt(at_end - d[:, None])
@@ -334,7 +333,7 @@ def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
         return Block(np.zeros(gathered.shape[1]), seen, seen, False, gathered=gathered)
     at = deeper(np.array([2.0]), *form)[0, :count]
     first, near = first - at, d <= _NEAR
-    first[near] = -far_fall(-d[near], panels.width, every[:1], panels.power)[:, :count]
+    first[near] = -far_fall(-d[near], panels.width, (panels.degree,), panels.power)[:, :count]
     more = np.hstack([first, d[:, None] / (whole * root * (whole + root))])
     return Block(np.hstack([at, 1.0 / root]) @ gathered, more, seen, False, gathered=gathered)
 
@@ -347,7 +346,8 @@ def _apart(
     between = apart + min(outward, 0.0) - max(onward, 0.0)
     panels = source.panels
     far = between >= _FAR * source.reach
-    places = _PLACES if far else moment_points(panels, degrees)
+    moments = None if far else moments_on(panels, degrees)
+    places = _PLACES if moments is None else moments.d
     at_end = apart + outward * places
     near = between < _FAR * target.reach
     d = nodes.samples if near else _PLACES
@@ -356,11 +356,12 @@ def _apart(
     # over the distance, which is smooth
     more = onward / (whole * root * (whole + root))
     kernels = np.vstack([1.0 / root[None], more, 1.0 / whole])
-    gathered = _gathered(panels, degrees) if far else None
-    if gathered is None:
-        kernels = moments_with(panels, degrees, kernels)
+    gathered = None
+    if moments is not None:
+        kernels = moments.with_densities(kernels)
     at, more, whole = kernels[0], kernels[1 : 1 + len(d)], kernels[1 + len(d) :]
-    if gathered is not None:
+    if moments is None:
+        gathered = _gathered(panels, degrees)
         at = at @ gathered
     if not near:
         table = nodes.from_places
@@ -374,8 +375,8 @@ def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
 
     def made() -> Array:
         # polynomials of degree 23 take more points than low degrees have
-        every = (panels.degree,) * panels.panels
-        whole = moments_with(panels, every, far_values(moment_points(panels, every)).T)
+        on_all = moments_on(panels, (panels.degree,) * panels.panels)
+        whole = on_all.with_densities(far_values(on_all.d).T)
         return np.ascontiguousarray(whole[:, panels.functions(degrees)])
 
     return _GATHERED.get((panels, degrees), made)

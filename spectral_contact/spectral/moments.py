@@ -15,13 +15,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.abel import moment_points, moments_with
+from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
     EXTRA,
-    TAIL_TERMS,
     gauss_rule,
-    legendre_projection_matrix,
     legendre_values,
     tail_values,
 )
@@ -29,38 +27,19 @@ from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
 
-_LOAD_NODES: BoundedCache[LogPanels, tuple[Array, Array]] = BoundedCache("load nodes", 24)
 _MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
 _OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
 
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
-    """Return ``int basis * density(d) dd`` over (0, 1), eight times as fast as `moments_with`."""
-    d, weights = _LOAD_NODES.get(panels, lambda: _load_nodes(panels))
-    values, points = weights * density(d), panels.tail_points
-    own = values[:-points].reshape(panels.panels, -1)
-    near = own @ legendre_projection_matrix(own.shape[1], panels.degree)
-    tail = values[-points:] @ legendre_projection_matrix(points, TAIL_TERMS - 1)
-    return np.concatenate([near.ravel(), tail])
-
-
-def _load_nodes(panels: LogPanels) -> tuple[Array, Array]:
-    """Return the nodes of `load_vector`, and their weights but for Gauss's."""
-    near = np.exp(-panels.sampling(panels.degree + EXTRA)).ravel()
-    tail = panels.tail_sampling()
-    weights = [panels.width / 2.0 * near, np.full(len(tail), panels.end / 2.0)]
-    return np.concatenate([near, tail]), np.concatenate(weights)
+    """Return ``int basis * density(d) dd`` over (0, 1)."""
+    on_all = moments_on(panels, (panels.degree,) * panels.panels)
+    return np.asarray(2.0 * on_all.with_densities(density(on_all.d)[None])[0])
 
 
 def moments(panels: LogPanels) -> Array:
     """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
-    every = (panels.degree,) * panels.panels
-
-    def made() -> Array:
-        ones = np.ones((1, len(moment_points(panels, every))))
-        return 2.0 * moments_with(panels, every, ones).ravel()
-
-    return _MOMENTS.get(panels, made)
+    return _MOMENTS.get(panels, lambda: load_vector(panels, np.ones_like))
 
 
 def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:

@@ -35,6 +35,7 @@ cleared_too(
     legendre_expansion_matrix.cache_clear,
     legendre_projection_matrix.cache_clear,
 )
+_TAIL_RULES: BoundedCache[LogPanels, BasisRule] = BoundedCache("rules on tails", 256)
 _MASSES: BoundedCache[LogPanels, list[PartMass]] = BoundedCache("masses", 256)
 
 
@@ -148,7 +149,10 @@ class LogPanels:
         return _DISTANCES.get(self, made)
 
     def tail_rule(self) -> BasisRule:
-        """Return distances and ``dd`` weights on the tail, and the polynomials there."""
+        """Return distances and ``dd`` weights on the tail, and the polynomials there (cached)."""
+        return _TAIL_RULES.get(self, self._tail_rule)
+
+    def _tail_rule(self) -> BasisRule:
         g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)
         v = (1.0 + g) / 2.0
         d = self.end * v**2

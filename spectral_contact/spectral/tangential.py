@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.abel import moment_points, moments_with
+from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.blocks import kept_disk_gram
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
@@ -232,9 +232,9 @@ class Tangential(ABC):
                 weights = np.pi * self.nodes[k].weights * part.family.reach
                 row[own] = seen.scale * (weights @ seen.whole)
             else:
-                form = part.shear.panels, part.degrees
-                roots = np.sqrt(part.shear.points(moment_points(*form)).z)
-                row[own] = 2.0 * np.pi * part.shear.reach * moments_with(*form, roots[None])[0]
+                moments = moments_on(part.shear.panels, part.degrees)
+                roots = np.sqrt(part.shear.points(moments.d).z)
+                row[own] = 2.0 * np.pi * part.shear.reach * moments.with_densities(roots[None])[0]
         return row
 
     @abstractmethod

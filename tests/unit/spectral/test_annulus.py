@@ -9,7 +9,7 @@ from scipy.special import eval_legendre
 
 from spectral_contact.contact.resolution import series_of
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.abel import moment_points, moments_with
+from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.annulus import Annulus, sampled_series
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap
@@ -224,8 +224,8 @@ def basis(family):
 
 @FAMILIES
 def test_moments_with_smooth_densities(family):
-    form = family.panels, (family.panels.degree,) * family.panels.panels
-    points = family.points(moment_points(*form))
+    moments = moments_on(family.panels, (family.panels.degree,) * family.panels.panels)
+    points = family.points(moments.d)
     base, reach = square(family.boundary), mp.mpf(family.reach)
     for column, polynomial, ends in basis(family):
         for m in (0, 2):
@@ -235,7 +235,7 @@ def test_moments_with_smooth_densities(family):
 
             exact = float(mp.quad(integrand, mp.linspace(*ends, 4)))
             scale = family.reach / 2 * float(ends[1] - ends[0])
-            found = family.reach * moments_with(*form, points.z[None] ** m)
+            found = family.reach * moments.with_densities(points.z[None] ** m)
             assert abs(found[0, column] - exact) < 4e-15 * scale
 
 
