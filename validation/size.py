@@ -56,11 +56,11 @@ class Gate:
 
 
 GATES = (
-    Gate("lines of the core, flat punches", 8_908, 6_500),
-    Gate("lines of the core with all else", 11_973, 6_500),
-    Gate("lines in all", 48_143, 23_000),
-    Gate("float literals of the core, flat punches", 88, 90),
-    Gate("float literals of the core with all else", 144, 90),
+    Gate("lines of the core, flat punches", 8_950, 6_500),
+    Gate("lines of the core with all else", 12_015, 6_500),
+    Gate("lines in all", 48_185, 23_000),
+    Gate("float literals of the core, flat punches", 87, 90),
+    Gate("float literals of the core with all else", 143, 90),
     Gate("functions above 15", 0, 0),
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf
+from math import inf, log
 
 import numpy as np
 
@@ -33,10 +33,9 @@ from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
-#: The logit of a stick disk too small to be felt, with 1e-26 of the load on it, or 1e-17 without
-#: tangential compliance. With 1e-17 the pressure around it ends at 2e-10 for frictions below 1e-10;
-#: without compliance tractions do not fall with the disk: a smooth surface is refused with 1e-26.
-_UNFELT, _UNFELT_PLAIN = -60.0, -40.0
+#: The logit of the smallest stick disk that is looked for without a layer of p. A larger one stands
+#: for smaller ones then: digits are lost like 1/c, 1e-12 is reached with 5e-5, 1e-7 with 2e-9.
+LEAST_PLAIN = -40.0
 #: What corrections leave of conditions whose differences are taken; what share of a zone's width
 #: they span at most: 1e-5 takes 25 scenes 214 corrections, not 212; 0.03 and 0.5 change no digit.
 _SLOPING, _MOST_SHARE = 1e-8, 0.2
@@ -107,7 +106,7 @@ class FreeBoundaryProblem:
         """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
             guess = float(self.logits[0]), 0.5, ROUGH
-            least = _unfelt(self.parameters)
+            least = _least_logit(self.parameters)
             root = root_near(lambda x: float(self.rough(x).mismatch[0]), *guess, least=least)
             self.logits = np.array(root[:1])
             return np.array([root[1:]])
@@ -288,9 +287,20 @@ def solve_zones(
     return best
 
 
-def _unfelt(parameters: Parameters) -> float:
-    """Return the logit of a stick disk too small to be felt."""
-    return _UNFELT if parameters.beta > 0.0 else _UNFELT_PLAIN
+def unfelt(parameters: Parameters) -> float:
+    """Return the relative error of p as it is with slip everywhere, for a disk that sticks.
+
+    Without normal compliance p has a factor ``s**-e`` at the centre, ``e = 2 kappa f``, and one of
+    a lower power at the edge.
+    """
+    alpha, _, kappa, friction = parameters
+    return 0.0 if alpha > 0.0 else -log(TINY) * 2.0 * kappa * friction
+
+
+def _least_logit(parameters: Parameters) -> float:
+    """Return the logit of a stick disk that is not felt: p hardly changes in so much of a layer."""
+    alpha = parameters.alpha
+    return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else LEAST_PLAIN
 
 
 def solve_coupled_slip(
@@ -300,10 +310,13 @@ def solve_coupled_slip(
 
     Parameters are those of `solve_zones`.
     """
-    alpha, beta, kappa, friction = parameters
-    # with less friction the traction has no digits; slopes so steep that the boundary does not move
-    felt = Parameters(alpha, beta, kappa, max(friction, ROUNDING))
-    disk = Layout((_unfelt(parameters),), (0, 1), np.array([[1.0 / TINY]]))
+    alpha, _, kappa, friction = parameters
+    # with less friction the traction has no digits; what sticks would have one of its own, which
+    # costs digits by as much as it exceeds friction: none with so much compliance
+    felt = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
+    logit = _least_logit(parameters) if alpha > 0.0 else 0.5 * LEAST_PLAIN
+    # slopes so steep that the boundary does not move
+    disk = Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
     return solve_zones(felt, disk, tolerance, max_unknowns)
 
 

@@ -367,7 +367,11 @@ class CoupledSearch(ZoneSearch):
         return len(layout.states) > 2 and self.parameters.beta > 0.0
 
     def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
+        from spectral_contact.contact.zone_problem import LEAST_PLAIN
+
         lawful = [one for one in found if not one.amiss]
+        if not lawful and self._smooth and self._smooth_edge < exp(LEAST_PLAIN):
+            return self._all_slip()
         if not lawful:
             unseen = f"the edge sticks over some {self._smooth_edge:.0e}, too little to resolve"
             reasons = [*self._reasons, *(one.amiss for one in found)]
@@ -413,13 +417,20 @@ class CoupledSearch(ZoneSearch):
 
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""
-        from spectral_contact.contact.zone_problem import solve_coupled_slip
+        from spectral_contact.contact.zone_problem import solve_coupled_slip, unfelt
 
         begin = perf_counter()
         zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)
         self.record(PARTIAL_SLIP, zones, begin)
         begin = perf_counter()
-        point = zones_outcome(zones.best.value, self.parameters, felt=False)
+        solved = zones.best.value
+        error = solved.pressure_error + unfelt(self.parameters)
+        # the disk itself does not move anything
+        solved = replace(solved, pressure_error=error, stuck=[], stray=0.0, loose=0.0)
+        point = zones_outcome(solved, self.parameters, felt=False)
         outcome = everywhere(point, self.parameters.friction)
+        if self._smooth:  # and the share of the load on an edge that sticks
+            lost = outcome.shear_error + float(np.sqrt(self._smooth_edge))
+            outcome = replace(outcome, shear_error=lost)
         self.record(SLIP_FIELD, outcome, begin)
         return outcome

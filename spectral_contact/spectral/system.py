@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.abel import Blockwise
 from spectral_contact.spectral.blocks import Block, block, kept_disk_gram
+from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.moments import moments, outer_moments
