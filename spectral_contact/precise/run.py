@@ -279,13 +279,17 @@ class PreciseRun:
     def _in_stick(self, zone: int, s: Any, from_edge: Any) -> Any:
         mp, y = self.fixed.mp, from_edge * (1 + s)
         if self._smooth:
-            ratios = [-mp.log(v) / r if r and v else mp.zero for v, r in zip(y, s, strict=True)]
+            ratios = [
+                -(mp.log1p(-r * r) if r < 0.5 else mp.log(v)) / r if r and v else mp.zero
+                for v, r in zip(y, s, strict=True)
+            ]
             return self.kappa / mp.pi**2 * self._singular(np.array(ratios), y)
         ends = [(mp.zero, mp.one), *self.radii, (mp.one, mp.zero)][zone : zone + 2]
         below = [np.where(s < 0.5, b - s, from_edge - e) * (b + s) for b, e in ends]
         if self._one_disk:
             c = self.radius[0]
-            values = self.disk.traction.at(self.fixed.of(below[1] / c**2))
+            depth = np.minimum(below[1] / c**2, 1)  # rounding is past the centre
+            values = self.disk.traction.at(self.fixed.of(depth))
             values = self.fixed.numbers(values) * s / c * self.kappa
             return self._singular(values, y) if self._power else values
         series = self.annuli.tractions[zone]

@@ -4,6 +4,7 @@ The oracles share no code with it: mpmath's own root finding, quadrature and ell
 """
 
 import functools
+import itertools
 import math
 from itertools import pairwise
 from unittest import mock
@@ -136,9 +137,10 @@ def test_the_double_solver_agrees_within_its_estimates(name):
     estimate = double.error
     assert abs(double.approach / precise.approach - 1) <= estimate.approach
     depths = [*np.linspace(0.03, 0.97, 12), *10.0 ** -np.arange(1.0, 13.0)]
-    for field in ("pressure", "traction"):
-        mine = np.array(getattr(double, field)(from_edge=depths))
-        true = np.array(getattr(precise, field)(from_edge=depths), dtype=float)
+    places = {"from_edge": depths}, {"s": 10.0 ** -np.array([1.0, 4.0, 8.0, 16.0, 30.0, 300.0])}
+    for field, place in itertools.product(("pressure", "traction"), places):
+        mine = np.array(getattr(double, field)(**place))
+        true = np.array(getattr(precise, field)(**place), dtype=float)
         bound = getattr(estimate, field) or 0.0
         assert np.all(np.abs(mine - true) <= bound * np.abs(true) + 4e-16 * np.abs(true))
     if precise.stick_radius is not None:
@@ -149,6 +151,16 @@ def test_the_double_solver_agrees_within_its_estimates(name):
         for mine, its in zip(double.zones[:-1], precise.zones, strict=False):
             for side in ("outer", "outer_from_edge"):
                 assert abs(getattr(mine, side) / getattr(its, side) - 1) <= estimate.zones
+
+
+def test_smooth_full_stick_keeps_its_digits_next_to_the_centre():
+    stuck = reference(Scene(NU, 0.0, 0.0, math.inf), DIGITS)
+    s = 10.0 ** -np.array([5.0, 8.0, 16.0, 300.0])
+    kappa = (1 - 2 * context().mpf(NU)) / (4 * (1 - context().mpf(NU)))
+    for radius, found in zip(s, stuck.traction(s), strict=True):
+        square = context().mpf(radius) ** 2
+        exact = kappa / context().pi ** 2 * radius * (1 + square)
+        assert abs(found / exact - 1) <= 10.0**-DIGITS
 
 
 def test_rounding_of_the_double_traction_at_the_centre():

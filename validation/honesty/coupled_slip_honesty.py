@@ -47,7 +47,7 @@ def draw(number: int) -> tuple[Scene, float]:
     scene = Scene(rng.uniform(-0.5, 0.49), alpha, beta, math.inf, coupling=True)
     critical = solve(scene, 1e-6, ("critical_friction",)).critical_friction
     most = min(0.99 * critical, 6.0 * scene.kappa, 1.0)
-    least = min(0.02, 0.3 * most)
+    least = 1e-14 if kind == 4 else min(0.02, 0.3 * most)
     friction = math.exp(rng.uniform(math.log(least), math.log(most)))
     rtol = 10.0 ** rng.uniform(-10.0, -3.0)
     return Scene(scene.poisson_ratio, alpha, beta, friction, coupling=True), rtol
@@ -78,10 +78,10 @@ def compare(number: int, annuli: bool) -> Record:
         "rtol": rtol,
     }
     try:
-        solution, truth = (solve(scene, one) for one in (rtol, TRUE_RTOL))
+        solution, truth = solve(scene, rtol), solve(scene, TRUE_RTOL, strict=False)
     except (NotComputedError, ConvergenceError) as refused:
         return row | {"refused": str(refused)}
-    if len(truth.zones) == 1:
+    if truth.zones[-1].outer == truth.stick_radius:
         return row | {"refused": "no slip"}
     if len(truth.zones) != len(solution.zones):
         return row | {"refused": "zones differ"}
