@@ -38,6 +38,7 @@ _CONTACT, _PRECISE, _FORMS = (
 _UNIT, _REFERENCE = "tests/unit", "tests/reference"
 _CERTIFICATES = f"{_UNIT}/precise/test_precise_comparison.py"
 _COUPLED = f"{_UNIT}/contact/test_coupled_outcome.py"
+_CENTRE = f"{_REFERENCE}/test_coupled_slip.py -k centre"
 _ENDINGS = f"{_UNIT}/contact/test_endings.py"
 _EXACT = f"{_REFERENCE}/test_closed_forms.py"
 _SOLVER = f"{_UNIT}/solving/test_solver.py"
@@ -136,6 +137,34 @@ MUTANTS = (
         "max_unknowns // 2",
         "max_unknowns",
         _COUPLED,
+    ),
+    Mutant(
+        "without compliance the pressure is known at a centre that slips",
+        f"{_CONTACT}/zone_problem.py",
+        "-log(TINY) * 2.0 * kappa * friction",
+        "0.0",
+        _CENTRE,
+    ),
+    Mutant(
+        "a disk that stands for smaller ones carries what it would by itself",
+        f"{_CONTACT}/zone_problem.py",
+        "Parameters(alpha, 1.0 / ROUNDING, kappa",
+        "Parameters(alpha, parameters.beta, kappa",
+        _CENTRE,
+    ),
+    Mutant(
+        "a disk that stands for smaller ones is not small against the layer",
+        f"{_CONTACT}/zone_problem.py",
+        "log(ROUNDING * min(alpha, 1.0))",
+        "log(ROUNDING)",
+        _CENTRE,
+    ),
+    Mutant(
+        "rounding takes reference past the centre",
+        f"{_PRECISE}/run.py",
+        "np.minimum(below[1] / c**2, 1)",
+        "below[1] / c**2",
+        f"{_REFERENCE}/test_precise.py::test_the_double_solver_agrees_within_its_estimates[rough]",
     ),
     Mutant(
         "the coupled shear has the error of the approach",
