@@ -3,8 +3,9 @@
 Run as ``python validation/honesty/thresholds_precise.py [scenes]`` (half a minute to ten minutes
 each); writes validation/results/thresholds_precise.json and .md. Scenes lie below the friction at
 which slip begins, at the edge or inside, by relative distances of 10^-9 ... 10^-14; `reference`
-takes its zones from the friction law in mpmath, to 20 digits. *Right*: the same zones, every boundary within
-its estimate. *Room*: the estimate says that a zone may be missing, or that no digit is known.
+takes its zones from the friction law in mpmath, to 20 digits. *Right*: the same zones, every
+boundary within its estimate. *Room*: the estimate says that a zone may be missing, or that no digit
+is known.
 """
 
 from __future__ import annotations
