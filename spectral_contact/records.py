@@ -166,7 +166,8 @@ class ErrorEstimates:
     pointwise, at places fixed by the zone boundaries, whose own errors are in `zones`; where
     coupling makes p or q change sign both are relative to the two together (docs/coupling); `slip`
     is relative to its largest modulus; `zones` bounds the relative error of every boundary measured
-    from the centre and from the edge; `violation` is by how much the friction law is broken:
+    from the centre and from the edge; a stick zone too small to be felt is left out, and told by an
+    error of 1 there; `violation` is by how much the friction law is broken:
     the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
     the largest slip, whichever is larger. With a profile, `pressure` is relative to the pressure
     or its mean, whichever is larger; where a smooth surface has it infinite, at a tip or corner,

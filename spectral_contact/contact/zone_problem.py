@@ -34,8 +34,8 @@ from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
 #: The logit of the smallest stick disk that is looked for without a layer of p. A larger one stands
-#: for smaller ones then: digits are lost like 1/c, 1e-12 is reached with 5e-5, 1e-7 with 2e-9.
-LEAST_PLAIN = -40.0
+#: for smaller ones then: from this many of its radii on p lacks 0.1/n**3 of kappa f, measured.
+LEAST_PLAIN, CLEAR, _MOST_STAND_IN = -40.0, 128.0, 2.0**-11
 #: What corrections leave of conditions whose differences are taken; what share of a zone's width
 #: they span at most: 1e-5 takes 25 scenes 214 corrections, not 212; 0.03 and 0.5 change no digit.
 _SLOPING, _MOST_SHARE = 1e-8, 0.2
@@ -287,14 +287,16 @@ def solve_zones(
     return best
 
 
-def unfelt(parameters: Parameters) -> float:
-    """Return the relative error of p as it is with slip everywhere, for a disk that sticks.
+def stand_in(parameters: Parameters) -> Radius:
+    """Return the stick disk that stands for those too small to be felt.
 
-    Without normal compliance p has a factor ``s**-e`` at the centre, ``e = 2 kappa f``, and one of
-    a lower power at the edge.
+    Without normal compliance p loses digits like 1/c next to it, and is a power of s far inside.
     """
     alpha, _, kappa, friction = parameters
-    return 0.0 if alpha > 0.0 else -log(TINY) * 2.0 * kappa * friction
+    if alpha > 0.0:
+        return Radius.from_logit(_least_logit(parameters))
+    c = min(2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY)), _MOST_STAND_IN)
+    return Radius(float(c), float(1.0 - c))
 
 
 def _least_logit(parameters: Parameters) -> float:
@@ -314,9 +316,8 @@ def solve_coupled_slip(
     # with less friction the traction has no digits; what sticks would have one of its own, which
     # costs digits by as much as it exceeds friction: none with so much compliance
     felt = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    logit = _least_logit(parameters) if alpha > 0.0 else 0.5 * LEAST_PLAIN
     # slopes so steep that the boundary does not move
-    disk = Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
+    disk = Layout((stand_in(parameters).logit,), (0, 1), np.array([[1.0 / TINY]]))
     return solve_zones(felt, disk, tolerance, max_unknowns)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from math import exp, inf, log
+from math import exp, inf, log, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +30,7 @@ from spectral_contact.contact.slip_outcome import (
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
@@ -47,6 +47,8 @@ _SUPERCONVERGENCE = 0.52
 _NARROWEST = 1e-3
 #: Where the edge of a smooth surface sticks over less than this, in ``y``, it is one disk.
 _NO_EDGE = 1e-80
+#: What a pressure ``s**-e / sqrt(1 - s**2)`` lacks, of ``kappa f s**2``: 2, measured.
+_BESIDE = 5.0
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 #: One stick disk; where nothing is known of its radius slip is narrow.
@@ -417,20 +419,32 @@ class CoupledSearch(ZoneSearch):
 
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""
-        from spectral_contact.contact.zone_problem import solve_coupled_slip, unfelt
+        from spectral_contact.contact.zone_problem import solve_coupled_slip
 
         begin = perf_counter()
         zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)
         self.record(PARTIAL_SLIP, zones, begin)
         begin = perf_counter()
-        solved = zones.best.value
-        error = solved.pressure_error + unfelt(self.parameters)
         # the disk itself does not move anything
-        solved = replace(solved, pressure_error=error, stuck=[], stray=0.0, loose=0.0)
+        solved = replace(zones.best.value, stuck=[], stray=0.0, loose=0.0)
         point = zones_outcome(solved, self.parameters, felt=False)
+        if self.parameters.alpha == 0.0:
+            point = self._to_the_centre(point)
         outcome = everywhere(point, self.parameters.friction)
         if self._smooth:  # and the share of the load on an edge that sticks
-            lost = outcome.shear_error + float(np.sqrt(self._smooth_edge))
-            outcome = replace(outcome, shear_error=lost)
+            outcome = replace(outcome, shear_error=outcome.shear_error + sqrt(self._smooth_edge))
         self.record(SLIP_FIELD, outcome, begin)
         return outcome
+
+    def _to_the_centre(self, outcome: PartialSlip) -> PartialSlip:
+        """Return slip on a smooth surface with the pressure that it has next to the centre."""
+        from spectral_contact.contact.zone_fields import to_the_centre
+        from spectral_contact.contact.zone_problem import CLEAR, stand_in
+
+        pressure = outcome.pressure
+        assert isinstance(pressure, ZonalField)
+        clear = CLEAR * stand_in(self.parameters).value
+        whole = to_the_centre(pressure, Radius(clear, 1.0 - clear), self.parameters)
+        coupling = self.parameters.kappa * self.parameters.friction
+        lost = coupling * (_BESIDE * clear**2 + CLEAR**-3)
+        return replace(outcome, pressure=whole, pressure_error=outcome.pressure_error + lost)

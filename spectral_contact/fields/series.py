@@ -266,13 +266,15 @@ class PressureField:
 class DiskSeries:
     """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone.
 
-    With the `power` 0 instead of 1 it is without the factor ``s / outer``: a pressure.
+    With the `power` 0 instead of 1 it is without the factor ``s / outer``: a pressure. That where
+    slip goes to the centre has another power of it, the `exponent`.
     """
 
     outer: Radius
     series: LogSeries | None
     weight: EdgeWeight | None = None
     power: int = 1
+    exponent: float = 0.0
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate inside the disk."""
@@ -283,13 +285,15 @@ class DiskSeries:
             value = value + self.series(d)
         if self.weight is not None:
             value = value + self.weight(d)
+        if self.exponent != 0.0:
+            value = value * np.maximum(scaled, np.finfo(float).tiny) ** self.exponent
         return np.asarray(scaled**self.power * value)
 
     def times(self, factor: float) -> DiskSeries:
         """Return the field multiplied by a number."""
         series = None if self.series is None else self.series.times(factor)
         weight = None if self.weight is None else self.weight.times(factor)
-        return DiskSeries(self.outer, series, weight, self.power)
+        return replace(self, series=series, weight=weight)
 
 
 @dataclass(frozen=True, slots=True)

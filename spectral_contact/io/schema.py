@@ -211,11 +211,12 @@ _PRESSURE = Record("PressureField", PressureField, weight=Maybe(_WEIGHT), series
 _DISK = Record(
     "DiskSeries",
     DiskSeries,
-    {"power": 1},
+    {"power": 1, "exponent": 0.0},
     outer=_RADIUS,
     series=Maybe(_LOG_SERIES),
     weight=Maybe(_WEIGHT),
     power=_INT,
+    exponent=_FLOAT,
 )
 _ANNULUS = Record(
     "AnnulusSeries",

@@ -345,8 +345,7 @@ def _apart(
     outward, onward = side * source.sign * source.reach, side * target.sign * target.reach
     between = apart + min(outward, 0.0) - max(onward, 0.0)
     panels = source.panels
-    far = between >= _FAR * source.reach
-    moments = None if far else moments_on(panels, degrees)
+    moments = moments_on(panels, degrees) if between < _FAR * source.reach else None
     places = _PLACES if moments is None else moments.d
     at_end = apart + outward * places
     near = between < _FAR * target.reach
@@ -356,12 +355,11 @@ def _apart(
     # over the distance, which is smooth
     more = onward / (whole * root * (whole + root))
     kernels = np.vstack([1.0 / root[None], more, 1.0 / whole])
-    gathered = None
+    gathered = _gathered(panels, degrees) if moments is None else None
     if moments is not None:
         kernels = moments.with_densities(kernels)
     at, more, whole = kernels[0], kernels[1 : 1 + len(d)], kernels[1 + len(d) :]
-    if moments is None:
-        gathered = _gathered(panels, degrees)
+    if gathered is not None:
         at = at @ gathered
     if not near:
         table = nodes.from_places

@@ -139,10 +139,10 @@ MUTANTS = (
         _COUPLED,
     ),
     Mutant(
-        "without compliance the pressure is known at a centre that slips",
-        f"{_CONTACT}/zone_problem.py",
-        "-log(TINY) * 2.0 * kappa * friction",
-        "0.0",
+        "without compliance the pressure at a centre that slips is another power",
+        f"{_CONTACT}/zone_fields.py",
+        "2.0 * coupling * (1.0 - e) * ratio",
+        "2.0 * coupling * ratio",
         _CENTRE,
     ),
     Mutant(
