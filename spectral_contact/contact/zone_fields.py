@@ -73,17 +73,21 @@ def pressure_field(solved: ZoneSolution, parameters: Parameters) -> ZonalField:
     return ZonalField(tuple(pieces))
 
 
+def least_radius(parameters: Parameters) -> float:
+    """Return the stick radius of a smooth surface under little friction, to a factor of 2."""
+    _, beta, kappa, friction = parameters
+    return 4.0 * exp(-2.0 * kappa / friction) + 2.0 * beta * friction
+
+
 def to_the_centre(pressure: ZonalField, within: Radius, parameters: Parameters) -> ZonalField:
     """Return the pressure under a smooth punch with what it is within a radius from the centre.
 
-    Where slip goes to the centre ``p ~ s**-e / sqrt(1 - s**2)`` there, down to a stick disk, which
-    is about ``4 exp(-2 kappa / f)`` if there is no compliance.
+    Where slip goes there ``p ~ s**-e / sqrt(1 - s**2)``, down to a stick disk that is not felt.
     """
-    kappa, friction = parameters[2:]
-    exponent = _central_exponent(kappa * friction)
+    exponent = _central_exponent(parameters.kappa * parameters.friction)
     at_rim = float(pressure(np.array([within.value]), np.array([within.from_edge]))[0])
     pieces = [_around_centre(within, at_rim, -exponent), *pressure.pieces[1:]]
-    stuck = 4.0 * exp(-2.0 * kappa / friction)
+    stuck = least_radius(parameters)
     if stuck > np.sqrt(TINY):
         value = at_rim * (within.value / stuck) ** exponent
         pieces.insert(0, _around_centre(Radius(stuck, 1.0 - stuck), value, 0.0))

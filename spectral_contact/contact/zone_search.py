@@ -369,10 +369,11 @@ class CoupledSearch(ZoneSearch):
         return len(layout.states) > 2 and self.parameters.beta > 0.0
 
     def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
+        from spectral_contact.contact.zone_fields import least_radius
         from spectral_contact.contact.zone_problem import LEAST_PLAIN
 
         lawful = [one for one in found if not one.amiss]
-        if not lawful and self._smooth and self._smooth_edge < exp(LEAST_PLAIN):
+        if not lawful and self._smooth and least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
             return self._all_slip()
         if not lawful:
             unseen = f"the edge sticks over some {self._smooth_edge:.0e}, too little to resolve"
@@ -441,10 +442,9 @@ class CoupledSearch(ZoneSearch):
         from spectral_contact.contact.zone_fields import to_the_centre
         from spectral_contact.contact.zone_problem import CLEAR, stand_in
 
-        pressure = outcome.pressure
-        assert isinstance(pressure, ZonalField)
+        assert isinstance(outcome.pressure, ZonalField)
         clear = CLEAR * stand_in(self.parameters).value
-        whole = to_the_centre(pressure, Radius(clear, 1.0 - clear), self.parameters)
+        whole = to_the_centre(outcome.pressure, Radius(clear, 1.0 - clear), self.parameters)
         coupling = self.parameters.kappa * self.parameters.friction
         lost = coupling * (_BESIDE * clear**2 + CLEAR**-3)
         return replace(outcome, pressure=whole, pressure_error=outcome.pressure_error + lost)

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from spectral_contact import Scene, Solution, StepState, solve
+from spectral_contact import NotComputedError, Scene, Solution, StepState, solve
 from spectral_contact.equations.residuals import (
     normal_displacement,
     shear_lift,
@@ -258,6 +258,11 @@ def test_where_stick_at_the_edge_is_too_narrow_all_slips_with_room_for_it(beta, 
     # so little friction changes the pressure by hardly more
     allowed = solution.error.total_shear + plain.error.total_shear + 2.0 * friction
     assert abs(solution.total_shear / plain.total_shear - 1.0) <= allowed < 1e-8
+
+
+def test_stick_at_the_edge_that_is_too_narrow_is_refused_where_the_disk_is_not():
+    with pytest.raises(NotComputedError, match="no zones were found"):
+        solve(Scene(0.3, 0.0, 1e-14, 0.5, coupling=True), 1e-4)
 
 
 #: Friction at which stick at the edge begins, by 9e-13 and by 1.1e-11 of the radius.
