@@ -35,18 +35,22 @@ class Sample:
     errors: dict[str, float]
 
 
-def sample(solution: Solution, near: np.ndarray = NEAR) -> Sample:
-    """Return the numbers to compare; `near` are distances from ends in widths of the zone."""
+def sample(solution: Solution, near: np.ndarray = NEAR, *, centre: bool = True) -> Sample:
+    """Return the numbers to compare; for `near` and `centre` see `values`."""
     return Sample(
         {name: float(getattr(solution, name)) for name in INTEGRALS},
         [(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]],
-        {name: values(solution, name, near).tolist() for name in (*FIELDS, "slip")},
+        {n: values(solution, n, near, centre=centre).tolist() for n in (*FIELDS, "slip")},
         {n: float(getattr(solution.error, n)) for n in (*INTEGRALS, *FIELDS, "slip", "zones")},
     )
 
 
-def values(solution: Solution, name: str, near: np.ndarray) -> np.ndarray:
-    """Return a field at places graded to both ends of every zone; to the centre where it slips."""
+def values(solution: Solution, name: str, near: np.ndarray, *, centre: bool = True) -> np.ndarray:
+    """Return a field at places graded to both ends of every zone.
+
+    They are `near` times the width of the zone away. The centre is an end where it slips, unless it
+    is left out.
+    """
     field, found = getattr(solution, name), []
     for zone in solution.zones:
         # a radius is known to its rounding, from the centre or from the edge
@@ -56,7 +60,7 @@ def values(solution: Solution, name: str, near: np.ndarray) -> np.ndarray:
         else:
             width = zone.inner_from_edge - zone.outer_from_edge
             found.append(field(from_edge=zone.outer_from_edge + width * near))
-        if zone.inner < 0.5 and (zone.inner > 0.0 or zone.kind == "slip"):
+        if zone.inner < 0.5 and (zone.inner > 0.0 or (centre and zone.kind == "slip")):
             found.append(field(zone.inner + width * near))
         elif zone.inner >= 0.5:
             found.append(field(from_edge=zone.inner_from_edge - width * near))

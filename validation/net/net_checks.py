@@ -167,7 +167,7 @@ def _slip_judge(row: dict[str, Any]) -> Judge:
     def judge(solution: Solution) -> list[str]:
         if len(solution.zones) != len(row["zones"]):
             return exceeded(_zones_missed(solution, row))
-        found = ratios(sample(solution, NEAR), truth)
+        found = ratios(sample(solution, NEAR, centre=False), truth)
         return [f"{n}: {r:.2g} times the estimate" for n, r in found.items() if not r <= 1.0]
 
     return judge

@@ -75,7 +75,7 @@ def _sample(truth: Any, near: Any) -> Row:
     from coupled_slip_errors import sample
     from net_kept import rounded
 
-    row = asdict(sample(truth, near))
+    row = asdict(sample(truth, near, centre=False))
     row["fields"] = {n: rounded(values) for n, values in row["fields"].items()}
     return row
 
