@@ -136,9 +136,9 @@ class Driven(Tangential):
     def _driven(self, i: int, values: Array) -> Array:
         return np.asarray(self._known[i][2] @ values[: self.count])
 
-    def misfit(self, values: Array, approach: Array, lifts: Array) -> Misfit:
+    def misfit(self, values: Array, approach: Array, imbalance: Array) -> Misfit:
         """Return E at the nodes of every part."""
-        return Misfit([], self._tangential(values, self.traction(values), lifts))
+        return Misfit([], self._tangential(values, self.traction(values), imbalance))
 
     def traction(self, values: Array) -> dict[int, Array]:
         """Return the coefficients of q/s of vectors on the parts that stick."""

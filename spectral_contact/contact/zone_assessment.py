@@ -83,7 +83,7 @@ def sizes_of(system: Tangential, values: Array) -> list[Array]:
     Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
     ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
-    if len(ends) == 2 and system.symmetric and any((one * one[0] <= 0.0).any() for one in ends):
+    if len(ends) == 2 and not (system.given or system.radii) and any((one * one[0] <= 0.0).any() for one in ends):
         ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
     return ends
 
@@ -192,7 +192,7 @@ class Assessment:
 
     @cached_property
     def loose(self) -> Effect:
-        """What would meet the conditions of the boundaries, twice; no lift does without a layer."""
+        """What would meet the conditions of the boundaries, twice; none does without a layer."""
         return self.state.unbalanced(2.0 if self.system.parameters.beta > 0.0 else 0.0)
 
     @cached_property
@@ -277,9 +277,9 @@ class Assessment:
         changes = max(abs(shear(one)) for one in self.moved)
         if self.system.given:
             drive, _ = self.system.balances
-            lifts = state.approach * np.abs(drive @ state.solution) * self.missed
+            imbalance = state.approach * np.abs(drive @ state.solution) * self.missed
             felt = np.abs(self.system.shear_functional @ state.factored.responses)
-            return (changes + float(felt @ lifts)) / abs(shear(self.whole))
+            return (changes + float(felt @ imbalance)) / abs(shear(self.whole))
         rest = np.array([one.rest for one in self.system.radii])
         bend = 2.0 * float((self.shifts**2 * rest).max(initial=0.0))
         return changes / abs(shear(self.whole)) + bend
@@ -313,11 +313,11 @@ class Assessment:
         if not any(system.states):
             return [], 0.0
         scale = state.approach
-        whole = state.lacking(self.whole, scale, scale * state.lifts)
-        lost = _stuck(system, state.lacking(self.moved[0], 0.0, scale * self.effects[0].lifts))
+        whole = state.lacking(self.whole, scale, scale * state.imbalance)
+        lost = _stuck(system, state.lacking(self.moved[0], 0.0, scale * self.effects[0].imbalance))
         # at the boundaries E and q have steps
         jumps = np.abs(system.jumps @ self.loose.change)
-        steps = np.abs(self.loose.lifts) + system.parameters.beta * jumps
+        steps = np.abs(self.loose.imbalance) + system.parameters.beta * jumps
         largest = max(
             largest_displacement(lost, *ends)
             for state, ends in zip(system.states[1:], pairwise((*system.radii, EDGE)), strict=True)

@@ -157,20 +157,16 @@ class _AtBoundaries:
         system, state, count = self.system, self.state, len(self.names)
         drive, balance = system.balances
         solved, felt = self._solved()
-        values: Array = solved[:, :count]
+        values: Array = solved[:, :count]  # where boundaries stay the traction jumps
         responses: Array = solved[:, count:]
-        lifts: Array = np.zeros((len(system.radii), count))
         rigid, singular = system.parameters.beta == 0.0, np.zeros(count)
-        if not rigid:  # the traction stays continuous where boundaries move
+        if rigid:
+            missed = balance @ values + felt.balances
+        else:  # it stays continuous where they move
             jumps = system.jumps
-            lifts = np.asarray(-np.linalg.solve(jumps @ responses, jumps @ values + felt.jumps))
-        missed = balance @ (values + responses @ lifts) + felt.balances - lifts
+            missed = np.linalg.solve(jumps @ responses, jumps @ values + felt.jumps)
         missed_there: Array = missed / (drive @ state.solution)[:, None]
         logits: Array = np.asarray(-np.linalg.solve(self.moved[:, :-2].T, missed_there))
-        if not rigid:  # where they stay it jumps
-            free = np.eye(len(lifts)) - balance @ responses
-            lost = np.linalg.solve(free, balance @ values + felt.balances)
-            values = np.asarray(values + responses @ lost)
         scale = state.approach
         raised = np.array([-state.bearing(one) / state.bearing(state.solution) for one in values.T])
         shear = scale * (
@@ -211,15 +207,15 @@ class _AtBoundaries:
         return self.system.given and len(self.system.radii) == 1
 
     def _solved(self) -> tuple[Array, _Felt]:
-        """Return the derivatives at given boundaries and lifts, and the responses to unit lifts.
+        """Return the derivatives at given boundaries, and the responses to unit imbalances.
 
         With them what functionals change by, of the same solution.
         """
         system, count = self.system, len(self.names)
         boundaries, given = len(system.radii), system.given
         right = np.zeros((system.unknowns, count + boundaries))
-        values, lifts = np.zeros_like(right), np.zeros((boundaries, count + boundaries))
-        lifts[:, count:] = np.eye(boundaries)
+        values, units = np.zeros_like(right), np.zeros((boundaries, count + boundaries))
+        units[:, count:] = np.eye(boundaries)
         jumps, balances = np.zeros((2, boundaries, count))
         felt = _Felt(jumps, balances, np.zeros(count))
         before = self._seen(system)
@@ -233,7 +229,7 @@ class _AtBoundaries:
             right[:, i], felt.jumps[:, i], felt.balances[:, i], felt.shear[i] = rise
         nothing = np.zeros(values.shape[1])
         for _ in range(_CORRECTIONS):
-            missed = system.residual(values, nothing, lifts)
+            missed = system.residual(values, nothing, units)
             values += self.factors.step(missed + right)
         return values, felt
 
@@ -248,8 +244,8 @@ class _AtBoundaries:
 
     def _seen(self, system: Tangential) -> list[Array]:
         """Return what a system with like parameters makes of the solution."""
-        own, lifts = self.state.solution, self.state.lifts
-        missed = system.residual(own[:, None], np.ones(1), lifts[:, None])
+        own, imbalance = self.state.solution, self.state.imbalance
+        missed = system.residual(own[:, None], np.ones(1), imbalance[:, None])
         functionals = system.jumps, system.balances[1], system.shear_functional
         return [missed[:, 0], *(one @ own for one in functionals)]
 

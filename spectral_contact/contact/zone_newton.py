@@ -26,8 +26,8 @@ class Effect(NamedTuple):
 
     Attributes
     ----------
-    change, lifts : ndarray
-        Of the solution and of its lifts.
+    change, imbalance : ndarray
+        Of the solution and of its imbalances.
     mismatch : ndarray
         Of the conditions of the boundaries.
     approach : float
@@ -35,7 +35,7 @@ class Effect(NamedTuple):
     """
 
     change: Array
-    lifts: Array
+    imbalance: Array
     mismatch: Array
     approach: float
 
@@ -50,42 +50,44 @@ class ZoneState:
     factored : Factored
         Of this system or a like one.
     solution : ndarray, shape (unknowns,)
-    lifts : ndarray, shape (boundaries,)
-        They make the traction continuous; without tangential compliance they are zero.
+    imbalance : ndarray, shape (boundaries,)
+        They make the traction continuous, or with no tangential compliance E zero.
     """
 
     system: Tangential
     factored: Factored
     solution: Array
-    lifts: Array
+    imbalance: Array
 
     @classmethod
     def begin(cls, factored: Factored) -> ZoneState:
         """Return a first solution: that of a symmetric matrix, or nothing, to be corrected."""
         system = factored.system
-        solution, lifts = np.zeros(system.unknowns), np.zeros(len(system.radii))
+        solution, balanced = np.zeros(system.unknowns), np.zeros(len(system.radii))
         if system.given:
             solution[0] = 1.0
         elif system.symmetric:
             solution[: system.count] = system.load
             solution = factored.step(solution)
-        return cls(system, factored, solution, lifts)
+        return cls(system, factored, solution, balanced)
 
     def _continuous(self, values: Array) -> tuple[Array, Array]:
-        """Return the lifts that take the jumps out of a vector, and what they make of it."""
+        """Return the imbalances that take the jumps out of a vector, and what they make of it."""
         jumps = self.system.jumps
         if self.system.parameters.beta == 0.0 or not len(jumps):
-            return np.zeros(len(jumps)), values
+            return -self.system.balances[1] @ values, values
         responses = self.factored.responses
-        lifts = -np.linalg.solve(jumps @ responses, jumps @ values)
-        return np.asarray(lifts), np.asarray(values + responses @ lifts)
+        imbalance = -np.linalg.solve(jumps @ responses, jumps @ values)
+        return np.asarray(imbalance), np.asarray(values + responses @ imbalance)
 
     def corrected(self) -> tuple[ZoneState, Array]:
         """Return a better solution, and by how much it is changed."""
-        missed = self.system.residual(self.solution[:, None], np.ones(1), self.lifts[:, None])
-        lifts, solution = self._continuous(self.solution + self.factored.step(missed)[:, 0])
-        better = replace(self, solution=solution, lifts=self.lifts + lifts)
-        return better, solution - self.solution
+        missed = self.system.residual(self.solution[:, None], np.ones(1), self.imbalance[:, None])
+        step = self.factored.step(missed)[:, 0]
+        imbalance, solution = self._continuous(self.solution + step)
+        if self.system.parameters.beta > 0.0:
+            imbalance = self.imbalance + imbalance
+        return replace(self, solution=solution, imbalance=imbalance), solution - self.solution
 
     def bearing(self, values: Array) -> float:
         """Return ``int p s ds``."""
@@ -99,36 +101,38 @@ class ZoneState:
     @cached_property
     def mismatch(self) -> Array:
         """What the conditions of the boundaries miss, relative to ``kappa R`` there."""
-        drive, balance = self.system.balances
-        return np.asarray((balance @ self.solution - self.lifts) / (drive @ self.solution))
+        return np.asarray(-self.imbalance / self._demanded)
+
+    @property
+    def _demanded(self) -> Array:
+        """``kappa R`` at the boundaries."""
+        return np.asarray(self.system.balances[0] @ self.solution)
 
     def unbalanced(self, share: float) -> Effect:
         """Return what would meet so much of the conditions, with a jump of the traction there.
 
         But for the square of what the boundaries are off it is the error of the fields.
         """
-        drive, _ = self.system.balances
-        lifts = share * self.mismatch * (drive @ self.solution)
-        return self._at_unit_load(lifts, self.factored.responses @ lifts)
+        imbalance = -share * self.imbalance
+        return self._at_unit_load(imbalance, self.factored.responses @ imbalance)
 
     def effects(self) -> list[Effect]:
         """Return what the top two degrees of every panel contribute, and what the top one does."""
         changes = self.factored.change(self.solution, self.system)
         return [self._at_unit_load(*self._continuous(one)) for one in changes]
 
-    def _at_unit_load(self, lifts: Array, change: Array) -> Effect:
-        drive, balance = self.system.balances
+    def _at_unit_load(self, imbalance: Array, change: Array) -> Effect:
         raised = -self.bearing(change) / self.bearing(self.solution)
         return Effect(
             change + raised * self.solution,
-            lifts + raised * self.lifts,
-            (balance @ change - lifts) / (drive @ self.solution),
+            imbalance + raised * self.imbalance,
+            -imbalance / self._demanded,
             raised,
         )
 
-    def lacking(self, values: Array, approach: float, lifts: Array) -> list[Array]:
-        """Return E at the nodes of the parts, of a vector that has an approach and lifts."""
-        misfit = self.system.misfit(values[:, None], np.array([approach]), lifts[:, None])
+    def lacking(self, values: Array, approach: float, imbalance: Array) -> list[Array]:
+        """Return E at the nodes of the parts, of a vector that has an approach and imbalances."""
+        misfit = self.system.misfit(values[:, None], np.array([approach]), imbalance[:, None])
         return [one[:, 0] for one in misfit.tangential]
 
 

@@ -77,11 +77,11 @@ class Factored:
 
     @cached_property
     def responses(self) -> Array:
-        """The solutions for a unit lift at every boundary, without approach, as columns."""
-        lifts = np.eye(len(self.system.radii))
-        values = np.zeros((self.system.unknowns, len(lifts)))
+        """The solutions for a unit imbalance at every boundary, without approach, as columns."""
+        units = np.eye(len(self.system.radii))
+        values = np.zeros((self.system.unknowns, len(units)))
         for _ in range(2):
-            self._last = self.step(self.system.residual(values, np.zeros(len(lifts)), lifts))
+            self._last = self.step(self.system.residual(values, np.zeros(len(units)), units))
             values += self._last
         return values
 
@@ -101,9 +101,9 @@ class Factored:
     def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.
 
-        They are the differences to the solution without them, at the same approach and lifts. A
-        pressure that is given lacks its two changes with them. The system is that of the solution:
-        that of the factors or a like one.
+        They are the differences to the solution without them, at the same approach and imbalances.
+        A pressure that is given lacks its two changes with them. The system is that of the
+        solution: that of the factors or a like one.
         """
         first, count = system.shed[0], len(values)
         right = np.zeros((count, len(first)))
@@ -115,36 +115,41 @@ class Factored:
             forces = np.linalg.solve(columns[shed] / own[:, None], values[shed] / own)
             forced[shed, i] = forces / own
             changes[:, i] = columns @ forces
-        if system.given:  # by as much less is known of the pressure
-            changes[1 : system.count] = np.eye(system.count - 1, 2)
         nothing = np.zeros(2), np.zeros((len(system.radii), 2))
         return [*(changes + self.step(system.residual(changes, *nothing) + forced)).T]
 
 
 class Symmetric(Factored):
-    """A symmetric positive definite system by Cholesky, what coarser spaces lack last."""
+    """A symmetric positive definite system by Cholesky, what coarser spaces lack last.
+
+    A pressure that is given stays as it is.
+    """
 
     def __init__(self, system: Tangential) -> None:
         self.system, self.exact = system, True
         lacking = np.bincount(np.concatenate(system.shed), minlength=system.unknowns)
-        self._order = np.argsort(lacking, kind="stable")
-        self._kept = int((lacking == 0).sum()), int((lacking < 2).sum())
-        self._cholesky = Cholesky(system.matrix().take(self._order, 0).take(self._order, 1))
+        self._known = system.count if system.given else 0
+        self._order = self._known + np.argsort(lacking[self._known :], kind="stable")
+        self._kept = tuple(int((lacking[self._known :] < n).sum()) for n in (1, 2))
+        self._cholesky = Cholesky(system.matrix()[np.ix_(self._order, self._order)])
 
     def step(self, right: Array) -> Array:
         """Return the solution as factored, of right-hand sides as columns."""
-        step = np.empty_like(right)
+        step = right.copy()
         step[self._order] = self._cholesky.solve(right[self._order].T).T
         return step
 
     def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute."""
-        changes = []
-        for kept in self._kept:
-            change = np.empty_like(values)
-            change[self._order] = -self._cholesky.shed(values[self._order], kept)
-            changes.append(change)
-        return changes
+        changes = np.zeros((len(values), 2))
+        for column, kept in zip(changes.T, self._kept, strict=True):
+            column[self._order] = -self._cholesky.shed(values[self._order], kept)
+        if system.given:  # by as much less is known of the pressure
+            less = np.zeros_like(changes)
+            less[1 : system.count] = np.eye(system.count - 1, 2)
+            nothing = np.zeros(2), np.zeros((len(system.radii), 2))
+            changes += less + self.step(system.residual(less, *nothing))
+        return [*changes.T]
 
     def energies(self, values: Array) -> Array:
         """Return the energies of what the top two degrees contribute, shape (2, panels + 1).

@@ -192,7 +192,7 @@ class System(Tangential):
             slip = self.parts[k].state * self.parameters.friction
             rows[:, self.pressure[k]] += slip * over.after(columns)
 
-    def misfit(self, values: Array, approach: Array, lifts: Array) -> Misfit:
+    def misfit(self, values: Array, approach: Array, imbalance: Array) -> Misfit:
         """Return W and E at the nodes of every part."""
         kappa = self.parameters.kappa
         p, q = [values[own] for own in self.pressure], self.traction(values)
@@ -208,7 +208,7 @@ class System(Tangential):
             # the same on both sides to the last digit: a step would be felt like 1/sqrt(d)
             at = known.setdefault(part.boundary, at)
             normal.append(at - 2.0 * kappa * (t * swept.more(q) + beyond * at_boundary) - f.more(p))
-        return Misfit(normal, self._tangential(values, q, lifts))
+        return Misfit(normal, self._tangential(values, q, imbalance))
 
     def _driven(self, i: int, values: Array) -> Array:
         p, j, t = [values[own] for own in self.pressure], self._j[i], self._t[i][:, None]

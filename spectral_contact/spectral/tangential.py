@@ -8,9 +8,9 @@ the unknown is ``u = q/s`` there, and in slip q is ``f p`` with the sign of the 
 
 and G the half-integral of q, the equation asks ``E``, tested with the half-integrals of all
 functions, for what the compliance takes. It is taken as its value at the nearest boundary and a
-difference to it, in which nothing cancels. ``E(b)``, which is small or zero, is an unknown of its
-own at every boundary between zones, a `lift`: together they make the traction continuous. That
-each is what p and q make it is the condition of its boundary.
+difference to it, in which nothing cancels. ``E(b)`` may be off what p and q make it, by an
+`imbalance` at every boundary between zones: together these make the traction continuous. That
+there is none is the condition of each boundary. Without tangential compliance ``E(b)`` is zero.
 """
 
 from __future__ import annotations
@@ -161,8 +161,8 @@ class Tangential(ABC):
 
     @property
     def symmetric(self) -> bool:
-        """Whether the matrix is, and positive definite: everything sticks."""
-        return not self.radii
+        """Whether the matrix is, and positive definite: nothing slips that is unknown."""
+        return self.given or not self.radii
 
     @property
     def given(self) -> bool:
@@ -300,20 +300,22 @@ class Tangential(ABC):
         """Return the matrix of the equations; it is that of `residual` but for roundings."""
 
     @abstractmethod
-    def misfit(self, values: Array, approach: Array, lifts: Array) -> Misfit:
-        """Return W and E of k vectors as columns, with k deltas and ``E(b)``, (boundaries, k)."""
+    def misfit(self, values: Array, approach: Array, imbalance: Array) -> Misfit:
+        """Return W and E of k vectors as columns, with k deltas and (boundaries, k) imbalances."""
 
-    def _tangential(self, values: Array, traction: Fields, lifts: Array) -> list[Array]:
+    def _tangential(self, values: Array, traction: Fields, imbalance: Array) -> list[Array]:
         """Return E as `misfit` does."""
         missed = []
+        rigid = self.parameters.beta == 0.0
+        lifts = np.zeros_like(imbalance) if rigid else self.balances[1] @ values + imbalance
         for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
             own: Array = self._driven(i, values) - self._g[i].more(traction)
             missed.append(own + lifts[part.boundary] if part.boundary >= 0 else own)
         return missed
 
-    def residual(self, values: Array, approach: Array, lifts: Array) -> Array:
+    def residual(self, values: Array, approach: Array, imbalance: Array) -> Array:
         """Return what the equations miss, tested with all functions; see `misfit`."""
-        missed = self._tested(self.misfit(values, approach, lifts))
+        missed = self._tested(self.misfit(values, approach, imbalance))
         for own, mass in self.masses:
             missed[own] -= mass @ values[own]
         return missed
@@ -350,10 +352,6 @@ class Tangential(ABC):
             pairs = stuck.products(self._g[i], weights, whole=self._plain[1], own=kept)
             for k, j, product in pairs:
                 self._add(matrix[self.shear[k]], product, j)
-            if self._plain[1] and part.boundary >= 0:
-                at_boundary = self.balances[1][part.boundary]
-                for k, sums in stuck.tested(weights[:, None]):
-                    matrix[self.shear[k]] += sums * at_boundary
 
     def _with_masses(self, matrix: Array) -> Array:
         """Return a matrix with the masses added to it."""

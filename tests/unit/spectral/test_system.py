@@ -111,15 +111,15 @@ def test_parts_fill_the_contact():
 def test_what_top_degrees_contribute_is_what_a_solve_without_them_lacks(states):
     system = zones(states)
     factored = Factored(system)
-    approach, lifts = np.ones(1), np.full((len(system.radii), 1), 0.1)
+    approach, imbalance = np.ones(1), np.full((len(system.radii), 1), 0.1)
     solution = np.zeros((system.unknowns, 1))
     for _ in range(3):
-        solution += factored.step(system.residual(solution, approach, lifts))
+        solution += factored.step(system.residual(solution, approach, imbalance))
     change, _ = factored.change(solution[:, 0], system)
     lesser = solution[:, 0] - change
     shed, _ = system.shed
     kept = np.setdiff1d(np.arange(system.unknowns), shed)
-    missed = system.residual(lesser[:, None], approach, lifts)[:, 0] * factored.scale
+    missed = system.residual(lesser[:, None], approach, imbalance)[:, 0] * factored.scale
     assert np.abs(lesser[shed] / factored.scale[shed]).max() < 1e-12
     assert np.abs(missed[kept]).max() < 1e-12
 
@@ -128,12 +128,12 @@ def test_what_top_degrees_contribute_is_what_a_solve_without_them_lacks(states):
 def test_factors_of_single_precision_correct_to_double(states):
     system = zones(states)
     exact, rough = (Factored(system, exact=one) for one in (True, False))
-    approach, lifts = np.ones(1), np.full((len(system.radii), 1), 0.1)
+    approach, imbalance = np.ones(1), np.full((len(system.radii), 1), 0.1)
     solutions = []
     for factored in (exact, rough):
         values = np.zeros((system.unknowns, 1))
         for _ in range(6):
-            values += factored.step(system.residual(values, approach, lifts))
+            values += factored.step(system.residual(values, approach, imbalance))
         solutions.append(values[:, 0] / exact.scale)
     assert np.abs(solutions[0] - solutions[1]).max() < 1e-11 * np.abs(solutions[0]).max()
 
