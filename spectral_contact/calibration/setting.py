@@ -15,9 +15,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.given_radius import radius_slopes
 from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.zone_derivatives import radius_slopes
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import refuse_layer

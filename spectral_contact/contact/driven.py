@@ -1,28 +1,31 @@
 """The tangential equation on any zones, driven by a pressure that is known.
 
 What the pressure does is evaluated, and never assembled: its own demand next to every boundary, and
-the traction of every slip zone, which is expanded on the panels of that zone.
+the traction of every slip zone, by quadrature from inside of it, and on the panels of a zone that
+has stick outside at its own nodes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from spectral_contact.contact.drive import Drive
-from spectral_contact.fields.series import EDGE, Array, PressureField, Radius
-from spectral_contact.spectral.blocks import Block, across, block
+from spectral_contact.contact.drive import Drive, Targets
+from spectral_contact.contact.resolution import ROUGH, ROUNDING
+from spectral_contact.contact.slip_displacement import slip_annulus
+from spectral_contact.contact.slip_source import SlipSource
+from spectral_contact.fields.series import CENTRE, EDGE, Array, PressureField, Radius
+from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.blocks import Block, block
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family
+from spectral_contact.spectral.parts import Family, Points
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import Misfit, Tangential
 from spectral_contact.threads import cached_property
-
-Degrees = tuple[int, ...]
 
 
 class Driven(Tangential):
@@ -34,9 +37,14 @@ class Driven(Tangential):
     Parameters
     ----------
     radii, states, spaces, parameters
-        As of `Tangential`; with tangential compliance. In slip they are those of the pressure.
+        As of `Tangential`. In slip spaces are those of the pressure.
     drives : sequence of Drive
         Of the pressure, and of its changes.
+    tolerance : float
+        Relative accuracy of what is asked.
+    rough : bool
+        Whether what slips is known to three digits. Else to rounding at any tolerance, as noise in
+        it looks like detail, and digits are cheap.
     """
 
     def __init__(
@@ -46,9 +54,14 @@ class Driven(Tangential):
         spaces: Sequence[Resolution],
         parameters: Parameters,
         drives: Sequence[Drive],
+        tolerance: float,
+        *,
+        rough: bool = False,
     ) -> None:
         super().__init__(radii, states, spaces, parameters)
         self.drives, self.count, self.fields = drives, len(drives), []
+        self._tolerance, self._accuracy = tolerance, ROUGH if rough else ROUNDING
+        self._plain = True, True  # of one disk G vanishes at its rim
         self.load = np.zeros(self.count)
         self.load[0] = 1.0 / (2.0 * np.pi)
         self._place_shear()
@@ -69,51 +82,67 @@ class Driven(Tangential):
                 found[k] = one
         return found
 
+    # what is known
+
+    @property
+    def _pressures(self) -> list[PressureField]:
+        return [one.pressure for one in self.drives]
+
     @cached_property
-    def _slipping(self) -> dict[int, Array]:
-        """Coefficients of q/s on the parts that slip."""
-        pressures, found = [one.pressure for one in self.drives], {}
-        for k, part in enumerate(self.parts):
-            if part.state:
-                points = part.family.sampling()
-                over = PressureField.several(pressures, points.y) / np.sqrt(points.z)
-                used = part.family.panels.functions(part.degrees)
-                slip = part.state * self.parameters.friction
-                found[k] = slip * np.array([part.family.expand(one)[used] for one in over]).T
+    def _sources(self) -> dict[int, SlipSource]:
+        """The slip zones, as what is inside of them sees them."""
+        bounds, alpha, found = (*self.radii, EDGE), self.parameters.alpha, {}
+        for zone, state in enumerate(self.states):
+            if state:
+                ends, inside = bounds[zone - 1 : zone + 1], 2 * zone - 2
+                form = self.nodes[inside], self.parts[inside].family.reach
+                found[zone] = SlipSource(self._pressures, *ends, alpha, self._accuracy, *form)
         return found
+
+    def _slip(self, k: int, points: Points) -> Array:
+        """Return q/s of a part that slips, under the pressure and its changes, as rows."""
+        friction = self.parts[k].state * self.parameters.friction
+        return friction * PressureField.several(self._pressures, points.y) / np.sqrt(points.z)
 
     @cached_property
     def _known(self) -> list[_Known]:
         """What is known of every part with nodes, without what sticks."""
         known = []
         for i, nodes in enumerate(self.nodes):
-            family, d = self.parts[i].family, nodes.samples
-            drive, sampled = self._demanded(family, d)
-            at, direct = drive.copy(), np.zeros((len(nodes.d), self.count))
-            for k, values in self._slipping.items():
-                part = self.parts[k]
-                form = part.family, part.degrees, family, self._felt[i]
-                if part.boundary == self.parts[i].boundary and k > i:
-                    own, more = across(*form, values)
-                    at -= own
-                    sampled -= more
-                    continue
-                one = block(*form, 1)
-                if one is not None:
-                    own = one.onto(values)
-                    at -= one.scale * (one.at @ values)
-                    (sampled if one.sampled else direct)[:] -= one.more @ own
-            known.append(_Known(drive, at, nodes.spread(sampled) + direct))
+            family, samples = self.parts[i].family, nodes.samples
+            boundary, points = family.boundary, family.points(samples)
+            if boundary == EDGE:
+                nothing, values = np.zeros((self.count, 0)), Drive.targets(self.drives, points.y)
+                drive = Targets(np.zeros(self.count), values, nothing)
+            else:
+                reach = family.sign * family.reach
+                drive = Drive.targets_from(self.drives, boundary, reach, samples)
+            # far from the boundary noise falls with the size of the parts
+            split = drive.far.shape[1]
+            at, far, near = drive.at.copy(), drive.far.T.copy(), drive.near.T.copy()
+            outside = Points(points.anchor, points.offset[:split])
+            for zone, source in self._sources.items():
+                if self.parts[i].zone < zone:
+                    slip = self.states[zone] * self.parameters.friction
+                    at -= slip * source.at(boundary)
+                    far -= slip * source.half_integral(outside)
+                    near += slip * source.fall(boundary, -points.offset[split:])
+            sampled, direct = np.vstack([far - at, near]), np.zeros((len(nodes.d), self.count))
+            for one, values in self._own_slip(i):
+                at -= one.scale * (one.at @ values)
+                (sampled if one.sampled else direct)[:] -= one.more @ one.onto(values)
+            known.append(_Known(drive.at, at, nodes.spread(sampled) + direct))
         return known
 
-    def _demanded(self, family: Family, d: Array) -> tuple[Array, Array]:
-        """Return R at the boundary of a part, and by how much it is more at distances."""
-        if family.boundary == EDGE:
-            return np.zeros(self.count), Drive.targets(self.drives, family.points(d).y).T
-        at, far, near = Drive.targets_from(
-            self.drives, family.boundary, family.sign * family.reach, d
-        )
-        return at, np.hstack([far - at[:, None], near]).T
+    def _own_slip(self, i: int) -> Iterator[tuple[Block, Array]]:
+        """Yield what a slip zone adds to half-integrals at a part of it."""
+        zone, target = self.parts[i].zone, self.parts[i].family
+        for part in self.parts[2 * zone - 1 : 2 * zone + 1] if self.states[zone] else ():
+            one = block(part.family, part.degrees, target, self._felt[i], 1)
+            if one is not None:
+                used = part.family.panels.functions(part.degrees)
+                each = self._slip(2 * zone, part.family.sampling())
+                yield one, np.array([part.family.expand(row)[used] for row in each]).T
 
     # the equation
 
@@ -127,7 +156,7 @@ class Driven(Tangential):
 
     def _pressure_at(self, k: int) -> Array:
         y = np.array([self.parts[k].family.boundary.rest])
-        return PressureField.several([one.pressure for one in self.drives], y)[:, 0]
+        return PressureField.several(self._pressures, y)[:, 0]
 
     def _driven_at(self, i: int) -> tuple[Array, Array]:
         drive, balance, _ = self._known[i]
@@ -152,17 +181,33 @@ class Driven(Tangential):
         matrix[: self.count] = np.eye(self.count, self.unknowns)
         return matrix
 
-    def slip_misfit(self, values: Array, target: Family) -> Array:
-        """Return E at the sampling points of a half of a slip zone, of vectors as columns."""
-        points = target.sampling()
-        total = Drive.targets(self.drives, points.y).T @ values[: self.count]
-        known = {k: one @ values[: self.count] for k, one in self._slipping.items()}
-        for k, own in (self.traction(values) | known).items():
-            part = self.parts[k]
-            seen = block(part.shear, part.degrees, target, target.panels, 1, differences=False)
-            if seen is not None:
-                total -= seen.whole @ seen.onto(own)
-        return np.asarray(total)
+    # slip
+
+    def slip_zone(self, zone: int) -> Annulus:
+        """Return the panels of the displacement in a slip zone."""
+        bounds, (alpha, beta, _, _) = (CENTRE, *self.radii, EDGE), self.parameters
+        return slip_annulus(bounds, zone, alpha, beta, self._tolerance)
+
+    def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
+        """Return E at the sampling points of a slip zone, of vectors as columns."""
+        own, totals = values[: self.count], []
+        each = [self._slip(2 * zone, family.sampling()) for family in annulus.families]
+        halves = [annulus.integrals(list(pair), 1) for pair in zip(*each, strict=True)]
+        for j, target in enumerate(annulus.families):
+            points = target.sampling()
+            total = (Drive.targets(self.drives, points.y) - [one[j] for one in halves]).T
+            for outside, source in self._sources.items():
+                if outside > zone:
+                    slip = self.states[outside] * self.parameters.friction
+                    total -= slip * source.half_integral(points)
+            total = total @ own
+            for k, stuck in self.traction(values).items():
+                part = self.parts[k]
+                seen = block(part.shear, part.degrees, target, target.panels, 1, differences=False)
+                if seen is not None:
+                    total -= seen.whole @ seen.onto(stuck)
+            totals.append(total)
+        return totals
 
 
 class _Known(NamedTuple):

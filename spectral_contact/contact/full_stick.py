@@ -1,166 +1,187 @@
-"""Full stick, equation (4.2): ``beta q + T q = kappa g`` on the whole contact.
+"""Full stick: one zone without a boundary, equation (4.2), with elastic coupling or without.
 
-Everything is computed for kappa = 1; the traction is proportional to it.
+Without it everything is computed for kappa = 1; the traction is proportional to it. With it, under
+a thin layer, and on a smooth surface always, both tractions oscillate near the edge, and the
+pressure would be negative in places: there the contact would open. What is returned solves the
+equations as they stand, in which the surfaces cannot part; `FullStick.opening` says where they
+would.
 """
 
 from __future__ import annotations
 
-from math import inf, log, pi
+from dataclasses import replace
+from math import atan2, exp, inf, pi, sqrt
 
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
-    CENTRE_ROUNDS,
     CLOSED_FORM_ROUNDING,
     SAFETY,
-    TRACTION_ROUNDING,
-    decay_rates,
-    expected_error,
-    functional_error,
-    on_mesh,
-    panel_table,
+    TINY,
+    crossing,
+    places,
     series_of,
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight
+from spectral_contact.contact.stick_disk import StickDiskProblem
+from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
+from spectral_contact.contact.zone_problem import solve_zones
+from spectral_contact.contact.zone_spaces import ended
+from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.graded import graded_nodes
-from spectral_contact.spectral.panels import Resolution
-from spectral_contact.spectral.spaces import unit_space
+from spectral_contact.spectral.parameters import Parameters
 
-
-class _StickProblem:
-    """Spaces for the full-stick problem; see `solve_full_stick`."""
-
-    def __init__(
-        self, drive: Drive, compliance: float, tolerance: float, goal: str, ratios: bool
-    ) -> None:
-        self.drive, self.ratios = drive, ratios
-        self.compliance = compliance
-        self.tolerance = tolerance
-        self.pointwise = goal == "traction"
-        alpha = drive.contact.compliance
-        # without tangential compliance the edge singularity y**(-1/2) is in the basis
-        self.power = -0.5 if compliance == 0.0 else 0.0
-        self.layer = -log(min([1.0] + [c for c in (alpha, compliance) if c > 0.0]))
-        # on a smooth surface in normal contact g has a square root at the edge
-        self.rate = 0.5 if alpha == 0.0 else 1.0
-
-    def start(self) -> Resolution:
-        space = starting_resolution(self.layer, self.tolerance, rate=self.rate, power=self.power)
-        return on_mesh(space, self.drive.contact.panels)
-
-    def attempt(self, resolution: Resolution) -> Attempt[FullStick]:
-        panels, compliance = resolution.panels, self.compliance
-        space = unit_space(panels, resolution.degrees, shear=True)
-        # not interpolated: its rounding, the same over a panel, would show in q/s at the centre
-        target = self.drive.target(space.y)
-        factored = space.factor(compliance)
-        solution = factored.solve(target)
-        change = factored.change(solution)
-        series = series_of(panels, solution)
-        traction = DiskSeries(EDGE, series)
-        shear = float(space.shear_moments @ solution)
-        rates = decay_rates(resolution, solution)
-        normal = self.drive.contact
-        # the change that the pressure's last degrees make
-        moved, swayed = np.zeros_like(solution), np.zeros(1)
-        moments = space.shear_moments
-        if self.drive.changes:
-            nodes = graded_nodes(panels, resolution.degrees)
-            lacking = Drive.targets(self.drive.changes, nodes.samples).T
-            both = factored.solve(nodes.spread(lacking), correct=False)
-            moved, swayed = np.ascontiguousarray(both[:, 0]), moments @ both
-        size = series.at_ends()
-        shares = expected_error(share_of_change(panels, change.coefficients, size), rates)
-        propagated = SAFETY * normal.rate**2
-        centre = CENTRE_ROUNDS if normal.compliance == 0.0 else 1.0
-        traction_error = float(shares.max()) + centre * TRACTION_ROUNDING
-        traction_error += propagated * float(share_of_change(panels, moved, size).max())
-        shear_error = functional_error(factored, moments, change, rates, resolution) / shear
-        shear_error += propagated * float(np.abs(swayed).max()) / shear + CLOSED_FORM_ROUNDING
-        if self.pointwise:
-            indicators, error = shares, traction_error
-        else:
-            moved_by = np.abs(panel_table(panels, moments * change.coefficients)).sum(axis=1)
-            indicators, error = expected_error(moved_by / shear, rates), shear_error
-        stick = FullStick(
-            approach=normal.approach,
-            total_shear=shear,
-            approach_error=normal.approach_error,
-            shear_error=shear_error,
-            pressure=self.drive.pressure,
-            traction=traction,
-            pressure_error=normal.pressure_error,
-            traction_error=traction_error,
-        )
-        if self.ratios:
-            moving = propagated * share_of_change(panels, moved, size)
-            changed = [(panels, shares), (panels, moving)]
-            at_edge = 0.0
-            if self.power == 0.0:
-                lesser = factored.change(solution, degrees=1)
-                limits = [series_of(panels, one.coefficients).limit for one in (change, lesser)]
-                at_edge = max(map(abs, limits)) / abs(series.limit)
-            if normal.panels is not None and normal.changes:
-                lost, pressure = normal.changes[0].coefficients, self.drive.pressure
-                share = share_of_change(normal.panels, lost, pressure.at_ends())
-                changed.append((normal.panels, propagated * share))
-                at_edge += abs(series_of(normal.panels, lost).limit / pressure.value(0.0))
-            stick = stick.with_ratios(panels.panels * panels.width, changed, at_edge)
-        return Attempt(stick, error, indicators, rates, space.unknowns)
+_STUCK = Layout((), (0,))
 
 
 def solve_full_stick(
-    drive: Drive,
-    compliance: float,
+    parameters: Parameters,
     tolerance: float,
     max_unknowns: int,
     *,
-    goal: str = "traction",
+    drive: Drive | None = None,
+    pointwise: bool = True,
     ratios: bool = True,
 ) -> FullStick | Refinement[FullStick]:
-    """Solve the full-stick problem for kappa = 1.
+    """Solve the full-stick problem for unit load.
 
     Parameters
     ----------
-    drive : Drive
-        Right-hand side, from the normal problem.
-    compliance : float
-        ``beta*``, 0 or positive.
+    parameters : Parameters
+        With infinite friction; for kappa = 1 if the pressure is given.
     tolerance : float
-        Bound on the relative error of the goal.
+        Bound on the relative error of the fields, or of approach and shear.
     max_unknowns : int
         Most unknowns of a space.
-    goal : {"traction", "shear"}
-        The pointwise traction, or the total shear alone.
+    drive : Drive, optional
+        Of the pressure, if it is given; else pressure and traction are one system.
+    pointwise : bool
+        Whether the fields are wanted; approach and shear alone need fewer unknowns.
     ratios : bool
         Whether the ratios of traction to pressure are wanted.
 
     Returns
     -------
     FullStick or Refinement
-        On a surface smooth in both directions the weight ``-ln(y) / (s^2 sqrt y)`` is the exact
-        solution and there is nothing to refine.
+        On a surface smooth in both directions and without coupling the weight
+        ``-ln(y) / (s^2 sqrt y)`` is the exact solution and there is nothing to refine.
     """
-    if compliance == 0.0 and drive.contact.compliance == 0.0:
-        # at zero tangential compliance the half-integral is R itself: Q = 2 pi int t R dt
-        space = starting_resolution(0.0, float(np.finfo(float).eps))
-        nodes, contact = graded_nodes(space.panels, space.degrees), drive.contact
-        return FullStick(
-            approach=contact.approach,
-            total_shear=pi * float(nodes.weights @ drive.target(nodes.d)),
-            approach_error=contact.approach_error,
-            shear_error=CLOSED_FORM_ROUNDING,
-            pressure=drive.pressure,
-            traction=DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True)),
-            edge_ratio=inf,
-            pressure_error=contact.pressure_error,
-            traction_error=CLOSED_FORM_ROUNDING,
-        )
-    return refine(
-        _StickProblem(drive, compliance, tolerance, goal, ratios), tolerance, max_unknowns
+    if drive is None:
+        found = solve_zones(parameters, _STUCK, tolerance, max_unknowns, pointwise=pointwise)
+        stick = _coupled(found.best.value, pointwise=pointwise)
+    elif parameters.alpha == 0.0 == parameters.beta:
+        return _smooth(drive)
+    else:
+        problem = StickDiskProblem(parameters, _STUCK, tolerance, drive, pointwise=pointwise)
+        found = refine(problem, tolerance, max_unknowns)
+        stick = _driven(found.best, drive, ratios=ratios)
+    best = replace(found.best, value=stick)  # type: ignore[arg-type]
+    return replace(found, best=best)  # type: ignore[return-value]
+
+
+def _smooth(drive: Drive) -> FullStick:
+    """Return full stick on a smooth surface under the pressure that it has without friction."""
+    # the half-integral is R itself: Q = 2 pi int t R dt
+    space = starting_resolution(0.0, float(np.finfo(float).eps))
+    nodes, contact = graded_nodes(space.panels, space.degrees), drive.contact
+    return FullStick(
+        approach=contact.approach,
+        total_shear=pi * float(nodes.weights @ drive.target(nodes.d)),
+        approach_error=contact.approach_error,
+        shear_error=CLOSED_FORM_ROUNDING,
+        pressure=drive.pressure,
+        traction=DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True)),
+        edge_ratio=inf,
+        pressure_error=contact.pressure_error,
+        traction_error=CLOSED_FORM_ROUNDING,
     )
+
+
+def _driven(solved: Attempt[ZoneSolution], drive: Drive, *, ratios: bool) -> FullStick:
+    """Return full stick under a given pressure."""
+    zones, contact, pressure = solved.value, drive.contact, drive.pressure
+    [shear], [field] = zones.shears, zones.system.fields
+    assert shear is not None
+    stick = FullStick(
+        approach=contact.approach,
+        total_shear=zones.total_shear,
+        approach_error=contact.approach_error,
+        shear_error=zones.shear_error,
+        pressure=pressure,
+        traction=DiskSeries(EDGE, shear),
+        pressure_error=contact.pressure_error,
+        traction_error=zones.traction_error,
+    )
+    if not ratios:
+        return stick
+    panels, at_edge = field.panels, 0.0
+    shares = [(panels, solved.indicators)]
+    if panels.power == 0.0:
+        at_edge = _at_edge(zones)
+    if contact.panels is not None and contact.changes:
+        lost = contact.changes[0].coefficients
+        share = share_of_change(contact.panels, lost, pressure.at_ends())
+        shares.append((contact.panels, SAFETY * contact.rate**2 * share))
+        at_edge += abs(series_of(contact.panels, lost).limit / pressure.value(0.0))
+    return stick.with_ratios(panels.panels * panels.width, shares, at_edge)
+
+
+def _coupled(solved: ZoneSolution, *, pointwise: bool) -> FullStick:
+    """Return full stick of one system, with the ratio of its fields where it means something."""
+    stick = FullStick(
+        approach=solved.approach,
+        total_shear=solved.total_shear,
+        approach_error=solved.approach_error,
+        shear_error=solved.shear_error,
+    )
+    if not pointwise:
+        return stick
+    system, [pressure], [shear] = solved.system, solved.pressures, solved.shears
+    assert shear is not None
+    p, q = ended(pressure, shear, system.parameters, 1.0)
+    stick = replace(
+        stick,
+        pressure=PressureField(None, p),
+        traction=DiskSeries(EDGE, q),
+        opening=_opening(p),
+        pressure_error=solved.pressure_error,
+        traction_error=solved.traction_error,
+    )
+    if stick.opening is not None or p.oscillation:
+        return stick
+    changes = shares_of(system, solved.solution[:, 1], sizes_of(system, solved.solution[:, 0]))
+    panels = system.parts[0].family.panels
+    shares = [(panels, one) for one in changes]
+    return stick.with_ratios(panels.panels * panels.width, shares, _at_edge(solved))
+
+
+def _at_edge(solved: ZoneSolution) -> float:
+    """Return the changes of the fields at the edge, relative to them."""
+    total = 0.0
+    for one in solved.system.fields:
+        whole, *changed = (series_of(one.panels, v).limit for v in one.of(solved.solution).T)
+        total += max(map(abs, changed)) / abs(whole)
+    return total
+
+
+def _opening(pressure: LogSeries) -> float | None:
+    """Return the distance from the edge at which the pressure first changes sign."""
+    count = len(pressure.coefficients)
+    depth = count * pressure.width
+    x = places(depth, 8 * count + 1)  # close enough to see every change of sign
+    negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
+    if len(negative):
+        i = int(negative[0])
+        depth = crossing(lambda x: pressure(np.exp(-x)), x[i - 1], x[i])
+    elif pressure.oscillation:
+        depth += atan2(pressure.tail[0], -pressure.tail[1]) / pressure.oscillation
+    else:
+        return None
+    y = exp(-depth)
+    distance = y / (1.0 + sqrt(1.0 - y))
+    return distance if distance > TINY else None

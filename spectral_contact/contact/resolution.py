@@ -51,7 +51,7 @@ PANEL_WIDTH = 2.0
 #: Depth in ``-ln y``, past the layer, from which a singular field is its leading term, to 1e-13.
 LEADING = 30.0
 #: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
-_ROOT_DEPTH = 7.0
+ROOT_DEPTH = 7.0
 #: Degrees per ``-ln`` of the tolerance, on any panel and at a bend. With 0.43 four of 46 random
 #: scenes of full stick need another space; with 0.15 at bends the critical friction of one was 18
 #: times as far off under the same estimate.
@@ -153,7 +153,7 @@ def _first_space(
     bends: tuple[float, ...],
 ) -> Resolution:
     digits = -log(tolerance)
-    depth = layer + (_ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
+    depth = layer + (ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
     panels = 4 * ceil(depth / PANEL_WIDTH / 4)  # few distinct meshes, so that caches are shared
     top: Array = np.full(panels, LEAST_DEGREE + ceil(_DEGREES * digits))
     x = PANEL_WIDTH * np.arange(panels)

@@ -9,6 +9,7 @@ zero in stick by the tangential equation. Everything is for kappa = 1.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log, pi
 from typing import TYPE_CHECKING, NamedTuple
@@ -36,7 +37,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.annulus import Annulus, sampled_series
 from spectral_contact.spectral.blocks import block
-from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
+from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap
 
@@ -57,13 +58,6 @@ class Stuck:
     outer: Radius
     parts: tuple[tuple[Points, Array], ...]
 
-    @classmethod
-    def disk(cls, rim: Radius, nodes: GradedNodes, misfit: Array) -> Stuck:
-        """Return a central disk, with E at its Galerkin nodes."""
-        weights = 0.5 * rim.value**3 * nodes.weights * np.sqrt(nodes.rest)
-        weighted = nodes.gathered((weights * misfit)[:, None])[:, 0]
-        return cls(rim, ((Points(rim, -rim.square * nodes.samples), weighted),))
-
 
 @dataclass(frozen=True, slots=True)
 class Slipping:
@@ -80,27 +74,31 @@ class Slipping:
         return [np.sqrt(family.sampling().z) * one for family, one in each]
 
 
-def annulus_between(
-    inner: Radius, outer: Radius, layers: tuple[float, float], tolerance: float, rate: float = 1.0
+def slip_annulus(
+    bounds: Sequence[Radius], zone: int, alpha: float, beta: float, tolerance: float
 ) -> Annulus:
-    """Return panels for a function that settles below the given layers at either end.
+    """Return panels for the displacement in a slip zone under a given pressure.
 
     Parameters
     ----------
-    inner, outer : Radius
-    layers : tuple of float
-        Width in ``s**2`` of the thinnest feature at the inner and outer end.
+    bounds : sequence of Radius
+        Ends of the zones, from the centre to the edge.
+    zone : int
+        Its number, from the centre outward.
+    alpha, beta : float
+        The compliances.
     tolerance : float
         Relative accuracy.
-    rate : float
-        Decay of the outer end, as in `starting_resolution`.
     """
-    half = gap(inner, outer) / 2.0
-    digits = -log(tolerance)
-    depths = (
-        max(log(half / layers[0]), 0.0) + 0.5 * digits + _MORE,
-        max(log(half / layers[1]), 0.0) + (digits + _MORE) / rate,
-    )
+    inner, outer = bounds[zone : zone + 2]
+    half, digits, depths = gap(inner, outer) / 2.0, -log(tolerance), []
+    for end, beyond in ((inner, bounds[zone - 1]), (outer, bounds[min(zone + 2, len(bounds) - 1)])):
+        if end.from_edge > 0.0:
+            layer, more = min(beta or 1.0, end.rest, abs(gap(end, beyond))), 0.5 * digits + _MORE
+        else:  # next to the edge of a smooth surface there are square roots
+            rate = 0.5 if alpha == 0.0 else 1.0
+            layer, more = alpha or inner.rest, (digits + _MORE) / rate
+        depths.append(max(log(half / layer), 0.0) + more)
     # few distinct depths, so that caches are shared between scenes
     counts = (3 * ceil(d / PANEL_WIDTH / 3) for d in depths)
     degree = slip_degree(tolerance)

@@ -12,7 +12,6 @@ import numpy as np
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
-    DISTANCES,
     Interval,
     hidden_stick,
     known_share,
@@ -23,8 +22,15 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, ROUNDING, SAFETY, TINY
-from spectral_contact.contact.slip_displacement import Slipping, annulus_between, slip_displacement
+from spectral_contact.contact.resolution import (
+    DEEPEST,
+    FIELD_ROUNDING,
+    PROBE,
+    ROUNDING,
+    SAFETY,
+    TINY,
+)
+from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -39,7 +45,6 @@ from spectral_contact.records import Zone
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.one_disk import OneDisk
     from spectral_contact.contact.zone_assessment import ZoneSolution
 
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
@@ -126,14 +131,19 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     )
 
 
-def all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> PartialSlip:
+def all_slip(drive: Drive, parameters: Parameters, tolerance: float) -> PartialSlip:
     """Return slip everywhere: the stick disk is smaller than 1e-65."""
-    contact = drive.contact
+    from spectral_contact.contact.stick_disk import StickDiskProblem
+
+    contact, point = drive.contact, Layout((_POINT,), (0, 1), np.zeros((1, 1)))
+    problem = StickDiskProblem(parameters, point, tolerance, drive)
+    system = problem.system(problem.spaces(PROBE), problem.logits)
+    annulus, alone = system.slip_zone(1), np.eye(system.unknowns, 1)
     solved = SolvedZones(
-        radii=(Radius.from_logit(_POINT),),
-        states=(0, 1),
+        radii=system.radii,
+        states=point.states,
         approach=contact.approach,
-        total_shear=friction,
+        total_shear=parameters.friction,
         stuck=[],
         approach_error=contact.approach_error,
         shear_error=0.0,
@@ -145,8 +155,10 @@ def all_slip(drive: Drive, beta: float, friction: float, tolerance: float) -> Pa
         stray=SAFETY * contact.pressure_error,
         slopes=np.zeros((1, 1)),
     )
-    found = _to_the_edge(drive, solved, {}, 0.0, beta, friction, tolerance)
-    return replace(everywhere(found, friction), layout=None)
+    misfit = [one[:, 0] for one in system.slip_misfit(alone, 1, annulus)]
+    slipping = [Slipping(annulus, 1, misfit)]
+    found = _held(solved, drive.pressure, {}, 0.0, slipping, parameters)
+    return replace(everywhere(found, parameters.friction), layout=None)
 
 
 def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
@@ -164,17 +176,6 @@ def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
         zones_error=1.0,
         missing=(),
     )
-
-
-def one_disk_outcome(
-    drive: Drive, disk: OneDisk, beta: float, friction: float, tolerance: float
-) -> PartialSlip:
-    """Return the one-disk solution with its displacement, held against the friction law."""
-    assert disk.traction.series is not None
-    q = np.sqrt(1.0 - DISTANCES) * disk.traction.series(DISTANCES)
-    p = drive.pressure.at(disk.radii[0].rest + disk.radii[0].square * DISTANCES)
-    excess = stick_excess(friction, [(q, p)])
-    return _to_the_edge(drive, disk, {0: disk.traction}, excess, beta, friction, tolerance)
 
 
 def zones_outcome(
@@ -203,28 +204,6 @@ def zones_outcome(
     found = _held(solved, pressure, sticks, excess, slipping, parameters)
     opens = given is None and not fields.positive(solved)
     return replace(found, amiss="the pressure is not positive") if opens else found
-
-
-def _to_the_edge(
-    drive: Drive,
-    solved: SolvedZones,
-    sticks: dict[int, DiskSeries | AnnulusSeries],
-    excess: float,
-    beta: float,
-    friction: float,
-    tolerance: float,
-) -> PartialSlip:
-    """Return a stick disk with slip between it and the edge, held against the friction law."""
-    alpha, inner = drive.contact.compliance, solved.radii[0]
-    layers = (min(beta or 1.0, inner.rest, inner.square), alpha or inner.rest)
-    annulus = annulus_between(inner, EDGE, layers, tolerance, 0.5 if alpha == 0.0 else 1.0)
-    points = [family.sampling() for family in annulus.families]
-    over = [drive.pressure.at(one.y) / np.sqrt(one.z) for one in points]
-    each = zip(points, annulus.integrals(over, 1), strict=True)
-    # E = R - G
-    slipping = Slipping(annulus, 1, [drive.target(one.y) - friction * half for one, half in each])
-    parameters = Parameters(alpha, beta, 1.0, friction)
-    return _held(solved, drive.pressure, sticks, excess, [slipping], parameters)
 
 
 def _held(

@@ -29,7 +29,6 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import CENTRE, EDGE, Array, LogSeries, Radius
-from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.factored import Symmetric
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parts import Points, gap
@@ -112,9 +111,6 @@ BENT = 8.0
 #: without boundaries. Of 60 random scenes solved as one disk and as zones at 1e-12 the shears
 #: differ by 9.6 ROUNDING or less, half of them by 0.1.
 _NOISE, _GIVEN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
-#: Degrees that the panels of the displacement have beyond those of the pressure: the far end of an
-#: annulus is a singularity ln 2 before the first panel.
-_FINER = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,12 +125,15 @@ class ZoneSolution(SolvedZones):
     system : Tangential
     solution : ndarray, shape (unknowns, 3)
         The vector of the system, and what the top two degrees and the top one contribute to it.
+    shifts : ndarray, shape (boundaries,)
+        How far the boundaries may be off, as logits.
     """
 
     pressures: list[LogSeries]
     shears: list[LogSeries | None]
     system: Tangential
     solution: Array
+    shifts: Array
 
     @property
     def slipping(self) -> tuple[list[Slipping], float]:
@@ -142,16 +141,11 @@ class ZoneSolution(SolvedZones):
 
         The displacement changes by a quarter of that at most; E is seen at these points alone.
         """
-        parts, found, lost = self.system.parts, [], 0.0
+        found, lost = [], 0.0
         for zone, state in enumerate(self.states):
             if state:
-                first, second = (
-                    replace(one.family.panels, power=0.0, degree=one.family.panels.degree + _FINER)
-                    for one in parts
-                    if one.zone == zone
-                )
-                annulus = Annulus(self.bounds[zone], self.bounds[zone + 1], first, second)
-                each = [self.system.slip_misfit(self.solution[:, :2], f) for f in annulus.families]
+                annulus = self.system.slip_zone(zone)
+                each = self.system.slip_misfit(self.solution[:, :2], zone, annulus)
                 found.append(Slipping(annulus, state, [one[:, 0] for one in each]))
                 lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in each))
         return found, lost
@@ -236,7 +230,8 @@ class Assessment:
         state, system, fields = self.state, self.system, self.fields
         known = self.squared + self.noise + (0.0 if system.given else self.off)
         left = self.left + self.off
-        rounding = TRACTION_ROUNDING * (1.0 if system.radii else CENTRE_ROUNDS)
+        known_edge = system.given and system.parameters.alpha > 0.0
+        rounding = TRACTION_ROUNDING * (1.0 if system.radii or known_edge else CENTRE_ROUNDS)
         errors = fields.pressure + left + FIELD_ROUNDING, fields.traction + left + rounding
         boundary_errors = tuple(
             boundary_error(float(d), r) for d, r in zip(self.shifts, system.radii, strict=True)
@@ -265,6 +260,7 @@ class Assessment:
             ],
             system=system,
             solution=np.column_stack([self.whole, *self.moved]),
+            shifts=self.shifts,
         )
         # no degree lowers what rounding leaves
         fields.indicators[fields.indicators <= self.left] = 0.0
@@ -339,18 +335,16 @@ def _loosest(system: Tangential, errors: Sequence[tuple[float, float]]) -> float
 
 def _stuck(system: Tangential, misfit: Sequence[Array]) -> list[Stuck]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones."""
-    stuck = []
-    for zone, state in enumerate(system.states):
-        if state == 0:
-            # farther out than the last that sticks E is not known
-            each = zip(system.parts, system.offsets, system.shear_weights, misfit, strict=False)
-            parts = tuple(
-                (Points(part.family.boundary, offsets), pi * weights * missed)
-                for part, offsets, weights, missed in each
-                if part.zone == zone
-            )
-            stuck.append(Stuck((*system.radii, EDGE)[zone], parts))
-    return stuck
+    parts: dict[int, list[tuple[Points, Array]]] = {}
+    # farther out than the last that sticks E is not known
+    each = zip(system.parts, system.nodes, system.shear_weights, misfit, strict=False)
+    for part, nodes, weights, missed in each:
+        if part.state == 0:
+            # as seen from outside what is smooth is gathered at the samples
+            weighted = nodes.gathered((pi * weights * missed)[:, None])[:, 0]
+            parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
+    ends = (*system.radii, EDGE)
+    return [Stuck(ends[zone], tuple(own)) for zone, own in parts.items()]
 
 
 def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:

@@ -23,6 +23,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.normal import by_compliance, solve_normal
+from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import ROUNDING, series_of
 from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
@@ -108,6 +110,39 @@ def differentiated(
     problem = FreeBoundaryProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
     problem.drives = list(drives)
     return _AtBoundaries(problem, tolerance, names).outcome()
+
+
+def radius_slopes(
+    alpha: float, beta: float, friction: float, logit: float, tolerance: float, max_unknowns: int
+) -> Array:
+    """Return the derivatives of ``ln(c**2/(1 - c**2))`` by alpha, beta and ``f/kappa``.
+
+    Parameters
+    ----------
+    alpha, beta, friction : float
+        ``alpha*``, ``beta*`` and ``f / kappa``.
+    logit : float
+        Of the radius that they have.
+    tolerance : float
+        Of the spaces.
+    max_unknowns : int
+        Most unknowns of one.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        NaN where a compliance is 0. Good to 1e-6, or the tolerance, relative.
+    """
+    solved = solve_normal(alpha, tolerance, max_unknowns)
+    changes = [by_compliance(solved)] if isinstance(solved, Refinement) else []
+    contact = solved.best.value if isinstance(solved, Refinement) else solved
+    slopes = np.array([np.nan, np.nan, np.nan])
+    moving = np.array([bool(changes), beta > 0.0, True])
+    names = [one for one, own in zip(("alpha", "beta", "friction"), moving, strict=True) if own]
+    form = Parameters(alpha, beta, 1.0, friction), Layout((logit,), (0, 1)), names, tolerance
+    found = differentiated(*form, [Drive(one) for one in (contact, *changes)])
+    slopes[moving] = found.logits[0]
+    return slopes
 
 
 class _AtBoundaries:

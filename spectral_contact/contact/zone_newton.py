@@ -60,9 +60,12 @@ class ZoneState:
     imbalance: Array
 
     @classmethod
-    def begin(cls, factored: Factored) -> ZoneState:
-        """Return a first solution: that of a symmetric matrix, or nothing, to be corrected."""
-        system = factored.system
+    def begin(cls, factored: Factored, system: Tangential | None = None) -> ZoneState:
+        """Return a first solution: that of a symmetric matrix, or nothing, to be corrected.
+
+        Of the system that is factored, or of one with the same matrix.
+        """
+        system = system or factored.system
         solution, balanced = np.zeros(system.unknowns), np.zeros(len(system.radii))
         if system.given:
             solution[0] = 1.0

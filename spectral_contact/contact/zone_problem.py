@@ -1,9 +1,9 @@
 """Any zones of stick and slip: their boundaries are solved for.
 
 With elastic coupling pressure and traction are unknown together, else the pressure is given. At
-given boundaries the system is linear in the lifts, the values there of what the half-integral of
-the traction lacks. Continuity gives them, and that each is what the fields make it is the condition
-of its boundary.
+given boundaries the system is linear in the imbalances, by which what the half-integral of the
+traction lacks there is off what the fields make it. Continuity gives them, and that there is none
+is the condition of each boundary.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TI
 from spectral_contact.contact.stick_radius import NOISE, root_near
 from spectral_contact.contact.zone_assessment import Assessment, ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
-from spectral_contact.contact.zone_spaces import first_spaces, parted, with_known_slip
+from spectral_contact.contact.zone_spaces import driven_spaces, first_spaces, parted
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
@@ -147,8 +147,8 @@ class FreeBoundaryProblem:
         """Return the first spaces, at boundaries as they are known or at others."""
         alpha, beta, _, _ = self.parameters
         radii = _radii(self.logits if logits is None else logits)
-        spaces = first_spaces(alpha, beta, radii, self.states, tolerance)
-        return with_known_slip(spaces, self.states, tolerance) if self.drives else spaces
+        first = driven_spaces if self.drives else first_spaces
+        return first(alpha, beta, radii, self.states, tolerance)
 
     def start(self) -> Resolution:
         """Return the first space, of all parts one after the other."""
@@ -165,8 +165,14 @@ class FreeBoundaryProblem:
         self._counts = [one.panels.panels for one in spaces]
         return joined(spaces)
 
-    def system(self, spaces: list[Resolution], logits: Array) -> Tangential:
-        """Return the equations with given boundaries.
+    def parted(self, resolution: Resolution) -> list[Resolution]:
+        """Return the spaces of all parts, of one like that of `start`."""
+        return parted(resolution, self._counts, self.parameters.alpha)
+
+    def system(
+        self, spaces: list[Resolution], logits: Array, *, rough: bool = False
+    ) -> Tangential:
+        """Return the equations with given boundaries; `rough` is that of `Driven`.
 
         Raises
         ------
@@ -178,7 +184,9 @@ class FreeBoundaryProblem:
         if len(radii) > 1 and radii[-1].rest < narrowest:
             raise NoBoundariesError("the last zone vanishes")
         form = radii, self.states, spaces, self.parameters
-        return Driven(*form, self.drives) if self.drives else System(*form)
+        if self.drives:
+            return Driven(*form, self.drives, self.tolerance, rough=rough)
+        return System(*form)
 
     def factored(self, system: Tangential) -> Factored:
         """Return a system factored, in single precision where that serves."""
@@ -226,7 +234,7 @@ class FreeBoundaryProblem:
 
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""
-        spaces = parted(resolution, self._counts, self.parameters.alpha)
+        spaces = self.parted(resolution)
         if self.drives:  # from now on with what is known of the errors of the pressure
             self.drives = [self.drives[0], *self.drives[0].changes]
         least = TRIFLING * self.goal

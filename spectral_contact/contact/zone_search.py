@@ -18,7 +18,6 @@ import numpy as np
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, NoBoundariesError
-from spectral_contact.contact.one_disk import OneDisk, solve_one_disk
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.slip_outcome import (
@@ -26,7 +25,6 @@ from spectral_contact.contact.slip_outcome import (
     all_slip,
     everywhere,
     no_slip,
-    one_disk_outcome,
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
@@ -51,8 +49,8 @@ _NO_EDGE = 1e-80
 _BESIDE = 5.0
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
-#: One stick disk; where nothing is known of its radius slip is narrow.
-_DISK = Layout((2.0,), (0, 1))
+#: One stick disk of which nothing is known, and one with narrow slip.
+_DISK, _WIDE_DISK = Layout((), (0, 1)), Layout((2.0,), (0, 1))
 #: From where on another stick radius is looked for, and in which steps, as logits; on smooth
 #: surfaces they are 10 apart and more, measured.
 _CLEAR, _APART = 1.0, 4.0
@@ -270,21 +268,19 @@ class DrivenSearch(ZoneSearch):
         return zones_outcome(zones, self.parameters, self.drive)
 
     def _on_disk(self, layout: Layout) -> PartialSlip:
-        """Return the solution with one stick disk, by the operators of the unit disk."""
-        _, beta, _, friction = self.parameters
-        form, begin = (self.drive, beta, friction, self.tolerance), perf_counter()
-        begins = layout.logits[0]
-        near = None if layout.slopes is None else (begins, float(layout.slopes[0, 0]))
-        guess = begins if near is None and layout is not _DISK else None
+        """Return the solution with one stick disk."""
+        from spectral_contact.contact.stick_disk import solve_stick_disk
+
+        begin, form = perf_counter(), (self.drive, self.parameters)
         try:
-            refinement = solve_one_disk(*form, self.max_unknowns, guess=guess, near=near)
+            solved = solve_stick_disk(*form, layout, self.tolerance, self.max_unknowns)
         except NoStickDiskError as missing:
             if missing.at_centre:
-                return all_slip(*form)
+                return all_slip(*form, self.tolerance)
             raise
-        disk: OneDisk = self.record(PARTIAL_SLIP, refinement, begin)
+        disk: ZoneSolution = self.record(PARTIAL_SLIP, solved, begin)
         begin = perf_counter()
-        outcome = one_disk_outcome(self.drive, disk, beta, friction, self.tolerance)
+        outcome = zones_outcome(disk, self.parameters, self.drive)
         self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
@@ -340,7 +336,7 @@ class CoupledSearch(ZoneSearch):
         ratio = self.stick.edge_ratio
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
             return []
-        problem = FreeBoundaryProblem(self.parameters, _DISK, self.tolerance)
+        problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
         further = scanned(problem, logit + _CLEAR, _APART)
         found = stick_radii(problem, further, contacts=True)
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
@@ -357,7 +353,7 @@ class CoupledSearch(ZoneSearch):
         told = (found.settled or self._smooth) and not found.centre_unseen
         if told and found.on_rings.positive:
             yield self._to_the_edge([one.logit for one in found.boundaries], found.states)
-        yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _DISK
+        yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _WIDE_DISK
 
     def _possible(self, layout: Layout) -> bool:
         """Return whether there is slip, and the edge may be as it is.

@@ -13,7 +13,7 @@ from math import atanh, ceil, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, nearness, slip_degree
+from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, ROOT_DEPTH, nearness, slip_degree
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
@@ -135,10 +135,16 @@ def first_spaces(
     return spaces
 
 
-def with_known_slip(
-    spaces: list[Resolution], states: tuple[int, ...], tolerance: float
+def driven_spaces(
+    alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
 ) -> list[Resolution]:
-    """Return first spaces with the degrees with which a pressure that is given is right in slip."""
+    """Return first spaces under a pressure that is given, with the degrees that this has in slip.
+
+    Parameters are those of `first_spaces`. Without tangential compliance there is one stick disk.
+    """
+    if beta == 0.0 and radii:
+        return [_rooted_disk(alpha, radii[0], tolerance)] * 3
+    spaces = first_spaces(alpha, beta, radii, states, tolerance)
     accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < _ROUGHLY else tolerance
     degree = slip_degree(accuracy)
     return [
@@ -147,6 +153,14 @@ def with_known_slip(
         else one
         for k, one in enumerate(spaces)
     ]
+
+
+def _rooted_disk(alpha: float, rim: Radius, tolerance: float) -> Resolution:
+    """Return the space of a disk without compliance, whose traction has a root at its rim."""
+    # it is singular down to the width of the slip annulus
+    begin = max(0.0, -log(min(1.0, rim.rest / rim.square)))
+    bend = 1.0 - log(min(max(alpha, rim.rest) / rim.square, 1.0))
+    return _space(begin, [(begin, _TURN), (bend, _TURN)], tolerance, 0.0, _AROUND)
 
 
 def _to_a_boundary(
@@ -190,11 +204,16 @@ def _space(
     power: float = 0.0,
     spare: int = 0,
 ) -> Resolution:
-    """Return a space whose solution settles like ``exp(-rate x)`` past `begin`."""
+    """Return a space whose solution settles like ``exp(-rate x)`` past `begin`.
+
+    With a rate of 0 it ends in a tail of half-integer powers, which fall too slowly to taper the
+    few panels above.
+    """
     # like scenes share their spaces
     begin = ceil(2.0 * begin) / 2.0
     digits = -log(tolerance)
-    panels = 2 * ceil((begin + (digits + 2.0) / rate) / PANEL_WIDTH / 2.0)
+    depth = begin + ((digits + 2.0) / rate if rate else ROOT_DEPTH)
+    panels = 2 * ceil(depth / PANEL_WIDTH / 2.0)
     x = PANEL_WIDTH * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - begin) / (digits + 2.0), 0.0, 1.0)
     more = np.zeros(panels)
@@ -205,4 +224,5 @@ def _space(
     degrees = np.ceil(1.0 + spare + digits * (_ALL * missing + more)).astype(int)
     degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
-    return Resolution(LogPanels(panels, PANEL_WIDTH, capacity, power), tuple(degrees.tolist()))
+    mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail=rate == 0.0)
+    return Resolution(mesh, tuple(degrees.tolist()))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.coupled_stick import solve_coupled_stick
+from spectral_contact.contact.full_stick import solve_full_stick
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.solution import (
@@ -94,10 +94,8 @@ class CoupledRun(Run):
         integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
         stick: FullStick = self.record(
             FULL_STICK,
-            solve_coupled_stick(
-                scene.normal_compliance,
-                scene.tangential_compliance,
-                scene.kappa,
+            solve_full_stick(
+                self.parameters._replace(friction=math.inf),
                 self.rtol if scene.friction == math.inf else min(self.rtol, _DECIDES),
                 self.max_unknowns,
                 pointwise=not integrals,

@@ -28,6 +28,7 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import Shared, extrapolated
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -147,13 +148,13 @@ class ProfileRun(Run):
         begin, scene = perf_counter(), self.scene
         assert self._driving is not None
         radius, kappa = self.values["contact_radius"], scene.kappa
-        goal = "traction" if "traction" in self.plan.quantities else "shear"
+        compliances = self._driving.compliance, scene.tangential_compliance / radius
         solved = solve_full_stick(
-            Drive(self._driving),
-            scene.tangential_compliance / radius,
+            Parameters(*compliances, 1.0, math.inf),
             self.rtol,
             self.max_unknowns,
-            goal=goal,
+            drive=Drive(self._driving),
+            pointwise="traction" in self.plan.quantities,
             ratios=False,
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)

@@ -258,25 +258,22 @@ class Run:
         from spectral_contact.contact.full_stick import solve_full_stick
 
         begin = perf_counter()
-        asked = set(self.plan.quantities)
-        pointwise = asked & {"traction", "slip", "edge_ratio", "critical_friction", "zones"}
-        goal = "traction" if pointwise or "stick_radius" in asked else "shear"
-        if self.scene.friction == math.inf and not asked & {
-            "traction",
-            "edge_ratio",
-            "critical_friction",
-        }:
-            goal = "shear"
+        asked, held = set(self.plan.quantities), self.scene.friction == math.inf
+        fields = {"traction", "edge_ratio", "critical_friction"}
+        pointwise = bool(asked & (fields if held else fields | {"slip", "zones", "stick_radius"}))
         # finite friction has to be compared with the critical one
-        ratios = self.scene.friction != math.inf or bool(
-            asked & {"edge_ratio", "critical_friction"}
-        )
-        compliance = self.scene.tangential_compliance
+        ratios = not held or bool(asked & {"edge_ratio", "critical_friction"})
+        parameters = self.parameters._replace(friction=math.inf)
         solved = self.shared.get(
             FULL_STICK,
-            (*self.normal_key, compliance, goal, ratios),
+            (*self.normal_key, parameters.beta, pointwise, ratios),
             lambda: solve_full_stick(
-                drive, compliance, self.rtol, self.max_unknowns, goal=goal, ratios=ratios
+                parameters,
+                self.rtol,
+                self.max_unknowns,
+                drive=drive,
+                pointwise=pointwise,
+                ratios=ratios,
             ),
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from spectral_contact.fields.series import Radius
 from spectral_contact.solution import PARTIAL_SLIP
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import ZonePath, place_of
@@ -43,25 +44,26 @@ class UncoupledRun(Run):
         or the tolerance is not met, or the traction is not positive: then alone the law holds
         between two frictions at which it does (docs/internals).
         """
-        from spectral_contact.contact.given_radius import solve_given_radius
-        from spectral_contact.contact.slip_outcome import one_disk_outcome
+        from spectral_contact.contact.slip_outcome import zones_outcome
+        from spectral_contact.contact.stick_disk import solve_given_radius
         from spectral_contact.contact.stick_radius import NoStickDiskError
 
         contact = self._normal({step.name: step.state for step in self.plan.steps})
-        drive, beta = self.drive(contact), self.scene.tangential_compliance
+        drive, radius = self.drive(contact), Radius.from_logit(logit)
+        form = drive, self.parameters, radius, self.rtol, self.max_unknowns
         try:
-            disk = solve_given_radius(drive, beta, logit, self.rtol, self.max_unknowns).best.value
+            solved, friction = solve_given_radius(*form)
         except NoStickDiskError:
             return None
-        outcome = one_disk_outcome(drive, disk, beta, disk.friction, self.rtol)
-        assert disk.traction.series is not None
-        positive = bool((disk.traction.series.at_ends() >= 0.0).all())
+        disk = solved.best.value
+        outcome = zones_outcome(disk, self.parameters._replace(friction=friction), drive)
+        [traction, *_] = disk.shears
+        assert traction is not None
+        positive = bool((traction.at_ends() >= 0.0).all())
         if not (outcome.settled and positive) or disk.shear_error > self.rtol:
             return None
-        kappa = self.scene.kappa
-        return FrictionOf(
-            kappa * disk.friction, disk.shift, kappa * disk.total_shear, disk.shear_error
-        )
+        kappa, shift = self.scene.kappa, float(disk.shifts[0])
+        return FrictionOf(kappa * friction, shift, kappa * disk.total_shear, disk.shear_error)
 
     def slipping(self, drive: Drive, stick: FullStick) -> None:
         """Find the zones."""

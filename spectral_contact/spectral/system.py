@@ -17,11 +17,13 @@ cancels. An error of ``W(b)`` is like one of delta.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import CENTRE, EDGE, Radius
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import Block, block, kept_disk_gram
 from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.cache import BoundedCache
@@ -41,8 +43,9 @@ _STUCK: BoundedCache[tuple[LogPanels, LogPanels, Degrees], Array] = BoundedCache
 )
 
 
-#: Degrees that ``p / s`` has more than p.
-_SPARE = 4
+#: Degrees that ``p / s`` has more than p, and panels of the displacement more than those of the
+#: pressure: the far end of an annulus is a singularity ln 2 before the first panel.
+_SPARE, _FINER = 4, 8
 
 
 def finer(degrees: Degrees, panels: LogPanels) -> Degrees:
@@ -215,8 +218,20 @@ class System(Tangential):
         falls = self._beyond[i][:, None] / self.parts[i].family.boundary.value * j.at(p)
         return np.asarray((2.0 * self.parameters.kappa / t) * (j.more(p) - falls))
 
-    def slip_misfit(self, values: Array, target: Family) -> Array:
-        """Return E at the sampling points of a half of a slip zone, of vectors as columns."""
+    def slip_zone(self, zone: int) -> Annulus:
+        """Return the panels of the displacement in a slip zone: those of p, finer."""
+        first, second = (
+            replace(one.family.panels, power=0.0, degree=one.family.panels.degree + _FINER)
+            for one in self.parts[2 * zone - 1 : 2 * zone + 1]
+        )
+        bounds = CENTRE, *self.radii, EDGE
+        return Annulus(*bounds[zone : zone + 2], first, second)
+
+    def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
+        """Return E at the sampling points of a slip zone, of vectors as columns."""
+        return [self._misfit_at(values, target) for target in annulus.families]
+
+    def _misfit_at(self, values: Array, target: Family) -> Array:
         pressure, traction = [values[own] for own in self.pressure], self.traction(values)
         inner = np.zeros((len(target.sampling().offset), values.shape[1]))
         total = np.zeros_like(inner)

@@ -25,6 +25,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
+from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import kept_disk_gram
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
@@ -321,8 +322,12 @@ class Tangential(ABC):
         return missed
 
     @abstractmethod
-    def slip_misfit(self, values: Array, target: Family) -> Array:
-        """Return E at the sampling points of a half of a slip zone, of vectors as columns."""
+    def slip_zone(self, zone: int) -> Annulus:
+        """Return the panels of the displacement in a slip zone."""
+
+    @abstractmethod
+    def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
+        """Return E at the sampling points of a slip zone, of vectors as columns."""
 
     def _tested(self, misfit: Misfit) -> Array:
         """Return the sums over the nodes of a misfit times the half-integrals of all functions."""

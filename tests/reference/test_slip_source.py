@@ -1,21 +1,27 @@
-"""What slip does to a stick disk, against mpmath quadrature of the pressure's endpoint weight."""
+"""What slip does to what is inside of it, against mpmath quadrature of an endpoint weight."""
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-from spectral_contact.contact.rim import SlipSource
-from spectral_contact.fields.series import EdgeWeight, PressureField, Radius
+from spectral_contact.contact.slip_source import SlipSource
+from spectral_contact.fields.series import EDGE, EdgeWeight, PressureField, Radius
+from spectral_contact.spectral.graded import graded_nodes
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Points, gap
+
+PANELS = LogPanels(18, 2.0, 6)
+NODES = graded_nodes(PANELS, (6,) * 18)
 
 
-def integral(radius, alpha, kernel):
-    """Return ``int_c^1 kernel(s^2 - c^2) / sqrt(1 - s^2 + alpha) ds``."""
-    square, rest = mp.mpf(radius.square), mp.mpf(radius.rest)
+def integral(inner, outer, alpha, kernel):
+    """Return ``int kernel(s^2 - inner^2) / sqrt(1 - s^2 + alpha) ds`` from inner to outer."""
+    square, width = mp.mpf(inner.square), mp.mpf(gap(inner, outer))
 
     def integrand(angle):
-        inside, outside = rest * mp.sin(angle) ** 2, rest * mp.cos(angle) ** 2
-        ds = rest * mp.sin(angle) * mp.cos(angle) / mp.sqrt(square + inside)
-        return ds * kernel(inside) / mp.sqrt(outside + mp.mpf(alpha))
+        inside, outside = width * mp.sin(angle) ** 2, width * mp.cos(angle) ** 2
+        ds = width * mp.sin(angle) * mp.cos(angle) / mp.sqrt(square + inside)
+        return ds * kernel(inside) / mp.sqrt(outside + mp.mpf(outer.rest) + mp.mpf(alpha))
 
     near = [mp.mpf(10) ** -k for k in range(22)]
     return mp.quad(
@@ -24,24 +30,43 @@ def integral(radius, alpha, kernel):
 
 
 @pytest.mark.parametrize(
-    ("logit", "alpha"), [(0.0, 0.0), (0.8, 1e-6), (-18.0, 1e-2), (20.0, 1e-14)]
+    ("logit", "end", "alpha"),
+    [
+        (0.0, None, 0.0),
+        (0.8, None, 1e-6),
+        (-18.0, None, 1e-2),
+        (20.0, None, 1e-14),
+        (0.8, 9.0, 1e-6),
+        (0.8, 0.8001, 0.3),
+    ],
 )
-def test_half_integrals_of_the_endpoint_weight(logit, alpha):
-    radius = Radius.from_logit(logit)
+def test_half_integrals_of_the_endpoint_weight(logit, end, alpha):
+    inner, outer = Radius.from_logit(logit), EDGE if end is None else Radius.from_logit(end)
     weight = PressureField(EdgeWeight(1.0, alpha), None)
-    source = SlipSource([weight], radius, alpha, 1e-14, 1e-16 * radius.square)
+    source = SlipSource([weight], inner, outer, alpha, 1e-14, NODES, inner.square)
+    alone = SlipSource([weight], inner, outer, alpha, 1e-14)
+    below = inner.square * NODES.samples
+    falls = source.fall(inner, below)[:, 0]
+    farther = Radius.from_logit(logit - 1.0)
+    apart = gap(farther, inner)
     with mp.workdps(25):
-        wanted = integral(radius, alpha, lambda above: 1 / mp.sqrt(above))
-        assert source.at_rim[0] == pytest.approx(float(wanted), rel=1e-14)
-        for share in (1e-3, 1e-16):
-            below = radius.square * share
-            inside = np.array([below])
-            wanted = integral(radius, alpha, lambda above, b=below: 1 / mp.sqrt(above + b))
-            assert source.half_integral(inside)[0, 0] == pytest.approx(float(wanted), rel=1e-14)
+        at_rim = float(integral(inner, outer, alpha, lambda above: 1 / mp.sqrt(above)))
+        assert source.at(inner)[0] == pytest.approx(at_rim, rel=1e-14)
+        assert alone.at(inner)[0] == pytest.approx(at_rim, rel=1e-14)
+        wanted = integral(inner, outer, alpha, lambda above: 1 / mp.sqrt(above + apart))
+        assert source.at(farther)[0] == pytest.approx(float(wanted), rel=1e-14)
+        for i in (3, len(below) // 2, len(below) - 1):
+            b = mp.mpf(below[i])
+            wanted = integral(inner, outer, alpha, lambda above, b=b: 1 / mp.sqrt(above + b))
+            points = Points(inner, -below[i : i + 1])
+            assert source.half_integral(points)[0, 0] == pytest.approx(float(wanted), rel=1e-14)
 
-            def fall(above, b=below):
+            def fall(above, b=b):
                 root, longer = mp.sqrt(above), mp.sqrt(above + b)
                 return b / (root * longer * (root + longer))
 
-            wanted = integral(radius, alpha, fall)
-            assert source.fall(inside)[0, 0] == pytest.approx(float(wanted), rel=1e-14)
+            wanted = integral(inner, outer, alpha, fall)
+            assert falls[i] == pytest.approx(float(wanted), rel=2e-14)
+            wanted = integral(inner, outer, alpha, lambda above, b=b: fall(above + apart, b))
+            found = source.fall(farther, np.array([below[i]]))[0, 0]
+            assert found == pytest.approx(float(wanted), rel=2e-14)

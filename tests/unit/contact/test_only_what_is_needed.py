@@ -12,25 +12,25 @@ import pytest
 
 from spectral_contact import Scene, cache_sizes, clear_caches, contact, solve
 from spectral_contact.contact import ratio
-from spectral_contact.spectral import spaces
+from spectral_contact.spectral import spaces, tangential
 
 #: Every module of the contact, and those that each kind of scene may load: a module that is new
 #: is needed by nothing until it is listed, and a name that is gone is missed.
 CONTACT = {module.name for module in pkgutil.iter_modules(contact.__path__)}
 NORMAL = {"normal", "refine", "resolution"}
-FULL_STICK = NORMAL | {"drive", "full_stick", "ratio"}
-ONE_DISK = FULL_STICK | {
-    "friction_law",
+ZONES = {
     "layout",
-    "one_disk",
-    "rim",
     "slip_displacement",
-    "slip_outcome",
-    "stick_radius",
-    "zone_search",
+    "zone_assessment",
+    "zone_newton",
+    "zone_problem",
+    "zone_spaces",
 }
+DRIVEN = {"drive", "driven", "slip_source", "stick_disk", "stick_radius"}
+FULL_STICK = NORMAL | ZONES | DRIVEN | {"full_stick", "ratio"}
+SLIP = FULL_STICK | {"friction_law", "slip_outcome", "zone_fields", "zone_search"}
 PROFILE = NORMAL | {"contact_radius", "indented", "on_parts", "smooth_indented"}
-ONSET = FULL_STICK | {"layout", "onset"}
+ONSET = FULL_STICK | {"onset"}
 LAYERED = PROFILE | {
     "layered",
     "layered_contact",
@@ -39,20 +39,6 @@ LAYERED = PROFILE | {
     "layered_spaces",
 }
 RINGS = {"active_set"}
-ZONES = {"driven", "zone_assessment", "zone_newton", "zone_problem", "zone_spaces"}
-ANY_ZONES = ONE_DISK | ZONES | {"zone_fields"}
-COUPLED_STICK = (
-    NORMAL
-    | ZONES
-    | {
-        "coupled_stick",
-        "drive",
-        "layout",
-        "ratio",
-        "slip_displacement",
-        "stick_radius",
-    }
-)
 ALPHAS = (0.0, 1e-8, 0.5, 1e4)
 
 
@@ -97,13 +83,14 @@ def imported_by(scene, rtol=1e-6, quantities=None):
 def assembled(monkeypatch):
     """Names of the operators assembled, in order, from empty caches on."""
     names = []
-    original = spaces.Space.__init__
+    each = ("normal", spaces.Space), ("tangential", tangential.Tangential)
+    for name, kind in each:
 
-    def spy(space, parts, used, *, shear=False):
-        names.append("tangential" if shear else "normal")
-        original(space, parts, used, shear=shear)
+        def spy(one, *form, name=name, original=kind.__init__, **more):
+            names.append(name)
+            original(one, *form, **more)
 
-    monkeypatch.setattr(spaces.Space, "__init__", spy)
+        monkeypatch.setattr(kind, "__init__", spy)
     clear_caches()
     yield names
     clear_caches()
@@ -150,12 +137,9 @@ def test_above_critical_friction_imports_nothing_of_slip(friction):
     assert imported_by(f"Scene(0.1, 0.5, 0.5, {friction})") == FULL_STICK
 
 
-def test_one_stick_disk_imports_no_general_zones():
-    assert imported_by("Scene(0.1, 0.5, 0.2, 0.1)") == ONE_DISK
-
-
-def test_slip_inside_imports_nothing_coupled_and_no_rings_where_one_disk_tells_its_zones():
-    assert imported_by("Scene(0.3, 0.05, 1.0, 0.0328)", 1e-2) == ANY_ZONES
+def test_slip_imports_nothing_coupled_and_no_rings_where_one_disk_tells_the_zones():
+    assert imported_by("Scene(0.1, 0.5, 0.2, 0.1)") == SLIP
+    assert imported_by("Scene(0.3, 0.05, 1.0, 0.0328)", 1e-2) == SLIP
 
 
 def test_at_the_critical_friction_slip_is_looked_for_and_not_solved():
@@ -177,10 +161,9 @@ def test_a_nonlinear_layer_imports_what_solves_it():
 def test_every_module_is_loaded_by_something():
     """Else what is not loaded proves nothing."""
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
-    # the friction that a radius has is for lines of sweeps, slopes are for fits and sensitivities
-    others = {"given_radius", "zone_derivatives"}
+    # slopes are for fits and sensitivities
     assert coupled > RINGS
-    assert coupled | ANY_ZONES | LAYERED | others == CONTACT
+    assert coupled | SLIP | LAYERED | {"zone_derivatives"} == CONTACT
 
 
 @pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])
@@ -219,9 +202,10 @@ def test_nothing_is_solved_for_what_follows_by_definition(assembled):
 
 def test_operators_are_reused_for_other_scenes(assembled):
     solve(Scene(0.1, 0.5, 0.5, math.inf), 1e-10)
-    cold = len(assembled)
+    cold, kept = assembled.count("normal"), cache_sizes()
     solve(Scene(0.3, 0.5, 0.5, math.inf), 1e-10)
-    assert len(assembled) == cold
+    assert assembled.count("normal") == cold
+    assert cache_sizes() == kept
 
 
 @pytest.mark.parametrize("alpha", [1e-6, 0.5])
@@ -302,7 +286,7 @@ def test_hardly_any_compliance_changes_no_digit_beyond_the_error(scene):
 
 
 def test_coupling_alone_imports_what_couples():
-    assert imported_by("Scene(0.1, 0.5, 0.5, inf, coupling=True)") == COUPLED_STICK
+    assert imported_by("Scene(0.1, 0.5, 0.5, inf, coupling=True)") == FULL_STICK
     assert imported_by("Scene(0.5, 0.5, 0.5, inf, coupling=True)") == NORMAL
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import one_disk, zone_newton, zone_problem, zone_search
+from spectral_contact.contact import stick_disk, zone_newton, zone_problem, zone_search
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -81,13 +81,13 @@ def test_everything_that_can_be_asked():
 
 def test_neighbours_find_the_disk_in_few_trials(monkeypatch):
     trials = []
-    original = one_disk.OneDiskProblem._trial
+    original = stick_disk.StickDiskProblem.at
 
-    def counted(self, *arguments):
+    def counted(self, *arguments, **more):
         trials.append(1)
-        return original(self, *arguments)
+        return original(self, *arguments, **more)
 
-    monkeypatch.setattr(one_disk.OneDiskProblem, "_trial", counted)
+    monkeypatch.setattr(stick_disk.StickDiskProblem, "at", counted)
     scenes = [Scene(0.3, 0.5, 0.5, f) for f in np.linspace(0.02, 0.09, 15)]
     counts = []
     continuation = Continuation(1e-8, ("stick_radius",), 20_000)
@@ -119,7 +119,7 @@ def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monk
         zone_search.DrivenSearch._guesses,
     )
     monkeypatch.setattr(
-        zone_problem.FreeBoundaryProblem, "system", lambda *a: systems.append(1) or solve_system(*a)
+        zone_problem.FreeBoundaryProblem, "system", lambda *a, **k: systems.append(1) or solve_system(*a, **k)
     )
     monkeypatch.setattr(
         zone_search.DrivenSearch, "_guesses", lambda *a: searches.append(1) or search(*a)

@@ -325,7 +325,7 @@ def test_a_soft_layer_has_one_stick_radius_at_any_tolerance():
 def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch, doubtful):
     monkeypatch.setattr(slip_outcome, "_DOUBTFUL", doubtful)
     # `solve` would try once more, more tightly
-    scene = Scene(0.3, 0.5, 0.5, friction=0.10101831)
+    scene = Scene(0.3, 0.5, 0.5, friction=0.1010183145)
     solution = Continuation(3e-5, QUANTITIES, 20_000).solve(scene)
     assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
     assert solution.error.zones == math.inf
@@ -423,7 +423,7 @@ def test_critical_friction_is_honest_where_it_is_at_the_end_of_a_panel():
 def test_what_continuity_cancels_is_not_taken_for_an_error(rtol):
     """At a fixed rim value the coarser space adds a singular response that the radius takes up."""
     scene = Scene(0.3, 1e-12, 1e-12, 1.0 / 7.0)
-    solution, truth = solve(scene, rtol), solve(scene, 1e-12)
+    solution, truth = solve(scene, rtol), solve(scene, 1e-11)
     s = np.linspace(0.1, 1.0, 10) * truth.stick_radius
     assert solution.converged
     error = np.abs(solution.traction(s) / truth.traction(s) - 1.0).max()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SceneError, solve
-from spectral_contact.contact.given_radius import radius_slopes
+from spectral_contact.contact.zone_derivatives import radius_slopes
 from spectral_contact.fields.series import Radius
 from spectral_contact.studies.derivatives import PARAMETERS
 

@@ -8,7 +8,9 @@ import pytest
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.given_radius import solve_given_radius
+from spectral_contact.contact.stick_disk import solve_given_radius
+from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import sweep
@@ -125,8 +127,9 @@ def test_lines_are_of_one_material_and_have_slip():
 @pytest.mark.parametrize("logit", [-20.0, -2.0, 3.0, 20.0])
 def test_the_friction_of_a_radius_on_a_smooth_surface(logit):
     drive = Drive(solve_normal(0.0, 1e-12, 1000, goal="drive"))
-    disk = solve_given_radius(drive, 0.0, logit, 1e-10, 1000).best.value
+    form = Parameters(0.0, 0.0, 1.0, 1.0), Radius.from_logit(logit)
+    solved, friction = solve_given_radius(drive, *form, 1e-10, 1000)
     with mpmath.workdps(40):
         c = mpmath.sqrt(1 / (1 + mpmath.exp(-logit)))
         true = 2 * mpmath.atanh(c) / c / mpmath.ellipk(1 - c**2)
-    assert abs(disk.friction / float(true) - 1.0) <= disk.shift < 1e-11
+    assert abs(friction / float(true) - 1.0) <= solved.best.value.shifts[0] < 1e-11

@@ -1,7 +1,6 @@
-"""What every solution with a central stick disk needs: its target.
+"""What slip zones under a known pressure add to half-integrals inside of them.
 
-Near the rim the target is small against its parts, so it is built from differences that do not
-cancel.
+Near a rim these are small against their parts, so it is built from differences that do not cancel.
 """
 
 from __future__ import annotations
@@ -13,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import TRIFLING
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import Points, gap
 
 _RULES: BoundedCache[tuple[int, int], RimRule] = BoundedCache("slip rules", 64)
 _GRIDS: BoundedCache[tuple[LogPanels, int, int], _Grid] = BoundedCache("slip at a rim", 24)
@@ -28,96 +27,103 @@ _WIDTH = 3.0
 
 
 class SlipSource:
-    """Quadrature of pressures over an annulus, for half-integrals at its inner end and inside.
+    """Quadrature of pressures over a slip zone, for half-integrals inside of it.
 
     Parameters
     ----------
     pressures : sequence of PressureField
         ``p*``, or changes of it: k functions, which are the columns of all results.
-    inner : Radius
-        Where the annulus begins; it ends at the edge.
+    inner, outer : Radius
+        Where the zone begins and ends.
     alpha : float
         ``alpha*``, the width of the layer at the edge.
     tolerance : float
         Relative accuracy of the integrals.
-    nearest : float
-        The least ``inner**2 - t**2`` > 0 for which they are asked.
     nodes : GradedNodes, optional
-        Of the stick disk inside: what is near the rim is then summed with a
-        matrix that is kept.
+        Of the part that ends at the inner end: what is near there is summed with a matrix that is
+        kept. Without them the zone is seen from the inner end alone.
+    reach : float
+        Extent in ``s**2`` of this part.
     """
 
     def __init__(
         self,
         pressures: Sequence[PressureField],
         inner: Radius,
+        outer: Radius,
         alpha: float,
         tolerance: float,
-        nearest: float,
         nodes: GradedNodes | None = None,
+        reach: float = 1.0,
     ) -> None:
-        width = inner.rest
+        self._inner, self._reach = inner, reach
+        width = gap(inner, outer)
         half = width / 2.0
         # by Gauss, as integrands are analytic in ``ln`` up to an imaginary part of pi
         points = 2 + ceil(-log(tolerance) / (2.0 * asinh(2.0 * pi / _WIDTH)))
         least = TRIFLING * tolerance
         self._kernel: Array | None = None
-        self._scale = inner.value
-        grid = None
+        finest, grid = min(1.0, inner.square / half), None
         if nodes is not None:
             d = nodes.samples
             # on the same panels as many samples are the same
             grid = _GRIDS.get((nodes.panels, len(d), points), lambda: _Grid(d, points))
-        if grid is not None and grid.reach < half / inner.square:
-            near, near_weights, self._kernel = grid.from_rim(half / inner.square)
-            offset, near_weights = inner.square * near, inner.square * near_weights
+            finest = min(reach * float(d[-1]), reach, half) / half
+        if grid is not None and grid.reach < half / reach:
+            near, near_weights, self._kernel = grid.from_rim(half / reach)
+            offset, near_weights = reach * near, reach * near_weights
         else:
-            near, near_weights, _ = _graded(min(nearest, inner.square, half) / half, points)
+            near, near_weights, _ = _graded(finest, points)
             offset, near_weights = half * near, half * near_weights
-        # a pressure that is singular at the edge is a square root there
-        finest = min(1.0, alpha / half) * least if alpha else least**2
+        if outer.from_edge > 0.0:
+            finest = min(1.0, outer.rest / half)
+        else:  # a pressure that is singular at the edge is a square root there
+            finest = min(1.0, alpha / half) * least if alpha else least**2
         far, far_weights, gather = _graded(finest, points)
         depth = half * far
-        y = np.concatenate([inner.rest - offset, depth])
-        z = np.concatenate([inner.square + offset, 1.0 - depth])
+        y = np.concatenate([inner.rest - offset, outer.rest + depth])
+        z = np.concatenate([inner.square + offset, outer.square - depth])
         densities = PressureField.several(pressures, y)
         # with s ds = dz/2
         densities *= np.concatenate([near_weights, half * far_weights]) / (2.0 * np.sqrt(z))
         # seen from inside, what varies over the outer half is a polynomial: a few points do
         from_inner, from_outer = densities[:, : len(near)].T, gather @ densities[:, len(near) :].T
         #: distance of the points from the inner end in s**2
-        self.above = np.concatenate([offset, width - half * (1.0 + FAR_NODES) / 2.0])
-        self._root = np.sqrt(self.above)
+        self._above = np.concatenate([offset, width - half * (1.0 + FAR_NODES) / 2.0])
         #: weights of ``p ds``
-        self.values = np.concatenate([from_inner, from_outer])
+        self._values = np.concatenate([from_inner, from_outer])
 
-    @property
-    def at_rim(self) -> Array:
-        """``int p ds / sqrt(s^2 - inner^2)``, shape (k,)."""
-        return np.asarray((1.0 / self._root) @ self.values)
+    def half_integral(self, points: Points) -> Array:
+        """Return ``int p ds / sqrt(s^2 - t^2)`` at points inside, (n, k)."""
+        return root_sums(points.before(self._inner), self._above, self._values)
 
-    def half_integral(self, below: Array) -> Array:
-        """Return ``int p ds / sqrt(s^2 - t^2)`` where ``rim**2 - t**2 = below``, (n, k)."""
-        return root_sums(below, self.above, self.values)
+    def at(self, boundary: Radius) -> Array:
+        """Return the half-integral at a boundary inside, or at the inner end, (k,)."""
+        return np.asarray((1.0 / np.sqrt(self._apart(boundary))) @ self._values)
 
-    def fall(self, below: Array) -> Array:
-        """Return by how much the half-integral at ``rim**2 - below`` is less than at the rim.
+    def fall(self, boundary: Radius, below: Array) -> Array:
+        """Return by how much it is less at ``boundary**2 - below`` than at a boundary, (n, k).
 
-        With samples these are as many of them as there are places, the nearest ones.
+        Next to the inner end these are the last samples of the nodes.
         """
-        weights = self.values / self._root[:, None]
-        if self._kernel is None:
-            return np.asarray(below[:, None] * root_sums(below, self.above, weights, self._root))
+        above = self._apart(boundary)
+        root, kept = np.sqrt(above), self._kernel
+        if boundary != self._inner or kept is None:
+            return below[:, None] * root_sums(below, above, self._values / root[:, None], root)
         # those of the kernel stand between the others
-        start, stop = len(self.above) - len(FAR_NODES) - self._kernel.shape[1], -len(FAR_NODES)
-        above, root, weights = (
-            np.concatenate([one[:start], one[stop:]]) for one in (self.above, self._root, weights)
-        )
-        sums = below[:, None] * root_sums(below, above, weights, root)
-        sums += self._kernel[len(self._kernel) - len(below) :] @ (
-            self.values[start:stop] / self._scale
-        )
-        return sums
+        stop = -len(FAR_NODES)
+        inside = slice(len(above) + stop - kept.shape[1], stop)
+        own = np.delete(np.arange(len(above)), np.arange(len(above))[inside])
+        values, root = self._values[own], root[own]
+        sums = below[:, None] * root_sums(below, above[own], values / root[:, None], root)
+        rows = kept[len(kept) - len(below) :]
+        return np.asarray(sums + rows @ (self._values[inside] / np.sqrt(self._reach)))
+
+    def _apart(self, boundary: Radius) -> Array:
+        """Return the distances of the points from a boundary in ``s**2``."""
+        if boundary == self._inner:
+            return self._above
+        return np.asarray(self._above + gap(boundary, self._inner))
 
 
 class _Grid:
@@ -199,52 +205,6 @@ def _on_panels(starts: Array, widths: Array, points: int) -> tuple[Array, Array]
     g, w = gauss_rule(points)
     nodes = np.exp(-starts[:, None] - widths[:, None] * (1.0 + g) / 2.0)
     return nodes.ravel(), (nodes * (w * widths[:, None] / 2.0)).ravel()
-
-
-def rim_target(
-    drives: Sequence[Drive],
-    radius: Radius,
-    friction: float | Array,
-    source: SlipSource,
-    d: Array,
-    *,
-    keep: bool,
-) -> tuple[Array, Array]:
-    """Return the target of a stick disk at its rim, and at the samples of the disk.
-
-    Parameters
-    ----------
-    drives : sequence of Drive
-        One, or several that are solved for together: k columns.
-    radius : Radius
-        The rim.
-    friction : float or ndarray
-        ``f / kappa``, one for all columns or one for each.
-    source : SlipSource
-        The slip zone outside, under the pressures of the drives.
-    d : ndarray
-        Distances of the samples of the disk, falling.
-    keep : bool
-        Whether the target includes the balance. It does not where the target must vanish at
-        the rim, at zero compliance.
-
-    Returns
-    -------
-    balance : ndarray, shape (k,)
-        ``R(c) - (f/kappa) P(c)``.
-    values : ndarray, shape (samples, k)
-        The targets. Near the rim they are built from differences that do not cancel; beyond, from
-        the parts, whose noise falls with their size.
-    """
-    demanded = Drive.targets_from(drives, radius, -radius.square, d)
-    at_rim, far, near = (one.T for one in demanded)
-    balance = at_rim - friction * source.at_rim
-    at_start, at_end = (balance, 0.0) if keep else (0.0, balance)
-    values, below = np.vstack([far - at_end, near + at_start]), radius.square * d
-    split = len(far)
-    values[:split] -= friction * source.half_integral(below[:split])
-    values[split:] += friction * source.fall(below[split:])
-    return balance, values
 
 
 class RimRule(NamedTuple):
