@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from spectral_contact.contact.drive import Drive, Targets
 from spectral_contact.contact.resolution import ROUGH, ROUNDING
@@ -173,9 +172,9 @@ class Driven(Tangential):
         """Return the coefficients of q/s of vectors on the parts that stick."""
         return {k: values[own] for k, own in self.shear.items()}
 
-    def matrix(self, kind: DTypeLike = np.float64) -> Array:
+    def matrix(self) -> Array:
         """Return the matrix of `residual`, but for roundings: the pressure is given."""
-        matrix = np.zeros((self.unknowns, self.unknowns), kind)
+        matrix = np.zeros((self.unknowns, self.unknowns))
         self._add_tangential(matrix)
         matrix = self._with_masses(matrix)
         matrix[: self.count] = np.eye(self.count, self.unknowns)

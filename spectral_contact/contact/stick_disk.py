@@ -93,7 +93,7 @@ class StickDiskProblem(FreeBoundaryProblem):
         # the normal equations lose digits where compliance is small
         radius = system.radii[0].value if system.radii else 1.0
         stiff = self.parameters.beta < HARMLESS * radius
-        for _ in range(2 if stiff and not rough else 1):
+        for _ in range((factors is not None) + (stiff and not rough)):
             state, _ = state.corrected()
         return state
 

@@ -61,18 +61,14 @@ class ZoneState:
 
     @classmethod
     def begin(cls, factored: Factored, system: Tangential | None = None) -> ZoneState:
-        """Return a first solution: that of a symmetric matrix, or nothing, to be corrected.
+        """Return a first solution, to be corrected.
 
         Of the system that is factored, or of one with the same matrix.
         """
-        system = system or factored.system
-        solution, balanced = np.zeros(system.unknowns), np.zeros(len(system.radii))
-        if system.given:
-            solution[0] = 1.0
-        elif system.symmetric:
-            solution[: system.count] = system.load
-            solution = factored.step(solution)
-        return cls(system, factored, solution, balanced)
+        own = system or factored.system
+        begin = cls(own, factored, factored.begin, np.zeros(len(own.radii)))
+        imbalance, solution = begin._continuous(begin.solution)
+        return replace(begin, solution=solution, imbalance=imbalance)
 
     def _continuous(self, values: Array) -> tuple[Array, Array]:
         """Return the imbalances that take the jumps out of a vector, and what they make of it."""
@@ -142,9 +138,9 @@ class ZoneState:
 #: From which share of the last step on, or of the fields, it is the factor or rounding that is not
 #: good enough: 0.05 and 0.6 change no digit of 53 scenes. And most corrections.
 _SLOW, _STEPS = 0.2, 40
-#: Corrections from nothing, which do not tell how good the factors are; and what those of other
-#: boundaries leave, over their distance: with 0.3 and 20 no error of 53 scenes is above estimates.
-_FIRST, _DRIFT = 2, 3.0
+#: First corrections, which do not tell how good the factors are; and what those of other boundaries
+#: leave, over their distance: with 0.3 and 20 no error of 53 scenes is above estimates.
+_FIRST, _DRIFT = 1, 3.0
 #: What of a step of the boundaries the fields may be off by for its slopes, for the step itself it
 #: is TRIFLING: a scene of a sweep takes 3.1 systems, 4.5 with 0.3 for the step and 0.03. And
 #: conditions that miss as little as the last say nothing of slopes: with 1e-14 one of 53 scenes has
@@ -187,7 +183,7 @@ class _Pace:
     size, before : float
         Of the last correction and the one before, as the largest share.
     alike : int
-        How many there were, but for those from nothing.
+        How many there were, but for the first.
     drift : float
         How far the boundaries of the factors are, of the narrowest zone.
     lossy : bool
@@ -268,7 +264,7 @@ class ZonesNewton:
         factors: Factored | None = None,
     ) -> None:
         self._problem, self._spaces, self._settle = problem, spaces, settle
-        self._factors = factors or problem.factored(problem.system(spaces, problem.logits))
+        self._factors = factors or factored(problem.system(spaces, problem.logits))
         self.state = ZoneState.begin(self._factors)
         self.left, self._begin, self._before, self._stalled = 0.0, problem.logits, inf, 0
         self._pace, self._move = _Pace(problem.thinnest), _NOTHING
@@ -292,13 +288,13 @@ class ZonesNewton:
             self._remember(aim)
             own, slow = self._factors.system is self.state.system, self._pace.slow
             # no other factors are better, or what is left is rounding
-            ended = (own and self._factors.exact) or (self._pace.size < _ROUNDED and still)
+            ended = own or (self._pace.size < _ROUNDED and still)
             if (slow and ended) or (self.left < aim and still):
                 break
             if not still and self._telling(off):
                 slow = self._moved(step, off)
             if slow:
-                self._factored(exact=self._factors.exact or (own and self._pace.alike > 0))
+                self._factored()
         if self._least < self._missed:  # what is left is rounding, or no boundaries are there
             self.state, self._problem.logits = self._best
         return self.state
@@ -365,11 +361,11 @@ class ZonesNewton:
         self._pace.alike = 0
         return problem.drift(self._begin) > problem.far
 
-    def _factored(self, *, exact: bool) -> None:
-        self._factors = factored(self.state.system, exact=exact)
+    def _factored(self) -> None:
+        self._factors = factored(self.state.system)
         self.state = replace(self.state, factored=self._factors)
         self._begin = self._problem.logits
-        self._pace.alike = -_FIRST if self._pace.lossy else 0
+        self._pace.alike = -1 - _FIRST if self._pace.lossy else 0
 
 
 def through_secants(slopes: Array, secants: list[tuple[Array, Array]]) -> Array:

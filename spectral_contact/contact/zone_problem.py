@@ -50,8 +50,6 @@ _CORRECTIONS = 10
 #: How far the boundaries of factors may be, of a zone, in thick layers and in thin ones: 25 scenes
 #: take 98 systems, 78 with 0.01 for the second, and 212 corrections, 227 with 0.3 for the first.
 _FAR, _FAR_THIN = 0.03, 1e-4
-#: Compliances from which on corrections with factors in single precision are not more.
-_SINGLE = 5e-7
 #: By how much tighter first spaces are tried, so often, where the estimate does not fall any more:
 #: what is added to a space here and there may not help, a better one does. And the least tolerance.
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
@@ -125,17 +123,17 @@ class FreeBoundaryProblem:
         """Return the contact with one given boundary in a small space."""
         at = np.array([logit])
         system = self.system(self.spaces(PROBE, at), at)
-        return self.settled(ZoneState.begin(self.factored(system)), ROUGH)
+        return self.settled(ZoneState.begin(factored(system)), ROUGH)
 
     def _sloped(self, aim: float = _SLOPING) -> tuple[list[Resolution], Factored]:
         """Find the slopes of the conditions in a small space; return it and its factors."""
         spaces = self.spaces(ROUGH)
-        factors = self.factored(self.system(spaces, self.logits))
+        factors = factored(self.system(spaces, self.logits))
         begin = self.settled(ZoneState.begin(factors), aim)
 
         def conditions(logits: Array) -> Array:
             system = self.system(spaces, logits)
-            own = factors if self.drift(logits) <= self.far else self.factored(system)
+            own = factors if self.drift(logits) <= self.far else factored(system)
             return self.settled(replace(begin, system=system, factored=own), aim).mismatch
 
         self.slopes = differences(conditions, self.logits)
@@ -187,12 +185,6 @@ class FreeBoundaryProblem:
         if self.drives:
             return Driven(*form, self.drives, self.tolerance, rough=rough)
         return System(*form)
-
-    def factored(self, system: Tangential) -> Factored:
-        """Return a system factored, in single precision where that serves."""
-        alpha, beta, _, _ = self.parameters
-        thick = alpha >= _SINGLE and (beta == 0.0 or beta >= _SINGLE)
-        return factored(system, exact=not thick)
 
     # solutions
 

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
@@ -252,9 +252,9 @@ class System(Tangential):
                 tested[self.pressure[k]] += sums
         return tested
 
-    def matrix(self, kind: DTypeLike = np.float64) -> Array:
+    def matrix(self) -> Array:
         """Return the matrix of both equations; it is that of `residual` but for roundings."""
-        return self._with_masses(self._assembled(kind) if self.radii else self._stuck_matrix())
+        return self._with_masses(self._assembled() if self.radii else self._stuck_matrix())
 
     def _stuck_matrix(self) -> Array:
         """Return the matrix of full stick without masses: only kappa is not its form's."""
@@ -263,7 +263,7 @@ class System(Tangential):
         def unit() -> Array:
             spaces = [Resolution(part.family.panels, part.degrees)]
             own = spaces, self.parameters._replace(kappa=1.0)
-            return System(self.radii, self.states, *own)._assembled(np.float64)
+            return System(self.radii, self.states, *own)._assembled()
 
         form = part.family.panels, part.shear.panels, part.degrees
         matrix = _STUCK.get(form, unit).copy()
@@ -271,16 +271,15 @@ class System(Tangential):
         matrix[both[1], both[0]] *= self.parameters.kappa
         return matrix
 
-    def _assembled(self, kind: DTypeLike) -> Array:
+    def _assembled(self) -> Array:
         """Return the matrix without masses."""
-        matrix = np.zeros((self.unknowns, self.unknowns), kind)
+        matrix = np.zeros((self.unknowns, self.unknowns))
         for i, part in enumerate(self.parts):
             f, kept = self._f[i], None
             if part.zone == 0 and self._plain[0]:
                 gram = kept_disk_gram(part.family.panels, part.degrees, shear=False)
                 kept = part.family.boundary.value * gram
-            weights = self._weights[i].astype(kind)
-            for k, j, product in f.products(f, weights, whole=True, own=kept):
+            for k, j, product in f.products(f, self._weights[i], whole=True, own=kept):
                 matrix[self.pressure[k], self.pressure[j]] += product
             if not self._plain[0]:
                 self._add_driving(matrix, i)
@@ -320,7 +319,7 @@ class System(Tangential):
         """Add what the traction does to the normal equation at the nodes of a part."""
         f, swept, t, weights = self._f[i], self._i[i], self._t[i], self._weights[i]
         coupling = 2.0 * self.parameters.kappa
-        for k, j, product in f.products(swept, (weights * t).astype(matrix.dtype)):
+        for k, j, product in f.products(swept, weights * t):
             self._add(matrix[self.pressure[k]], coupling * product, j)
         # t I(t) is t/b times its value at the boundary, and more
         for k, sums in f.tested(coupling * np.column_stack([weights * t, weights])):
@@ -334,8 +333,7 @@ class System(Tangential):
         """Add what the pressure does to the tangential equation at the nodes of a part."""
         stuck, inner = self._stuck(i), self._j[i]
         t, weights, kappa = self._t[i], self._shear_tests[i], self.parameters.kappa
-        driven = (weights * (2.0 * kappa / t)).astype(matrix.dtype)
-        for k, j, product in stuck.products(inner, driven):
+        for k, j, product in stuck.products(inner, weights * (2.0 * kappa / t)):
             matrix[self.shear[k], self.pressure[j]] -= product
         falls = weights * self._beyond[i] * 2.0 * kappa / (t * self.parts[i].family.boundary.value)
         for k, sums in stuck.tested(falls[:, None]):

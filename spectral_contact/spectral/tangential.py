@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
@@ -297,7 +297,7 @@ class Tangential(ABC):
         """Return by how much more `_driven_at` is at the nodes of a part."""
 
     @abstractmethod
-    def matrix(self, kind: DTypeLike = np.float64) -> Array:
+    def matrix(self) -> Array:
         """Return the matrix of the equations; it is that of `residual` but for roundings."""
 
     @abstractmethod
@@ -349,7 +349,7 @@ class Tangential(ABC):
     def _add_tangential(self, matrix: Array) -> None:
         """Add what the traction does to the tangential equation."""
         for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
-            stuck, weights = self._stuck(i), self._shear_tests[i].astype(matrix.dtype)
+            stuck, weights = self._stuck(i), self._shear_tests[i]
             kept = None
             if part.zone == 0 and self._plain[1]:
                 gram = kept_disk_gram(part.shear.panels, part.degrees, shear=True)
