@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.spectral.regularised import Cholesky
+from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class Factored:
             values[: system.count, 0] = system.load
             return self.step(values)
         values[0, 0] = system.given
-        return values + self.step(system.residual(values, units[0], units[1:]))
+        return values + self.step(system.tested(system.misfit(values, units[0], units[1:])))
 
     @property
     def begin(self) -> Array:
@@ -99,21 +100,29 @@ class Factored:
 class Symmetric(Factored):
     """A symmetric positive definite system by Cholesky, what coarser spaces lack last.
 
-    A pressure that is given stays as it is.
+    A pressure that is given stays as it is. Then a disk has the matrix of the unit disk, which is
+    kept, with ``beta / c``.
     """
 
     def __init__(self, system: Tangential) -> None:
-        self.system = system
-        lacking = np.bincount(np.concatenate(system.shed), minlength=system.unknowns)
-        self._known = system.count if system.given else 0
-        self._order = self._known + np.argsort(lacking[self._known :], kind="stable")
-        self._kept = tuple(int((lacking[self._known :] < n).sum()) for n in (1, 2))
+        self.system, self._unit = system, 1.0
+        known = system.count if system.given else 0
+        if system.given and len(system.stick) == 1:
+            [field], radius = system.fields, system.parts[0].family.boundary.value
+            space = unit_space(field.panels, field.degrees, shear=True)
+            self._unit, self._kept = radius**5, (space.kept, space.kept_but_one)
+            self._order = known + space.place
+            self._cholesky = space.factor(system.parameters.beta / radius).cholesky
+            return
+        lacking = np.bincount(np.concatenate(system.shed), minlength=system.unknowns)[known:]
+        self._order = known + np.argsort(lacking, kind="stable")
+        self._kept = int((lacking < 1).sum()), int((lacking < 2).sum())
         self._cholesky = Cholesky(system.matrix()[np.ix_(self._order, self._order)])
 
     def step(self, right: Array) -> Array:
         """Return the solution as factored, of right-hand sides as columns."""
         step = right.copy()
-        step[self._order] = self._cholesky.solve(right[self._order].T).T
+        step[self._order] = self._cholesky.solve(right[self._order].T).T / self._unit
         return step
 
     def change(self, values: Array, system: Tangential) -> list[Array]:

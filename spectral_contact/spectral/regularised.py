@@ -173,7 +173,7 @@ class Regularised:
         self.compliance = compliance
         matrix = compliance * space.mass
         matrix += space.gram
-        self._cholesky = Cholesky(matrix)
+        self.cholesky = Cholesky(matrix)
 
     def solve(
         self, target: Array | float, load: Array | None = None, *, correct: bool = True
@@ -211,7 +211,7 @@ class Regularised:
                 residual = space.moments(misfit.T) - fixed
             if correction and self.compliance != 0.0:
                 residual -= self.compliance * (space.mass @ coefficients[space.index]).T
-            coefficients[space.index] += self._cholesky.solve(residual).T
+            coefficients[space.index] += self.cholesky.solve(residual).T
             if correction + 1 < rounds:
                 misfit = target - space.half_integral(coefficients)
         return coefficients
@@ -223,7 +223,7 @@ class Regularised:
         """
         index = self.space.index
         coefficients = np.zeros_like(functional)
-        coefficients[index] = self._cholesky.solve(functional[index])
+        coefficients[index] = self.cholesky.solve(functional[index])
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
@@ -234,9 +234,9 @@ class Regularised:
         """
         index = self.space.index
         kept = self.space.kept if degrees == 2 else self.space.kept_but_one
-        shed = self._cholesky.shed(coefficients[index], kept)
+        shed = self.cholesky.shed(coefficients[index], kept)
         change = np.zeros_like(coefficients)
         change[index] = shed
         places = self.space.panels + 1
-        energies = np.bincount(self.space.panel, shed**2 * self._cholesky.diagonal, places)
+        energies = np.bincount(self.space.panel, shed**2 * self.cholesky.diagonal, places)
         return Change(change, np.asarray(energies, dtype=float))

@@ -65,6 +65,8 @@ class Space(NodalSpace):
         self._order = order = _ORDERS.get(used, lambda: _Order(used))
         self.size, self.panels = order.size, order.panels
         self.index, self.panel = order.places
+        #: where the unknowns are among the functions in use, part by part
+        self.place = order.place
         self.kept, self.kept_but_one = order.kept
         self._nodes = nodes = [graded_nodes(*one) for one in used]
         points = [f.points(n.d) for f, n in zip(families, nodes, strict=True)]

@@ -245,8 +245,8 @@ class System(Tangential):
         root = np.sqrt(target.sampling().z)[:, None]
         return np.asarray(total + (2.0 * self.parameters.kappa / root) * inner)
 
-    def _tested(self, misfit: Misfit) -> Array:
-        tested = super()._tested(misfit)
+    def tested(self, misfit: Misfit) -> Array:
+        tested = super().tested(misfit)
         for i, missed in enumerate(misfit.normal):
             for k, sums in self._f[i].tested(self._weights[i][:, None] * missed):
                 tested[self.pressure[k]] += sums

@@ -316,7 +316,7 @@ class Tangential(ABC):
 
     def residual(self, values: Array, approach: Array, imbalance: Array) -> Array:
         """Return what the equations miss, tested with all functions; see `misfit`."""
-        missed = self._tested(self.misfit(values, approach, imbalance))
+        missed = self.tested(self.misfit(values, approach, imbalance))
         for own, mass in self.masses:
             missed[own] -= mass @ values[own]
         return missed
@@ -329,7 +329,7 @@ class Tangential(ABC):
     def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
         """Return E at the sampling points of a slip zone, of vectors as columns."""
 
-    def _tested(self, misfit: Misfit) -> Array:
+    def tested(self, misfit: Misfit) -> Array:
         """Return the sums over the nodes of a misfit times the half-integrals of all functions."""
         tested = np.zeros((self.unknowns, misfit.tangential[0].shape[1]))
         for i, missed in enumerate(misfit.tangential):
