@@ -158,16 +158,18 @@ class Drive:
         points = 1.0 - (1.0 - y)[..., None] * (1.0 + g) / 2.0
         return np.asarray(self.pressure.at(points) @ (w / 2.0))
 
-    def load_outside(self, y: Array) -> Array:
-        """Return ``1/2 int_0^y p dy``: 1/(2 pi) of the load between a radius and the edge."""
-        value = np.zeros(np.shape(y))
-        weight = self.pressure.weight
-        if weight is not None:
-            root = np.sqrt(y + weight.shift) + sqrt(weight.shift)
-            value = value + weight.amplitude * y / np.where(root > 0.0, root, 1.0)
-        if self._load is not None:
-            value = value + 0.5 * y * self._load(y)
-        return np.asarray(value)
+    @staticmethod
+    def loads_outside(drives: Sequence[Drive], y: Array) -> Array:
+        """Return ``1/2 int_0^y p dy`` of a pressure or of several of its changes, as rows.
+
+        It is 1/(2 pi) of the load between a radius and the edge.
+        """
+        values = LogSeries.several([one._load for one in drives], y) * (0.5 * y)
+        for row, weight in zip(values, (one.pressure.weight for one in drives), strict=True):
+            if weight is not None:
+                root = np.sqrt(y + weight.shift) + sqrt(weight.shift)
+                row += weight.amplitude * y / np.where(root > 0.0, root, 1.0)
+        return np.asarray(values)
 
 
 def _demanded(panels: LogPanels, contacts: Sequence[NormalContact]) -> list[LogSeries]:

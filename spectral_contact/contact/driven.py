@@ -140,22 +140,18 @@ class Driven(Tangential):
             one = block(part.family, part.degrees, target, self._felt[i], 1)
             if one is not None:
                 used = part.family.panels.functions(part.degrees)
-                each = self._slip(2 * zone, part.family.sampling())
-                yield one, np.array([part.family.expand(row)[used] for row in each]).T
+                values = part.family.expand(self._slip(2 * zone, part.family.sampling()))
+                yield one, values[:, used].T
 
     # the equation
 
     def _slipping_load(self) -> Array:
-        load, bounds = np.zeros(self.count), (*self.radii, EDGE)
-        for state, inner, outer in zip(self.states[1:], bounds, bounds[1:], strict=False):
-            for k, drive in enumerate(self.drives) if state else ():
-                ends = drive.load_outside(np.array([inner.rest, outer.rest]))
-                load[k] += state * float(ends[0] - ends[1])
-        return load
+        rests = np.array([one.rest for one in self.radii])
+        return np.asarray(Drive.loads_outside(self.drives, rests) @ np.diff(self.states))
 
     def _pressure_at(self, k: int) -> Array:
-        y = np.array([self.parts[k].family.boundary.rest])
-        return PressureField.several(self._pressures, y)[:, 0]
+        y = self.parts[k].family.boundary.rest
+        return np.array([one.value(y) for one in self._pressures])
 
     def _driven_at(self, i: int) -> tuple[Array, Array]:
         drive, balance, _ = self._known[i]
@@ -189,17 +185,17 @@ class Driven(Tangential):
 
     def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
         """Return E at the sampling points of a slip zone, of vectors as columns."""
-        own, totals = values[: self.count], []
-        each = [self._slip(2 * zone, family.sampling()) for family in annulus.families]
-        halves = [annulus.integrals(list(pair), 1) for pair in zip(*each, strict=True)]
-        for j, target in enumerate(annulus.families):
+        # the last change is in no vector but its own
+        count = 1 + int(np.flatnonzero(values[: self.count].any(axis=1))[-1])
+        own, drives, totals = values[:count], self.drives[:count], list[Array]()
+        each = [own.T @ self._slip(2 * zone, f.sampling())[:count] for f in annulus.families]
+        for target, half in zip(annulus.families, annulus.integrals(each, 1), strict=True):
             points = target.sampling()
-            total = (Drive.targets(self.drives, points.y) - [one[j] for one in halves]).T
+            total = (own.T @ Drive.targets(drives, points.y) - half).T
             for outside, source in self._sources.items():
                 if outside > zone:
                     slip = self.states[outside] * self.parameters.friction
-                    total -= slip * source.half_integral(points)
-            total = total @ own
+                    total -= slip * source.half_integral(points)[:, :count] @ own
             for k, stuck in self.traction(values).items():
                 part = self.parts[k]
                 seen = block(part.shear, part.degrees, target, target.panels, 1, differences=False)

@@ -12,10 +12,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log, pi
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
     DEEPEST,
     FIELD_ROUNDING,
@@ -40,9 +41,6 @@ from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap
-
-if TYPE_CHECKING:
-    from spectral_contact.contact.drive import Drive
 
 #: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
 _MORE = 3.0
@@ -224,7 +222,7 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     resolution = starting_resolution(max(layer, 0.0), tolerance, rate=rate)
     panels = resolution.panels
     d = panels.distances
-    inside = 1.0 / (2.0 * pi) - drive.load_outside(d)
+    inside = 1.0 / (2.0 * pi) - Drive.loads_outside([drive], d)[0]
     # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
     values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)
     series = sampled_series(panels, values)

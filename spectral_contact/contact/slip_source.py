@@ -106,24 +106,29 @@ class SlipSource:
 
         Next to the inner end these are the last samples of the nodes.
         """
-        above = self._apart(boundary)
-        root, kept = np.sqrt(above), self._kernel
+        above, values, kept = self._apart(boundary), self._values, self._kernel
         if boundary != self._inner or kept is None:
-            return below[:, None] * root_sums(below, above, self._values / root[:, None], root)
+            return _falls(below, above, values)
         # those of the kernel stand between the others
-        stop = -len(FAR_NODES)
-        inside = slice(len(above) + stop - kept.shape[1], stop)
-        own = np.delete(np.arange(len(above)), np.arange(len(above))[inside])
-        values, root = self._values[own], root[own]
-        sums = below[:, None] * root_sums(below, above[own], values / root[:, None], root)
-        rows = kept[len(kept) - len(below) :]
-        return np.asarray(sums + rows @ (self._values[inside] / np.sqrt(self._reach)))
+        stop = len(above) - len(FAR_NODES)
+        start = stop - kept.shape[1]
+        near = np.concatenate([above[:start], above[stop:]])
+        sums = _falls(below, near, np.concatenate([values[:start], values[stop:]]))
+        own = values[start:stop] / np.sqrt(self._reach)
+        return np.asarray(sums + kept[len(kept) - len(below) :] @ own)
 
     def _apart(self, boundary: Radius) -> Array:
         """Return the distances of the points from a boundary in ``s**2``."""
         if boundary == self._inner:
             return self._above
         return np.asarray(self._above + gap(boundary, self._inner))
+
+
+def _falls(below: Array, above: Array, values: Array) -> Array:
+    """Return the sum of ``values (1/sqrt(above) - 1/sqrt(above + below))``."""
+    root = np.sqrt(above)
+    sums = root_sums(below, above, values / root[:, None], root)
+    return np.asarray(below[:, None] * sums)
 
 
 class _Grid:

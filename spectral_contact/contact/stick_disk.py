@@ -7,13 +7,14 @@ friction of a disk needs no search.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import PROBE, ROUGH, on_mesh
+from spectral_contact.contact.resolution import PROBE, ROUGH, ROUNDING, TRIFLING, on_mesh
 from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
     LEAST_LOGIT,
@@ -63,18 +64,16 @@ class StickDiskProblem(FreeBoundaryProblem):
         if layout.logits and layout.slopes is None:  # in a space that sees a narrow annulus
             [guess] = layout.logits
             spaces = self.spaces(self.tolerance, np.array([guess]))
-            return guess, slope_at(lambda x: self._mismatch(spaces, x), guess)
+            return guess, slope_at(partial(self._mismatch, spaces), guess)
         if layout.logits and layout.slopes is not None:
             near = layout.logits[0], float(layout.slopes[0, 0])
             if not LEAST_LOGIT < near[0] < LARGEST_LOGIT:
                 near = None
         if beta == 0.0:
             return guessed_radius(*form, _NEAR, near)
-        return root_near(self._roughly, *(near or guessed_radius(*form, PROBE)), _NEAR)
-
-    def _roughly(self, logit: float) -> float:
-        """Return what the condition misses in a small space."""
-        return self._mismatch(self.spaces(ROUGH, np.array([logit])), logit, rough=True)
+        near = near or guessed_radius(*form, PROBE)
+        small = self.spaces(ROUGH, np.array(near[:1]))
+        return root_near(lambda x: self._mismatch(small, x, rough=True), *near, _NEAR)
 
     def _mismatch(self, spaces: list[Resolution], logit: float, *, rough: bool = False) -> float:
         return float(self.at(spaces, np.array([logit]), rough=rough).mismatch[0])
@@ -110,8 +109,13 @@ class StickDiskProblem(FreeBoundaryProblem):
         spaces, drive = self.parted(resolution), self.drive
         self.drives = [drive]
         if len(self.logits):
-            begin = float(self.logits[0]), float(self.slopes[0, 0])
-            logit, slope = root_near(lambda x: self._mismatch(spaces, x), *begin, known=ROUGH)
+            begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
+            least = max(TRIFLING * self.tolerance, ROUNDING)
+            if self.parameters.beta == 0.0:  # no field is in the condition
+                logit, slope = guessed_radius(drive, form, least, begin, accuracy=ROUNDING)
+            else:
+                mismatch = partial(self._mismatch, spaces)
+                logit, slope = root_near(mismatch, *begin, least, known=ROUGH)
             self.logits, self.slopes = np.array([logit]), np.array([[slope]])
         return self.assessed(spaces)
 

@@ -97,7 +97,12 @@ def root_near(
 
 
 def guessed_radius(
-    drive: Drive, parameters: Parameters, error: float, near: tuple[float, float] | None = None
+    drive: Drive,
+    parameters: Parameters,
+    error: float,
+    near: tuple[float, float] | None = None,
+    *,
+    accuracy: float = ROUGH,
 ) -> tuple[float, float]:
     """Return the radius of a stick disk that the given pressure tells, and the slope there.
 
@@ -111,9 +116,11 @@ def guessed_radius(
         Of the radius as a logit, without tangential compliance; else a fit adds about 0.1.
     near : tuple of float, optional
         A radius near by, and the slope there.
+    accuracy : float
+        Of the condition.
     """
     begin = near or _from_limits(drive, parameters)
-    return root_near(lambda x: _by_pressure(drive, parameters, x), *begin, error)
+    return root_near(lambda x: _by_pressure(drive, parameters, x, accuracy), *begin, error)
 
 
 def _from_limits(drive: Drive, parameters: Parameters) -> tuple[float, float]:
@@ -135,21 +142,21 @@ def _from_limits(drive: Drive, parameters: Parameters) -> tuple[float, float]:
     return start, slope
 
 
-def _by_pressure(drive: Drive, parameters: Parameters, logit: float) -> float:
-    """Return ``R(c) - (f/kappa) P(c) - m`` with the m that a disk needs, roughly.
+def _by_pressure(drive: Drive, parameters: Parameters, logit: float, accuracy: float) -> float:
+    """Return ``1 - ((f/kappa) P(c) + m) / R(c)`` with the m that a disk needs, roughly.
 
     Without tangential compliance that is 0. A disk of great compliance takes 4 times the jump
     of its displacement; what is added for less is fitted.
     """
     alpha, beta, _, friction = parameters
     radius = Radius.from_logit(logit)
-    source = SlipSource([drive.pressure], radius, EDGE, alpha, ROUGH)
-    mismatch = drive.value(radius.rest) - friction * float(source.at(radius)[0])
+    source = SlipSource([drive.pressure], radius, EDGE, alpha, accuracy)
+    slipping = float(source.at(radius)[0])
     if beta > 0.0:
         soft = beta / radius.value
         more = 0.5 * log(1.0 + radius.rest / soft) / sqrt(radius.rest)
-        mismatch -= friction * drive.pressure.value(radius.rest) * soft * (4.0 + more)
-    return mismatch
+        slipping += drive.pressure.value(radius.rest) * soft * (4.0 + more)
+    return 1.0 - friction * slipping / drive.value(radius.rest)
 
 
 def slope_at(function: Callable[[float], float], x: float) -> float:

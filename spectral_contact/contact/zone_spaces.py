@@ -114,7 +114,8 @@ def first_spaces(
         Relative accuracy asked.
     """
     if not radii:
-        return [_all_sticks(alpha, beta, tolerance)]
+        # under one compliance alone a field has a square root at the edge
+        return [_all_sticks(alpha, beta, tolerance, smooth=(alpha == 0.0) != (beta == 0.0))]
     bounds = CENTRE, *radii, EDGE
     extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
     extents[0] *= 2.0
@@ -140,10 +141,12 @@ def driven_spaces(
 ) -> list[Resolution]:
     """Return first spaces under a pressure that is given, with the degrees that this has in slip.
 
-    Parameters are those of `first_spaces`. Without tangential compliance there is one stick disk.
+    Parameters are those of `first_spaces`. With one stick disk nothing else has a space.
     """
-    if beta == 0.0 and radii:
-        return [_rooted_disk(alpha, radii[0], tolerance)] * 3
+    if not radii:
+        return [_all_sticks(alpha, beta, tolerance, smooth=alpha == 0.0)]
+    if states == (0, 1):
+        return [_driven_disk(alpha, beta, radii[0], tolerance)] * 3
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
     accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < _ROUGHLY else tolerance
     degree = slip_degree(accuracy)
@@ -155,9 +158,13 @@ def driven_spaces(
     ]
 
 
-def _rooted_disk(alpha: float, rim: Radius, tolerance: float) -> Resolution:
-    """Return the space of a disk without compliance, whose traction has a root at its rim."""
-    # it is singular down to the width of the slip annulus
+def _driven_disk(alpha: float, beta: float, rim: Radius, tolerance: float) -> Resolution:
+    """Return the space of a stick disk with slip from its rim to the edge."""
+    if beta > 0.0:
+        layer, ratio = thinnest_layer(alpha, beta, rim.square), 2.0 * rim.square / rim.rest
+        return _to_a_boundary(layer, ratio, 1.0, 0, 0, tolerance)
+    # without compliance the traction has a root at the rim, and is singular down to the width of
+    # the slip annulus
     begin = max(0.0, -log(min(1.0, rim.rest / rim.square)))
     bend = 1.0 - log(min(max(alpha, rim.rest) / rim.square, 1.0))
     return _space(begin, [(begin, _TURN), (bend, _TURN)], tolerance, 0.0, _AROUND)
@@ -184,13 +191,15 @@ def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> 
     return _space(layer, [(layer, _BEND)], tolerance, 0.5, _AT_EDGE, power=-0.5)
 
 
-def _all_sticks(alpha: float, beta: float, tolerance: float) -> Resolution:
-    """Return the space of a disk that sticks to the edge: both layers bend both fields."""
+def _all_sticks(alpha: float, beta: float, tolerance: float, *, smooth: bool) -> Resolution:
+    """Return the space of a disk that sticks to the edge: both layers bend both fields.
+
+    Next to the edge of a smooth surface they have square roots.
+    """
     layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
     begin = max(layers, default=LEADING)
     bends = [(layer - _BEFORE, _BEND) for layer in layers]
-    # under one compliance alone a field has a square root at the edge
-    rate, power = 0.5 if len(layers) == 1 else 1.0, -0.5 if alpha == 0.0 else 0.0
+    rate, power = 0.5 if smooth else 1.0, -0.5 if alpha == 0.0 else 0.0
     return _space(begin, bends, tolerance, rate, power=power, spare=_STUCK_SPARE)
 
 

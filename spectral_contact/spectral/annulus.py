@@ -62,17 +62,18 @@ class Transforms:
         )
 
     def deeper(self, coefficients: Array) -> Array:
-        """Return the `deeper` integral of a function, shape (sampling points,)."""
+        """Return the `deeper` integral, (..., sampling points), of functions (..., size)."""
         panels, terms = self.panels, self.panels.degree + 1
         blocks, tail = self._deeper
-        count, size = panels.panels, self._x.size
-        values = tail @ coefficients[count * terms :]
-        from_panels = coefficients[: count * terms].reshape(count, terms) @ blocks
-        sums = from_panels[-1].copy()
+        count, shape = panels.panels, coefficients.shape[:-1]
+        values = coefficients[..., count * terms :] @ tail.T
+        from_panels = coefficients[..., : count * terms].reshape(*shape, count, terms) @ blocks
+        sums = from_panels[..., -1, :].copy()
+        size = sums.shape[-1]
         for j in range(1, count):
             stop = size - j * panels.samples
-            sums[:stop] += from_panels[-1 - j, size - stop :]
-        values[:size] += np.exp(-0.5 * self._x).ravel() * sums
+            sums[..., :stop] += from_panels[..., -1 - j, size - stop :]
+        values[..., :size] += np.exp(-0.5 * self._x).ravel() * sums
         return np.asarray(values)
 
     def outer(self, coefficients: Array) -> Array:
@@ -93,6 +94,7 @@ class Transforms:
     def across(self, coefficients: Array, other: LogPanels) -> Array:
         """Return ``1/2 int f dd' / sqrt(2 - d - d')`` at the sampling points ``d`` of `other`.
 
+        Of functions (..., size); the shape is (..., sampling points).
         This is what one half of an annulus contributes to the points of the other half, both of
         unit length. Only points of the first panel come near the sources: below, the integral
         is a polynomial in ``d`` to rounding.
@@ -104,10 +106,11 @@ class Transforms:
             d = np.concatenate([near, reach * (1.0 + gauss_rule(_DEEP_POINTS)[0]) / 2.0])
             return deeper(2.0 - d, panels.panels, panels.width, panels.degree)
 
-        values = self._across.get((len(near), reach), matrix) @ coefficients
-        g = 2.0 * other.distances[len(near) :] / reach - 1.0
-        series = legendre_expansion_matrix(_DEEP_POINTS, _DEEP_POINTS - 1) @ values[len(near) :]
-        return np.concatenate([values[: len(near)], series @ legendre_rows(g, _DEEP_POINTS - 1)])
+        values = coefficients @ self._across.get((len(near), reach), matrix).T
+        g, degree = 2.0 * other.distances[len(near) :] / reach - 1.0, _DEEP_POINTS - 1
+        series = values[..., len(near) :] @ legendre_expansion_matrix(_DEEP_POINTS, degree).T
+        deep = series @ legendre_rows(g, degree)
+        return np.concatenate([values[..., : len(near)], deep], axis=-1)
 
     def mean(self, coefficients: Array) -> Array:
         """Return ``(1/d) int_0^d f dd'`` of a function, shape (sampling points,).
@@ -192,10 +195,10 @@ class Annulus:
         )
 
     def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
-        """Return integrals of a function at its own sampling points, on either half.
+        """Return integrals of functions at their own sampling points, on either half.
 
         The half-integral, over what lies outside of the points (+1), or the inner integral (-1), of
-        values at these points. In scaled distances the transforms depend on the panels alone.
+        values (..., sampling points). In scaled distances the transforms depend on the panels alone.
         """
         panels = [family.panels for family in self.families]
         own = [transforms(one) for one in panels]

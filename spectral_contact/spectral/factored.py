@@ -134,7 +134,7 @@ class Symmetric(Factored):
             less = np.zeros_like(changes)
             less[1 : system.count] = np.eye(system.count - 1, 2)
             nothing = np.zeros(2), np.zeros((len(system.radii), 2))
-            changes += less + self.step(system.residual(less, *nothing))
+            changes += less + self.step(system.tested(system.misfit(less, *nothing)))
         return [*changes.T]
 
     def energies(self, values: Array) -> Array:

@@ -97,10 +97,11 @@ class Family:
         return float(max(in_panels.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
-        """Return coefficients, of the size of the basis, through values at the sampling points."""
+        """Return coefficients, (..., size), through values at the sampling points, (..., n)."""
         table, tail = sampled_coefficients(self.panels, values)
-        p = self.panels
-        return np.concatenate([table[:, : p.degree + 1].ravel(), tail[: p.tail_terms]])
+        p, shape = self.panels, values.shape[:-1]
+        inner = table[..., : p.degree + 1].reshape(*shape, -1)
+        return np.concatenate([inner, tail[..., : p.tail_terms]], axis=-1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,10 +137,13 @@ class Parts:
 
 
 def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array]:
-    """Return coefficients on panels and tail through samples at the sampling points of both."""
+    """Return coefficients on panels and tail through samples at the sampling points of both.
+
+    Samples are (..., n), and coefficients (..., panels, points) and (..., points of the tail).
+    """
     tail_points = panels.tail_points
-    inner = values[:-tail_points].reshape(panels.panels, -1)
-    points = inner.shape[1]
+    inner = values[..., :-tail_points].reshape(*values.shape[:-1], panels.panels, -1)
+    points = inner.shape[-1]
     expand = legendre_expansion_matrix(points, points - 1)
     expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
-    return inner @ expand.T, expand_tail @ values[-tail_points:]
+    return inner @ expand.T, values[..., -tail_points:] @ expand_tail.T

@@ -76,7 +76,8 @@ def test_loads_and_shears_are_those_of_the_pressure():
     values = np.zeros(system.unknowns)
     values[0] = 1.0
     assert 2.0 * np.pi * system.load @ values[: system.count] == 1.0
-    inside = [1.0 - 2.0 * np.pi * float(drive.load_outside(np.array(r.rest))) for r in radii]
+    rests = np.array([one.rest for one in radii])
+    inside = 1.0 - 2.0 * np.pi * Drive.loads_outside([drive], rests)[0]
     slipping = (inside[1] - inside[0]) - (1.0 - inside[2])
     assert system.total_shear(values) == pytest.approx(
         system.parameters.friction * slipping, rel=1e-7
