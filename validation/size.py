@@ -42,7 +42,7 @@ CAME_WITH = {
         "spectral.cells",
         "spectral.pointwise",
     ),
-    "sensitivities": ("contact.given_radius", "contact.zone_derivatives"),
+    "sensitivities": ("contact.zone_derivatives",),
 }
 
 

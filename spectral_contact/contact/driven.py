@@ -21,7 +21,7 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import Block, block
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family, Points
+from spectral_contact.spectral.parts import Points
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.spectral.tangential import Misfit, Tangential
 from spectral_contact.threads import cached_property
@@ -93,9 +93,10 @@ class Driven(Tangential):
         bounds, alpha, found = (*self.radii, EDGE), self.parameters.alpha, {}
         for zone, state in enumerate(self.states):
             if state:
-                ends, inside = bounds[zone - 1 : zone + 1], 2 * zone - 2
-                form = self.nodes[inside], self.parts[inside].family.reach
-                found[zone] = SlipSource(self._pressures, *ends, alpha, self._accuracy, *form)
+                inner, outer = bounds[zone - 1 : zone + 1]
+                inside = self.parts[2 * zone - 2].family.reach
+                nodes, form = self.nodes[2 * zone - 2], (alpha, self._accuracy)
+                found[zone] = SlipSource(self._pressures, inner, outer, *form, nodes, inside)
         return found
 
     def _slip(self, k: int, points: Points) -> Array:

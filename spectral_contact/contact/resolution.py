@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, inf, log
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +12,6 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
-
-if TYPE_CHECKING:
-    from spectral_contact.spectral.regularised import Change, Regularised
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
@@ -264,23 +260,6 @@ def boundary_error(shift: float, radius: Radius) -> tuple[float, float]:
 def expected_error(change: Array, rates: Array) -> Array:
     """Return the estimate of the error left on every panel, from the change of two degrees."""
     return np.asarray(_POINTWISE * change * rates)
-
-
-def functional_error(
-    factored: Regularised, functional: Array, change: Change, rates: Array, resolution: Resolution
-) -> float:
-    """Return the estimate of the error of a linear functional of a Galerkin solution.
-
-    It is the energy product of the errors of the solution and of its dual, panel by panel, so it
-    falls as fast as the two together, and no sign can make it small by accident.
-
-    The functional is given by its values on the basis; `change` is the last change of the solution,
-    and `rates`, of shape (panels,), are by what factor one more degree lowers it.
-    """
-    dual = factored.dual(functional)
-    parts = np.sqrt(change.energies * factored.change(dual).energies)
-    # the tail sheds one function of few, which says no more than how large the error is
-    return float(parts[:-1] @ (rates * decay_rates(resolution, dual)) + parts[-1])
 
 
 def places(depth: float, count: int) -> Array:

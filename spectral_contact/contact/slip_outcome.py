@@ -37,7 +37,6 @@ from spectral_contact.fields.series import (
     AnnulusSeries,
     DiskSeries,
     PressureField,
-    Radius,
     ZonalField,
     ZonePiece,
 )

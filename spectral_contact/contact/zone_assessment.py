@@ -82,7 +82,11 @@ def sizes_of(system: Tangential, values: Array) -> list[Array]:
     Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
     ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
-    if len(ends) == 2 and not (system.given or system.radii) and any((one * one[0] <= 0.0).any() for one in ends):
+    if (
+        len(ends) == 2
+        and not (system.given or system.radii)
+        and any((one * one[0] <= 0.0).any() for one in ends)
+    ):
         ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
     return ends
 

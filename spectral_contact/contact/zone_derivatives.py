@@ -195,11 +195,10 @@ class _AtBoundaries:
         values: Array = solved[:, :count]  # where boundaries stay the traction jumps
         responses: Array = solved[:, count:]
         rigid, singular = system.parameters.beta == 0.0, np.zeros(count)
-        if rigid:
-            missed = balance @ values + felt.balances
-        else:  # it stays continuous where they move
+        missed: Array = np.asarray(balance @ values + felt.balances)
+        if not rigid:  # it stays continuous where they move
             jumps = system.jumps
-            missed = np.linalg.solve(jumps @ responses, jumps @ values + felt.jumps)
+            missed = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + felt.jumps))
         missed_there: Array = missed / (drive @ state.solution)[:, None]
         logits: Array = np.asarray(-np.linalg.solve(self.moved[:, :-2].T, missed_there))
         scale = state.approach

@@ -167,9 +167,7 @@ class FreeBoundaryProblem:
         """Return the spaces of all parts, of one like that of `start`."""
         return parted(resolution, self._counts, self.parameters.alpha)
 
-    def system(
-        self, spaces: list[Resolution], logits: Array, *, rough: bool = False
-    ) -> Tangential:
+    def system(self, spaces: list[Resolution], logits: Array, *, rough: bool = False) -> Tangential:
         """Return the equations with given boundaries; `rough` is that of `Driven`.
 
         Raises

@@ -13,7 +13,13 @@ from math import atanh, ceil, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.resolution import LEADING, PANEL_WIDTH, ROOT_DEPTH, nearness, slip_degree
+from spectral_contact.contact.resolution import (
+    LEADING,
+    PANEL_WIDTH,
+    ROOT_DEPTH,
+    nearness,
+    slip_degree,
+)
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters

@@ -198,7 +198,7 @@ class Annulus:
         """Return integrals of functions at their own sampling points, on either half.
 
         The half-integral, over what lies outside of the points (+1), or the inner integral (-1), of
-        values (..., sampling points). In scaled distances the transforms depend on the panels alone.
+        values (..., points). In scaled distances the transforms depend on the panels alone.
         """
         panels = [family.panels for family in self.families]
         own = [transforms(one) for one in panels]

@@ -20,12 +20,9 @@ from scipy.linalg import block_diag
 
 from spectral_contact.spectral.abel import (
     beyond,
-    beyond_tail,
-    charges_on,
     deeper,
     deeper_tail,
     fall,
-    fall_of_tail,
     far_blocks,
     far_fall,
     moments_on,
@@ -41,7 +38,6 @@ from spectral_contact.spectral.graded import (
     PlainNodes,
     far_values,
     graded_nodes,
-    root_sums,
 )
 from spectral_contact.spectral.jacobi import (
     chebyshev_interpolation,
@@ -269,25 +265,6 @@ def block(
     if target.boundary.from_edge == 0.0:
         return replace(kept, at=np.zeros_like(kept.at), more=kept.whole, scale=scale)
     return replace(kept, scale=scale)
-
-
-def across(
-    source: Family, degrees: Degrees, target: Family, used: Used, values: Array
-) -> tuple[Array, Array]:
-    """Return what known functions across a common boundary contribute there, and how it falls.
-
-    Parameters are those of `block`, without a matrix; and the coefficients of the functions, as k
-    columns. The shapes are (k,) and (samples, k).
-    """
-    panels, scale = source.panels, float(np.sqrt(source.reach))
-    charges = charges_on(panels.width, degrees)
-    split = len(values) - panels.tail_terms
-    weights, on_tail = charges.of(values[:split]) * charges.d[:, None], values[split:]
-    root = np.sqrt(charges.d)
-    e = target.reach / source.reach * points_of(target.panels, used).samples
-    at = (1.0 / root) @ weights + beyond_tail(np.zeros(1), panels.end)[0] @ on_tail
-    falls = e[:, None] * root_sums(e, charges.d, weights / root[:, None], root)
-    return scale * at, -scale * (falls + fall_of_tail(e, panels.end) @ on_tail)
 
 
 def points_of(panels: LogPanels, used: Used) -> Nodes:

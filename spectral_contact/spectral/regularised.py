@@ -20,8 +20,6 @@ from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: So many targets are solved for one by one: products with few vectors take BLAS more time.
-_FEW = 3
 #: Above this compliance the normal equations lose no more than 30 eps, and need no correction; of
 #: q/s at the centre they lose some thousand eps at 1e-3 ... 0.02.
 HARMLESS = 0.1
@@ -196,9 +194,6 @@ class Regularised:
         ndarray, shape (size,) or (size, k)
             Coefficients, zero outside the space.
         """
-        if not isinstance(target, float) and target.ndim == 2 and target.shape[1] <= _FEW:
-            columns = np.ascontiguousarray(target.T)
-            return np.column_stack([self.solve(one, load, correct=correct) for one in columns])
         space = self.space
         fixed = 0.0 if load is None else self.compliance * load[space.index]
         coefficients = np.zeros((space.size, *np.shape(target)[1:]))

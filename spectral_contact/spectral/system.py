@@ -224,8 +224,8 @@ class System(Tangential):
             replace(one.family.panels, power=0.0, degree=one.family.panels.degree + _FINER)
             for one in self.parts[2 * zone - 1 : 2 * zone + 1]
         )
-        bounds = CENTRE, *self.radii, EDGE
-        return Annulus(*bounds[zone : zone + 2], first, second)
+        inner, outer = (CENTRE, *self.radii, EDGE)[zone : zone + 2]
+        return Annulus(inner, outer, first, second)
 
     def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
         """Return E at the sampling points of a slip zone, of vectors as columns."""
@@ -246,6 +246,7 @@ class System(Tangential):
         return np.asarray(total + (2.0 * self.parameters.kappa / root) * inner)
 
     def tested(self, misfit: Misfit) -> Array:
+        """Return the sums over the nodes of a misfit times the half-integrals of functions."""
         tested = super().tested(misfit)
         for i, missed in enumerate(misfit.normal):
             for k, sums in self._f[i].tested(self._weights[i][:, None] * missed):

@@ -330,7 +330,7 @@ class Tangential(ABC):
         """Return E at the sampling points of a slip zone, of vectors as columns."""
 
     def tested(self, misfit: Misfit) -> Array:
-        """Return the sums over the nodes of a misfit times the half-integrals of all functions."""
+        """Return the sums over the nodes of a misfit times the half-integrals of functions."""
         tested = np.zeros((self.unknowns, misfit.tangential[0].shape[1]))
         for i, missed in enumerate(misfit.tangential):
             for k, sums in self._stuck(i).tested(self._shear_tests[i][:, None] * missed):

@@ -21,23 +21,34 @@ from spectral_contact.spectral.regularised import Cholesky
 def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
     """Make the solver start in spaces of this degree everywhere, with more panels."""
     first_space, all_parts = first_spaces._first_space, zone_problem.first_spaces
+    driven_parts = zone_problem.driven_spaces
 
-    def larger(layer, tolerance, *options):
-        space = first_space(layer, tolerance, *options)
-        if tolerance > 1e-7:  # where boundaries are only searched for
-            return space
+    def enlarged(space):
         count = space.panels.panels + more
         panels = replace(space.panels, panels=count, degree=degree)
         return space._replace(panels=panels, degrees=(degree,) * count)
+
+    def larger(layer, tolerance, *options):
+        space = first_space(layer, tolerance, *options)
+        # where boundaries are only searched for
+        return space if tolerance > 1e-7 else enlarged(space)
 
     def finer(alpha, beta, radii, states, tolerance):
         tighter = tolerance if tolerance > 1e-7 or len(radii) < 2 else 1e-4 * tolerance
         return all_parts(alpha, beta, radii, states, tighter)
 
+    def driven(alpha, beta, radii, states, tolerance):
+        if tolerance > 1e-7:
+            return driven_parts(alpha, beta, radii, states, tolerance)
+        if len(radii) < 2:
+            return list(map(enlarged, driven_parts(alpha, beta, radii, states, tolerance)))
+        return driven_parts(alpha, beta, radii, states, 1e-4 * tolerance)
+
     clear_caches()
     with (
         mock.patch.object(first_spaces, "_first_space", larger),
         mock.patch.object(zone_problem, "first_spaces", finer),
+        mock.patch.object(zone_problem, "driven_spaces", driven),
     ):
         yield
     clear_caches()

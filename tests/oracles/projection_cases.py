@@ -17,8 +17,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
-from spectral_contact.contact.zone_spaces import first_spaces, with_known_slip
-from spectral_contact.fields.series import EdgeWeight, Radius
+from spectral_contact.fields.series import EdgeWeight
 from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
@@ -148,10 +147,7 @@ class Zones:
         logits = tuple(log(b * b / (1.0 - b * b)) for b in boundaries)
         parameters = Parameters(alpha, beta, 1.0, friction)
         problem = FreeBoundaryProblem(parameters, Layout(logits, (0, 1, 0)), tolerance, drive=drive)
-        radii = tuple(Radius.from_logit(one) for one in logits)
-        spaces = first_spaces(alpha, beta, radii, (0, 1, 0), tolerance)
-        spaces = with_known_slip(spaces, (0, 1, 0), tolerance)
-        system = problem.system(spaces, problem.logits)
+        system = problem.system(problem.spaces(tolerance), problem.logits)
         self.radii, self.parts = system.radii, system.parts
         self.fields = {one.part: one for one in system.fields}
         self.gram = np.zeros((system.unknowns, system.unknowns))

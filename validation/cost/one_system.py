@@ -21,12 +21,12 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+from spectral_contact.contact.one_disk import solve_one_disk
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import solve_full_stick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import solve_normal
-from spectral_contact.contact.one_disk import solve_one_disk
 from spectral_contact.contact.refine import refine
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters

@@ -119,7 +119,9 @@ def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monk
         zone_search.DrivenSearch._guesses,
     )
     monkeypatch.setattr(
-        zone_problem.FreeBoundaryProblem, "system", lambda *a, **k: systems.append(1) or solve_system(*a, **k)
+        zone_problem.FreeBoundaryProblem,
+        "system",
+        lambda *a, **k: systems.append(1) or solve_system(*a, **k),
     )
     monkeypatch.setattr(
         zone_search.DrivenSearch, "_guesses", lambda *a: searches.append(1) or search(*a)
