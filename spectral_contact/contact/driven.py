@@ -14,8 +14,8 @@ import numpy as np
 
 from spectral_contact.contact.drive import Drive, Targets
 from spectral_contact.contact.resolution import ROUGH, ROUNDING
-from spectral_contact.contact.slip_displacement import slip_annulus
 from spectral_contact.contact.slip_source import SlipSource
+from spectral_contact.contact.zone_spaces import slip_annulus
 from spectral_contact.fields.series import CENTRE, EDGE, Array, PressureField, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import Block, block

@@ -15,9 +15,8 @@ from math import atan2, exp, inf, pi, sqrt
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.refine import Attempt, Refinement, refine
+from spectral_contact.contact.refine import Attempt, Refinement
 from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     SAFETY,
@@ -28,64 +27,45 @@ from spectral_contact.contact.resolution import (
     share_of_change,
     starting_resolution,
 )
-from spectral_contact.contact.stick_disk import StickDiskProblem
 from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
-from spectral_contact.contact.zone_problem import solve_zones
 from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.graded import graded_nodes
-from spectral_contact.spectral.parameters import Parameters
-
-_STUCK = Layout((), (0,))
 
 
-def solve_full_stick(
-    parameters: Parameters,
-    tolerance: float,
-    max_unknowns: int,
-    *,
+def full_stick(
+    found: Refinement[ZoneSolution],
     drive: Drive | None = None,
+    *,
     pointwise: bool = True,
     ratios: bool = True,
-) -> FullStick | Refinement[FullStick]:
-    """Solve the full-stick problem for unit load.
+) -> Refinement[FullStick]:
+    """Return a solution that sticks everywhere as full stick, for unit load.
 
     Parameters
     ----------
-    parameters : Parameters
-        With infinite friction; for kappa = 1 if the pressure is given.
-    tolerance : float
-        Bound on the relative error of the fields, or of approach and shear.
-    max_unknowns : int
-        Most unknowns of a space.
+    found : Refinement
+        As `solve_stick` returns it.
     drive : Drive, optional
-        Of the pressure, if it is given; else pressure and traction are one system.
+        Of the pressure, if it was given.
     pointwise : bool
-        Whether the fields are wanted; approach and shear alone need fewer unknowns.
+        Whether the fields are wanted.
     ratios : bool
-        Whether the ratios of traction to pressure are wanted.
-
-    Returns
-    -------
-    FullStick or Refinement
-        On a surface smooth in both directions and without coupling the weight
-        ``-ln(y) / (s^2 sqrt y)`` is the exact solution and there is nothing to refine.
+        Whether the ratios of traction to pressure are, under a pressure that is given.
     """
     if drive is None:
-        found = solve_zones(parameters, _STUCK, tolerance, max_unknowns, pointwise=pointwise)
         stick = _coupled(found.best.value, pointwise=pointwise)
-    elif parameters.alpha == 0.0 == parameters.beta:
-        return _smooth(drive)
     else:
-        problem = StickDiskProblem(parameters, _STUCK, tolerance, drive, pointwise=pointwise)
-        found = refine(problem, tolerance, max_unknowns)
         stick = _driven(found.best, drive, ratios=ratios)
     best = replace(found.best, value=stick)  # type: ignore[arg-type]
     return replace(found, best=best)  # type: ignore[return-value]
 
 
-def _smooth(drive: Drive) -> FullStick:
-    """Return full stick on a smooth surface under the pressure that it has without friction."""
+def smooth_full_stick(drive: Drive) -> FullStick:
+    """Return full stick on a smooth surface under the pressure that it has without friction.
+
+    The weight ``-ln(y) / (s^2 sqrt y)`` is the exact solution, and there is nothing to refine.
+    """
     # the half-integral is R itself: Q = 2 pi int t R dt
     space = starting_resolution(0.0, float(np.finfo(float).eps))
     nodes, contact = graded_nodes(space.panels, space.degrees), drive.contact

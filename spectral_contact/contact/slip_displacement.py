@@ -9,20 +9,16 @@ zero in stick by the tangential equation. Everything is for kappa = 1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, log, pi
-from typing import NamedTuple
+from math import pi
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import (
     DEEPEST,
     FIELD_ROUNDING,
-    PANEL_WIDTH,
     SAFETY,
-    slip_degree,
     starting_resolution,
 )
 from spectral_contact.fields.legendre import chebyshev_sums
@@ -39,11 +35,11 @@ from spectral_contact.fields.series import (
 from spectral_contact.spectral.annulus import Annulus, sampled_series
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
-from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap
 
-#: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
-_MORE = 3.0
+if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
+
 #: By how much less the displacement is off than E, through an integral over 1/sqrt(d) of it.
 #: Without it estimates of slip are 4 times as large; with it none of 300 errors is larger.
 _SMOOTHED = 16.0
@@ -70,38 +66,6 @@ class Slipping:
         """``t E`` at the sampling points."""
         each = zip(self.annulus.families, self.misfit, strict=True)
         return [np.sqrt(family.sampling().z) * one for family, one in each]
-
-
-def slip_annulus(
-    bounds: Sequence[Radius], zone: int, alpha: float, beta: float, tolerance: float
-) -> Annulus:
-    """Return panels for the displacement in a slip zone under a given pressure.
-
-    Parameters
-    ----------
-    bounds : sequence of Radius
-        Ends of the zones, from the centre to the edge.
-    zone : int
-        Its number, from the centre outward.
-    alpha, beta : float
-        The compliances.
-    tolerance : float
-        Relative accuracy.
-    """
-    inner, outer = bounds[zone : zone + 2]
-    half, digits, depths = gap(inner, outer) / 2.0, -log(tolerance), []
-    for end, beyond in ((inner, bounds[zone - 1]), (outer, bounds[min(zone + 2, len(bounds) - 1)])):
-        if end.from_edge > 0.0:
-            layer, more = min(beta or 1.0, end.rest, abs(gap(end, beyond))), 0.5 * digits + _MORE
-        else:  # next to the edge of a smooth surface there are square roots
-            rate = 0.5 if alpha == 0.0 else 1.0
-            layer, more = alpha or inner.rest, (digits + _MORE) / rate
-        depths.append(max(log(half / layer), 0.0) + more)
-    # few distinct depths, so that caches are shared between scenes
-    counts = (3 * ceil(d / PANEL_WIDTH / 3) for d in depths)
-    degree = slip_degree(tolerance)
-    first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
-    return Annulus(inner, outer, first, second)
 
 
 class SlipFields(NamedTuple):
@@ -222,7 +186,7 @@ def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[Dis
     resolution = starting_resolution(max(layer, 0.0), tolerance, rate=rate)
     panels = resolution.panels
     d = panels.distances
-    inside = 1.0 / (2.0 * pi) - Drive.loads_outside([drive], d)[0]
+    inside = 1.0 / (2.0 * pi) - drive.loads_outside([drive], d)[0]
     # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
     values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)
     series = sampled_series(panels, values)

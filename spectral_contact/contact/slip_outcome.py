@@ -23,7 +23,6 @@ from spectral_contact.contact.friction_law import (
 from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import (
-    DEEPEST,
     FIELD_ROUNDING,
     PROBE,
     ROUNDING,
@@ -45,6 +44,7 @@ from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
+    from spectral_contact.contact.zone_problem import StickDiskProblem
 
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
 #: by 1, and zones that follow from less are made of noise.
@@ -54,8 +54,6 @@ _DOUBTFUL = 0.5
 _HARDLY_KNOWN = 0.1
 #: A violation of the friction law that other zones are to blame for, not rounding.
 _BROKEN = 1e-6
-#: The logit of a stick disk whose radius is rounding: it has all the slip of a smaller one.
-_POINT = -2.0 * DEEPEST
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,17 +128,15 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     )
 
 
-def all_slip(drive: Drive, parameters: Parameters, tolerance: float) -> PartialSlip:
-    """Return slip everywhere: the stick disk is smaller than 1e-65."""
-    from spectral_contact.contact.stick_disk import StickDiskProblem
-
-    contact, point = drive.contact, Layout((_POINT,), (0, 1), np.zeros((1, 1)))
-    problem = StickDiskProblem(parameters, point, tolerance, drive)
+def all_slip(problem: StickDiskProblem) -> PartialSlip:
+    """Return slip everywhere: the stick disk, that of a problem, is smaller than 1e-65."""
+    parameters, drive = problem.parameters, problem.drive
+    contact, states = drive.contact, problem.states
     system = problem.system(problem.spaces(PROBE), problem.logits)
     annulus, alone = system.slip_zone(1), np.eye(system.unknowns, 1)
     solved = SolvedZones(
         radii=system.radii,
-        states=point.states,
+        states=states,
         approach=contact.approach,
         total_shear=parameters.friction,
         stuck=[],

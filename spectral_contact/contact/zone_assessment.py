@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, starmap
 from math import inf, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -29,7 +29,6 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import CENTRE, EDGE, Array, LogSeries, Radius
-from spectral_contact.spectral.factored import Symmetric
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parts import Points, gap
 from spectral_contact.spectral.tangential import Tangential
@@ -38,6 +37,7 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import Effect, ZoneState
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
+    from spectral_contact.spectral.factored import Symmetric
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,8 +290,7 @@ class Assessment:
         That of the shear is a product with its dual: no accident makes either small.
         """
         state, system, rates = self.state, self.system, attempt.rates**2
-        factors = state.factored
-        assert isinstance(factors, Symmetric)
+        factors = cast("Symmetric", state.factored)
         own = factors.energies(state.solution)
         dual = factors.energies(factors.step(system.shear_functional))
         raised = own.sum(axis=0) / state.bearing(state.solution)

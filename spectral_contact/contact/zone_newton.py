@@ -12,12 +12,12 @@ from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.resolution import LEFT, TINY, TRIFLING
 from spectral_contact.contact.stick_radius import NOISE
 from spectral_contact.fields.series import Array
-from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
+    from spectral_contact.spectral.factored import Factored
     from spectral_contact.spectral.tangential import Tangential
 
 
@@ -244,8 +244,8 @@ class ZonesNewton:
     spaces : list of Resolution
     settle : float
         How short the last step of the boundaries is.
-    factors : Factored, optional
-        Of these spaces and boundaries, if known.
+    factors : Factored
+        Of these spaces and boundaries.
 
     Attributes
     ----------
@@ -261,10 +261,10 @@ class ZonesNewton:
         problem: FreeBoundaryProblem,
         spaces: list[Resolution],
         settle: float,
-        factors: Factored | None = None,
+        factors: Factored,
     ) -> None:
         self._problem, self._spaces, self._settle = problem, spaces, settle
-        self._factors = factors or factored(problem.system(spaces, problem.logits))
+        self._factors = factors
         self.state = ZoneState.begin(self._factors)
         self.left, self._begin, self._before, self._stalled = 0.0, problem.logits, inf, 0
         self._pace, self._move = _Pace(problem.thinnest), _NOTHING
@@ -362,7 +362,7 @@ class ZonesNewton:
         return problem.drift(self._begin) > problem.far
 
     def _factored(self) -> None:
-        self._factors = factored(self.state.system)
+        self._factors = self._factors.of(self.state.system)
         self.state = replace(self.state, factored=self._factors)
         self._begin = self._problem.logits
         self._pace.alike = -1 - _FIRST if self._pace.lossy else 0

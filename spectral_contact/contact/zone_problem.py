@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf, log
+from functools import partial
+from math import inf
 
 import numpy as np
 
@@ -18,9 +19,26 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import SMALL_COMPLIANCE
+from spectral_contact.contact.radius_guess import guessed_radius
 from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TINY, TRIFLING, joined
-from spectral_contact.contact.stick_radius import NOISE, root_near
+from spectral_contact.contact.resolution import (
+    LEFT,
+    PROBE,
+    ROUGH,
+    ROUNDING,
+    TRIFLING,
+    joined,
+    on_mesh,
+)
+from spectral_contact.contact.stick_radius import (
+    LARGEST_LOGIT,
+    LEAST_LOGIT,
+    NOISE,
+    NoStickDiskError,
+    least_logit,
+    root_near,
+    slope_at,
+)
 from spectral_contact.contact.zone_assessment import Assessment, ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
 from spectral_contact.contact.zone_spaces import driven_spaces, first_spaces, parted
@@ -29,13 +47,11 @@ from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.regularised import HARMLESS
 from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
-#: The logit of the smallest stick disk that is looked for without a layer of p. A larger one stands
-#: for smaller ones then: from this many of its radii on p lacks 0.1/n**3 of kappa f, measured.
-LEAST_PLAIN, CLEAR, _MOST_STAND_IN = -40.0, 128.0, 2.0**-11
 #: What corrections leave of conditions whose differences are taken; what share of a zone's width
 #: they span at most: 1e-5 takes 25 scenes 214 corrections, not 212; 0.03 and 0.5 change no digit.
 _SLOPING, _MOST_SHARE = 1e-8, 0.2
@@ -53,6 +69,8 @@ _FAR, _FAR_THIN = 0.03, 1e-4
 #: By how much tighter first spaces are tried, so often, where the estimate does not fall any more:
 #: what is added to a space here and there may not help, a better one does. And the least tolerance.
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
+#: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
+_NEAR = 1e-5
 
 
 class FreeBoundaryProblem:
@@ -104,7 +122,7 @@ class FreeBoundaryProblem:
         """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
             guess = float(self.logits[0]), 0.5, ROUGH
-            least = _least_logit(self.parameters)
+            least = least_logit(self.parameters)
             root = root_near(lambda x: float(self.rough(x).mismatch[0]), *guess, least=least)
             self.logits = np.array(root[:1])
             return np.array([root[1:]])
@@ -155,7 +173,7 @@ class FreeBoundaryProblem:
         known = self.drives and self.near  # to digits that are as good
         if len(self.slopes) and halfway < _FINER * ROUGH and not known:
             settle = max(self.tolerance, NOISE)
-            state = ZonesNewton(self, self.spaces(halfway), settle).run(halfway)
+            state = self._newton(self.spaces(halfway), settle).run(halfway)
             last = np.linalg.solve(self.slopes, state.mismatch)
             if float(np.abs(last).max()) < settle:  # it saves a system in the first space
                 self.logits = self.logits - last
@@ -185,6 +203,10 @@ class FreeBoundaryProblem:
         return System(*form)
 
     # solutions
+
+    def _newton(self, spaces: list[Resolution], settle: float) -> ZonesNewton:
+        factors = factored(self.system(spaces, self.logits))
+        return ZonesNewton(self, spaces, settle, factors)
 
     def settled(self, state: ZoneState, aim: float) -> ZoneState:
         """Correct a solution at given boundaries, as far as is aimed."""
@@ -228,11 +250,204 @@ class FreeBoundaryProblem:
         if self.drives:  # from now on with what is known of the errors of the pressure
             self.drives = [self.drives[0], *self.drives[0].changes]
         least = TRIFLING * self.goal
-        newton = ZonesNewton(self, spaces, max(least, NOISE))
+        newton = self._newton(spaces, max(least, NOISE))
         state = newton.run(max(least, 2.0 * ROUNDING))
         if not newton.settled:  # next to the onset of a zone steps say nothing of slopes
             self._sloped(ROUNDING)
         return Assessment(self, spaces, state, newton.left).attempt()
+
+
+class StickDiskProblem(FreeBoundaryProblem):
+    """Spaces for the stick disk; the radius is found anew in each of them, if there is one.
+
+    Parameters are those of `FreeBoundaryProblem`, with the drive.
+    """
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        layout: Layout,
+        tolerance: float,
+        drive: Drive,
+        *,
+        pointwise: bool = True,
+    ) -> None:
+        super().__init__(parameters, layout, tolerance, pointwise=pointwise, drive=drive)
+        self.drive, self.tolerance = drive, tolerance
+
+    def find(self, layout: Layout) -> None:
+        """Find the radius, and the slope there: roughly, or near that of a layout."""
+        logit, slope = self._found(layout)
+        self.logits, self.slopes = np.array([logit]), np.array([[slope]])
+
+    def _found(self, layout: Layout) -> tuple[float, float]:
+        form, (beta, near) = (self.drive, self.parameters), (self.parameters.beta, None)
+        if layout.logits and layout.slopes is None:  # in a space that sees a narrow annulus
+            [guess] = layout.logits
+            spaces = self.spaces(self.tolerance, np.array([guess]))
+            return guess, slope_at(partial(self._mismatch, spaces), guess)
+        if layout.logits and layout.slopes is not None:
+            near = layout.logits[0], float(layout.slopes[0, 0])
+            if not LEAST_LOGIT < near[0] < LARGEST_LOGIT:
+                near = None
+        if beta == 0.0:
+            return guessed_radius(*form, _NEAR, near)
+        near = near or guessed_radius(*form, PROBE)
+        small = self.spaces(ROUGH, np.array(near[:1]))
+        return root_near(lambda x: self._mismatch(small, x, rough=True), *near, _NEAR)
+
+    def _mismatch(self, spaces: list[Resolution], logit: float, *, rough: bool = False) -> float:
+        return float(self.at(spaces, np.array([logit]), rough=rough).mismatch[0])
+
+    def at(
+        self,
+        spaces: list[Resolution],
+        logits: Array,
+        factors: Factored | None = None,
+        *,
+        rough: bool = False,
+    ) -> ZoneState:
+        """Return the solution with a given radius, to rounding, or roughly."""
+        system = self.system(spaces, logits, rough=rough)
+        state = ZoneState.begin(factors or factored(system), system)
+        # the normal equations lose digits where compliance is small
+        radius = system.radii[0].value if system.radii else 1.0
+        stiff = self.parameters.beta < HARMLESS * radius
+        for _ in range((factors is not None) + (stiff and not rough)):
+            state, _ = state.corrected()
+        return state
+
+    def start(self) -> Resolution:
+        """Return the first space of the disk."""
+        return on_mesh(self.spaces(self.tolerance)[0], self.drive.contact.panels)
+
+    def parted(self, resolution: Resolution) -> list[Resolution]:
+        """Return the spaces of all parts: in slip nothing is unknown."""
+        return [resolution] * (2 * len(self.states) - 1)
+
+    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
+        """Solve in a space."""
+        spaces, drive = self.parted(resolution), self.drive
+        self.drives = [drive]
+        if len(self.logits):
+            begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
+            least = max(TRIFLING * self.tolerance, ROUNDING)
+            if self.parameters.beta == 0.0:  # no field is in the condition
+                logit, slope = guessed_radius(drive, form, least, begin, accuracy=ROUNDING)
+            else:
+                mismatch = partial(self._mismatch, spaces)
+                logit, slope = root_near(mismatch, *begin, least, known=ROUGH)
+            self.logits, self.slopes = np.array([logit]), np.array([[slope]])
+        return self.assessed(spaces)
+
+    def assessed(self, spaces: list[Resolution]) -> Attempt[ZoneSolution]:
+        """Return the solution with the radius as it is, with its errors."""
+        # with what is known of the errors of the pressure
+        self.drives = [self.drive, *self.drive.changes]
+        state, own = self.at(spaces, self.logits), len(spaces[0].degrees)
+        attempt = Assessment(self, spaces, state, 0.0).attempt()
+        return replace(
+            attempt,
+            error=attempt.error if self.pointwise else attempt.value.shear_error,
+            indicators=attempt.indicators[:own],
+            rates=attempt.rates[:own],
+        )
+
+
+class _GivenRadius(StickDiskProblem):
+    """Spaces for a stick disk of a given radius, whose friction is found."""
+
+    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
+        """Solve in a space; the slope is that by the logarithm of the friction."""
+        spaces, mismatches = self.parted(resolution), list[float]()
+        self.drives, factors = [self.drive], None
+        for friction in (0.0, 1.0):
+            self.parameters = self.parameters._replace(friction=friction)
+            state = self.at(spaces, self.logits, factors)
+            factors = state.factored
+            mismatches.append(float(state.mismatch[0]))
+        none, full = mismatches
+        if not (none > 0.0 and none > full):
+            raise NoStickDiskError(at_centre=False)
+        self.parameters = self.parameters._replace(friction=none / (none - full))
+        self.slopes = np.array([[none]])
+        return self.assessed(spaces)
+
+
+def solve_stick(
+    parameters: Parameters,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    drive: Drive | None = None,
+    pointwise: bool = True,
+) -> Refinement[ZoneSolution]:
+    """Solve with stick on the whole contact; see `solve_zones` and `solve_stick_disk`."""
+    stuck = Layout((), (0,))
+    if drive is None:
+        return solve_zones(parameters, stuck, tolerance, max_unknowns, pointwise=pointwise)
+    problem = StickDiskProblem(parameters, stuck, tolerance, drive, pointwise=pointwise)
+    return refine(problem, tolerance, max_unknowns)
+
+
+def solve_stick_disk(
+    drive: Drive, parameters: Parameters, layout: Layout, tolerance: float, max_unknowns: int
+) -> Refinement[ZoneSolution]:
+    """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
+
+    Parameters
+    ----------
+    drive : Drive
+        Right-hand side, from the normal problem.
+    parameters : Parameters
+        For kappa = 1; friction is positive and below the critical value.
+    layout : Layout
+        The disk: with its slope as a like scene has it, with a guess of its radius, or with none.
+    tolerance : float
+        Bound on the relative error of q/s, pointwise.
+    max_unknowns : int
+        Most unknowns of a space.
+
+    Returns
+    -------
+    Refinement
+        Whether the assumption holds is for the caller to check.
+
+    Raises
+    ------
+    NoStickDiskError
+        If no radius in the range searched makes the traction continuous.
+    """
+    # 1 - c falls like exp(-pi f/(2 kappa))
+    if parameters.beta == 0.0 and parameters.friction > LARGEST_LOGIT:
+        raise NoStickDiskError(at_centre=False)
+    problem = StickDiskProblem(parameters, layout, tolerance, drive)
+    problem.find(layout)
+    return refine(problem, tolerance, max_unknowns)
+
+
+def solve_given_radius(
+    drive: Drive, parameters: Parameters, radius: Radius, tolerance: float, max_unknowns: int
+) -> tuple[Refinement[ZoneSolution], float]:
+    """Solve partial slip with one central stick disk of a given radius, for kappa = 1.
+
+    Parameters are those of `solve_stick_disk`; the friction that they have does not count.
+
+    Returns
+    -------
+    Refinement
+        Its ``shifts`` are the error of ``ln f``.
+    float
+        The friction ``f / kappa``.
+
+    Raises
+    ------
+    NoStickDiskError
+        If no friction has this disk.
+    """
+    known = Layout((radius.logit,), (0, 1), np.eye(1))
+    problem = _GivenRadius(parameters, known, tolerance, drive)
+    return refine(problem, tolerance, max_unknowns), problem.parameters.friction
 
 
 def _radii(logits: Array) -> tuple[Radius, ...]:
@@ -283,40 +498,6 @@ def solve_zones(
             break
     assert best is not None
     return best
-
-
-def stand_in(parameters: Parameters) -> Radius:
-    """Return the stick disk that stands for those too small to be felt.
-
-    Without normal compliance p loses digits like 1/c next to it, and is a power of s far inside.
-    """
-    alpha, _, kappa, friction = parameters
-    if alpha > 0.0:
-        return Radius.from_logit(_least_logit(parameters))
-    c = min(2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY)), _MOST_STAND_IN)
-    return Radius(float(c), float(1.0 - c))
-
-
-def _least_logit(parameters: Parameters) -> float:
-    """Return the logit of a stick disk that is not felt: p hardly changes in so much of a layer."""
-    alpha = parameters.alpha
-    return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else LEAST_PLAIN
-
-
-def solve_coupled_slip(
-    parameters: Parameters, tolerance: float, max_unknowns: int
-) -> Refinement[ZoneSolution]:
-    """Solve with slip everywhere but in a disk too small to be felt, whose radius is given.
-
-    Parameters are those of `solve_zones`.
-    """
-    alpha, _, kappa, friction = parameters
-    # with less friction the traction has no digits; what sticks would have one of its own, which
-    # costs digits by as much as it exceeds friction: none with so much compliance
-    felt = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    # slopes so steep that the boundary does not move
-    disk = Layout((stand_in(parameters).logit,), (0, 1), np.array([[1.0 / TINY]]))
-    return solve_zones(felt, disk, tolerance, max_unknowns)
 
 
 def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:

@@ -20,6 +20,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
+from spectral_contact.contact.resolution import DEEPEST
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     all_slip,
@@ -57,6 +58,10 @@ _CLEAR, _APART = 1.0, 4.0
 #: Friction that lacks less than this lets no more slip than where full stick exceeds it: to 0.01 in
 #: the logit, measured, where it lacks half as much. Rough spaces have slip to as much in the logit.
 _ABOUT = 0.02
+
+
+#: The logit of a stick disk whose radius is rounding: it has all the slip of a smaller one.
+_POINT = -2.0 * DEEPEST
 
 
 class NoZonesError(ArithmeticError):
@@ -269,14 +274,16 @@ class DrivenSearch(ZoneSearch):
 
     def _on_disk(self, layout: Layout) -> PartialSlip:
         """Return the solution with one stick disk."""
-        from spectral_contact.contact.stick_disk import solve_stick_disk
+        from spectral_contact.contact.zone_problem import StickDiskProblem, solve_stick_disk
 
         begin, form = perf_counter(), (self.drive, self.parameters)
         try:
             solved = solve_stick_disk(*form, layout, self.tolerance, self.max_unknowns)
         except NoStickDiskError as missing:
             if missing.at_centre:
-                return all_slip(*form, self.tolerance)
+                point = Layout((_POINT,), layout.states, np.zeros((1, 1)))
+                problem = StickDiskProblem(self.parameters, point, self.tolerance, self.drive)
+                return all_slip(problem)
             raise
         disk: ZoneSolution = self.record(PARTIAL_SLIP, solved, begin)
         begin = perf_counter()
@@ -365,8 +372,8 @@ class CoupledSearch(ZoneSearch):
         return len(layout.states) > 2 and self.parameters.beta > 0.0
 
     def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
+        from spectral_contact.contact.stick_radius import LEAST_PLAIN
         from spectral_contact.contact.zone_fields import least_radius
-        from spectral_contact.contact.zone_problem import LEAST_PLAIN
 
         lawful = [one for one in found if not one.amiss]
         if not lawful and self._smooth and least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
@@ -416,10 +423,11 @@ class CoupledSearch(ZoneSearch):
 
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""
-        from spectral_contact.contact.zone_problem import solve_coupled_slip
+        from spectral_contact.contact.little_friction import unfelt_disk
+        from spectral_contact.contact.zone_problem import solve_zones
 
-        begin = perf_counter()
-        zones = solve_coupled_slip(self.parameters, self.tolerance, self.max_unknowns)
+        begin, unfelt = perf_counter(), unfelt_disk(self.parameters)
+        zones = solve_zones(*unfelt, self.tolerance, self.max_unknowns)
         self.record(PARTIAL_SLIP, zones, begin)
         begin = perf_counter()
         # the disk itself does not move anything
@@ -435,8 +443,8 @@ class CoupledSearch(ZoneSearch):
 
     def _to_the_centre(self, outcome: PartialSlip) -> PartialSlip:
         """Return slip on a smooth surface with the pressure that it has next to the centre."""
+        from spectral_contact.contact.little_friction import CLEAR, stand_in
         from spectral_contact.contact.zone_fields import to_the_centre
-        from spectral_contact.contact.zone_problem import CLEAR, stand_in
 
         assert isinstance(outcome.pressure, ZonalField)
         clear = CLEAR * stand_in(self.parameters).value

@@ -7,7 +7,6 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.full_stick import solve_full_stick
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.solution import (
@@ -92,16 +91,9 @@ class CoupledRun(Run):
         scene, begin = self.scene, perf_counter()
         asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
         integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
-        stick: FullStick = self.record(
-            FULL_STICK,
-            solve_full_stick(
-                self.parameters._replace(friction=math.inf),
-                self.rtol if scene.friction == math.inf else min(self.rtol, _DECIDES),
-                self.max_unknowns,
-                pointwise=not integrals,
-            ),
-            begin,
-        )
+        tolerance = self.rtol if scene.friction == math.inf else min(self.rtol, _DECIDES)
+        solved = self.stuck(self.parameters, tolerance=tolerance, pointwise=not integrals)
+        stick: FullStick = self.record(FULL_STICK, solved, begin)
         return stick
 
     def _take(self, stick: FullStick) -> None:

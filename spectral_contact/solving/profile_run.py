@@ -143,17 +143,14 @@ class ProfileRun(Run):
     def _stick_on_layer(self) -> None:
         """Solve full stick under a flat punch, in units of its radius."""
         from spectral_contact.contact.drive import Drive
-        from spectral_contact.contact.full_stick import solve_full_stick
 
         begin, scene = perf_counter(), self.scene
         assert self._driving is not None
         radius, kappa = self.values["contact_radius"], scene.kappa
         compliances = self._driving.compliance, scene.tangential_compliance / radius
-        solved = solve_full_stick(
+        solved = self.stuck(
             Parameters(*compliances, 1.0, math.inf),
-            self.rtol,
-            self.max_unknowns,
-            drive=Drive(self._driving),
+            Drive(self._driving),
             pointwise="traction" in self.plan.quantities,
             ratios=False,
         )

@@ -255,29 +255,38 @@ class Run:
             self.slipping(drive, stick)
 
     def _full_stick(self, drive: Drive) -> FullStick:
-        from spectral_contact.contact.full_stick import solve_full_stick
-
         begin = perf_counter()
         asked, held = set(self.plan.quantities), self.scene.friction == math.inf
         fields = {"traction", "edge_ratio", "critical_friction"}
         pointwise = bool(asked & (fields if held else fields | {"slip", "zones", "stick_radius"}))
         # finite friction has to be compared with the critical one
         ratios = not held or bool(asked & {"edge_ratio", "critical_friction"})
-        parameters = self.parameters._replace(friction=math.inf)
         solved = self.shared.get(
             FULL_STICK,
-            (*self.normal_key, parameters.beta, pointwise, ratios),
-            lambda: solve_full_stick(
-                parameters,
-                self.rtol,
-                self.max_unknowns,
-                drive=drive,
-                pointwise=pointwise,
-                ratios=ratios,
-            ),
+            (*self.normal_key, self.parameters.beta, pointwise, ratios),
+            lambda: self.stuck(self.parameters, drive, pointwise=pointwise, ratios=ratios),
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         return stick
+
+    def stuck(
+        self,
+        parameters: Parameters,
+        drive: Drive | None = None,
+        *,
+        tolerance: float | None = None,
+        pointwise: bool = True,
+        ratios: bool = True,
+    ) -> FullStick | Refinement[FullStick]:
+        """Solve full stick, under a given pressure or not; the tolerance is that of the run."""
+        from spectral_contact.contact.full_stick import full_stick, smooth_full_stick
+        from spectral_contact.contact.zone_problem import solve_stick
+
+        if drive is not None and parameters.alpha == 0.0 == parameters.beta:
+            return smooth_full_stick(drive)
+        form = parameters._replace(friction=math.inf), tolerance or self.rtol, self.max_unknowns
+        found = solve_stick(*form, drive=drive, pointwise=pointwise)
+        return full_stick(found, drive, pointwise=pointwise, ratios=ratios)
 
     def take_stick(self, stick: FullStick, scale: float) -> None:
         """Copy full stick, with everything tangential scaled: at friction 0 its ratios alone."""

@@ -45,8 +45,8 @@ class UncoupledRun(Run):
         between two frictions at which it does (docs/internals).
         """
         from spectral_contact.contact.slip_outcome import zones_outcome
-        from spectral_contact.contact.stick_disk import solve_given_radius
         from spectral_contact.contact.stick_radius import NoStickDiskError
+        from spectral_contact.contact.zone_problem import solve_given_radius
 
         contact = self._normal({step.name: step.state for step in self.plan.steps})
         drive, radius = self.drive(contact), Radius.from_logit(logit)

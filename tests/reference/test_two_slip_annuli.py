@@ -14,9 +14,10 @@ import pytest
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.full_stick import solve_full_stick
+from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact, series_of
+from spectral_contact.contact.zone_problem import solve_stick
 from spectral_contact.contact.zone_search import DrivenSearch
 from spectral_contact.equations.residuals import tangential_displacement
 from spectral_contact.fields.series import PressureField
@@ -55,7 +56,7 @@ def contact():
 def slipping(rtol):
     drive = Drive(contact())
     stuck = Parameters(drive.contact.compliance, BETA, 1.0, inf)
-    stick = solve_full_stick(stuck, rtol, 20_000, drive=drive).best.value
+    stick = full_stick(solve_stick(stuck, rtol, 20_000, drive=drive), drive).best.value
 
     def record(name, result, begin):
         return result.best.value if isinstance(result, Refinement) else result

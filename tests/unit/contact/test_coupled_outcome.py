@@ -8,10 +8,10 @@ import pytest
 
 from spectral_contact import Ending, Scene, solve
 from spectral_contact.contact import zone_search
-from spectral_contact.contact.full_stick import solve_full_stick
+from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.slip_outcome import zones_outcome
-from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_stick, solve_zones
 from spectral_contact.spectral.parameters import Parameters
 
 PARAMETERS = Parameters(0.3, 0.2, 0.25, 0.15)
@@ -75,7 +75,7 @@ def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(m
 
 
 def stick(most):
-    return solve_full_stick(Parameters(0.3, 0.2, 0.25, math.inf), 1e-10, most)
+    return full_stick(solve_stick(Parameters(0.3, 0.2, 0.25, math.inf), 1e-10, most))
 
 
 @functools.cache

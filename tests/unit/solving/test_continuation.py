@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import stick_disk, zone_newton, zone_problem, zone_search
+from spectral_contact.contact import zone_newton, zone_problem, zone_search
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -81,13 +81,13 @@ def test_everything_that_can_be_asked():
 
 def test_neighbours_find_the_disk_in_few_trials(monkeypatch):
     trials = []
-    original = stick_disk.StickDiskProblem.at
+    original = zone_problem.StickDiskProblem.at
 
     def counted(self, *arguments, **more):
         trials.append(1)
         return original(self, *arguments, **more)
 
-    monkeypatch.setattr(stick_disk.StickDiskProblem, "at", counted)
+    monkeypatch.setattr(zone_problem.StickDiskProblem, "at", counted)
     scenes = [Scene(0.3, 0.5, 0.5, f) for f in np.linspace(0.02, 0.09, 15)]
     counts = []
     continuation = Continuation(1e-8, ("stick_radius",), 20_000)

@@ -9,7 +9,7 @@ import pytest
 from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import solve_normal
-from spectral_contact.contact.stick_disk import solve_given_radius
+from spectral_contact.contact.zone_problem import solve_given_radius
 from spectral_contact.fields.series import Radius
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.spectral.parameters import Parameters
