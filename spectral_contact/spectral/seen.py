@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.blocks import Block
@@ -55,7 +55,7 @@ class Seen:
         for k, one in self.blocks.items():
             yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
 
-    def _columns(self, kind: DTypeLike, *, whole: bool) -> tuple[dict[int, slice], list[Array]]:
+    def _columns(self, *, whole: bool) -> tuple[dict[int, slice], list[Array]]:
         """Return the integrals of all parts side by side, those at nodes and those at samples."""
         places: dict[int, slice] = {}
         parts: tuple[list[Array], list[Array]] = [], []
@@ -67,7 +67,7 @@ class Seen:
             parts[one.sampled].append(values)
         shapes = len(self.nodes.d), len(self.nodes.samples)
         return places, [
-            np.hstack(each or [np.zeros((rows, 0))]).astype(kind, copy=False)
+            each[0] if len(each) == 1 else np.hstack(each or [np.zeros((rows, 0))])
             for each, rows in zip(parts, shapes, strict=True)
         ]
 
@@ -81,16 +81,17 @@ class Seen:
         other : Seen
             At the same nodes; by how much its integrals are more there, or `whole` ones.
         weights : ndarray, shape (nodes,)
-            In the precision of the sums.
         own : ndarray, optional
             The sums of what is given at the nodes themselves, if they are known.
         """
-        rows, (direct, sampled) = self._columns(weights.dtype, whole=True)
-        columns, (direct_other, sampled_other) = other._columns(weights.dtype, whole=whole)
-        w = weights[:, None]
+        alike, w = other is self and whole, weights[:, None]
+        rows, (direct, sampled) = self._columns(whole=True)
+        columns, (direct_other, sampled_other) = (
+            (rows, (direct, sampled)) if alike else other._columns(whole=whole)
+        )
         if own is not None:
-            on_nodes = own.astype(weights.dtype, copy=False)
-        elif other is self and whole:  # of one and its transpose NumPy computes one triangle
+            on_nodes = own
+        elif alike:  # of one and its transpose NumPy computes one triangle
             root = np.sqrt(w) * direct
             on_nodes = root.T @ root
         else:
@@ -98,10 +99,9 @@ class Seen:
         parts = [[on_nodes]]
         if sampled.shape[1] + sampled_other.shape[1]:  # what is smooth is summed over the samples
             spread, gathered = self.nodes.spread, self.nodes.gathered
-            left = np.hstack([gathered(w * direct), gathered(w * spread(sampled))])
-            below, beside = sampled.T @ gathered(w * direct_other), left.T @ sampled_other
-            split = direct.shape[1]
-            parts = [[on_nodes, beside[:split]], [below, beside[split:]]]
+            beside = gathered(w * direct).T @ sampled_other
+            below = beside.T if alike else sampled.T @ gathered(w * direct_other)
+            parts = [[on_nodes, beside], [below, gathered(w * spread(sampled)).T @ sampled_other]]
         for k, row in rows.items():
             for j, column in columns.items():
                 one, two = self.blocks[k], other.blocks[j]
