@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -58,6 +58,8 @@ Used: TypeAlias = tuple[int, ...] | LogPanels
 Nodes: TypeAlias = GradedNodes | PlainNodes
 #: Number of panels, width, degree, power.
 Form: TypeAlias = tuple[int, float, int, float]
+#: Half-integrals at consecutive nodes: rows and columns, and what is there.
+Strip: TypeAlias = tuple[tuple[slice, slice], Array]
 
 #: Distances, in units of a part's extent, up to which a difference is taken as such.
 _NEAR = 0.5
@@ -153,26 +155,17 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, nodes: Nodes, way: str
     return _OWN.get((panels, degrees, used, way), made)
 
 
-class Strip(NamedTuple):
-    """Half-integrals on a disk: nodes of panels in a row, the first function they see, and values.
-
-    They see functions on their own panel and deeper ones; those of the tail are with the last.
-    """
-
-    nodes: slice
-    first: int
-    values: Array
-
-
 def strips(nodes: GradedNodes, degrees: Degrees, size: int, whole: Array | None) -> list[Strip]:
-    """Return strips of so many functions, zeros or of a matrix: a part of it has few zeros."""
+    """Return strips of so many functions, zeros or of a matrix, on a disk: they have few zeros.
+
+    Nodes see functions on their own panel and deeper ones; those of the tail are with the last.
+    """
     rows = [0, *accumulate(map(len, nodes.end[:-1])), len(nodes.d)]
     seen, found = [0, *accumulate(n + 1 for n in degrees)], []
-    cuts = sorted({len(degrees) * k // _STRIPS for k in range(_STRIPS + 1)})
-    for low, high in pairwise(cuts):
-        own, first = slice(rows[low], rows[high]), seen[low]
-        shape = own.stop - own.start, size - first
-        found.append(Strip(own, first, np.zeros(shape) if whole is None else whole[own, first:]))
+    for low, high in pairwise(sorted({len(degrees) * k // _STRIPS for k in range(_STRIPS + 1)})):
+        own = slice(rows[low], rows[high]), slice(seen[low], size)
+        shape = rows[high] - rows[low], size - seen[low]
+        found.append((own, np.zeros(shape) if whole is None else whole[own]))
     return found
 
 
@@ -204,8 +197,8 @@ def half_integrals(
     kept = dict(zip(alike, _DEEPER.several([(count, form) for count in alike], made), strict=True))
     tail = deeper_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
     found, last, j = strips(nodes, degrees, len(columns), whole), len(columns) - tail.shape[1], 0
-    for rows, first, values in found:
-        stop, seen = rows.start, first
+    for (rows, own), values in found:
+        stop, seen, first = rows.start, own.start, own.start
         while j < len(degrees) and stop < rows.stop:
             start, stop = stop, stop + len(nodes.end[j])
             each = kept[stop - start].take(columns[seen:last] - j * terms, axis=1)
@@ -234,11 +227,11 @@ def disk_gram(nodes: GradedNodes, each: list[Strip], shear: bool) -> Array:
     """
     t = np.sqrt(nodes.rest)
     root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-    gram = np.zeros((each[0].values.shape[1],) * 2)
-    for rows, first, values in each:
+    gram = np.zeros((each[0][1].shape[1],) * 2)
+    for (rows, own), values in each:
         part = root[rows] * values
         # of a matrix and its own transpose NumPy computes one triangle, in half the time
-        gram[first:, first:] += part.T @ part
+        gram[own, own] += part.T @ part
     return gram
 
 

@@ -81,10 +81,8 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
         raise ValueError(f"points = {points}: must be at least 1")
     if points == 1:
         return _frozen(np.zeros(1), np.full(1, 2.0))
-    # the upper half, of which the lower one is the mirror image: roots of the eigenvalues that the
-    # square of the Jacobi matrix has in the rows of one parity
-    squares = np.zeros(points + points % 2)
-    order = np.arange(1.0, points) ** 2
+    # the upper half: the square of the Jacobi matrix couples rows of one parity alone
+    order, squares = np.arange(1.0, points) ** 2, np.zeros(points + points % 2)
     squares[1:points] = order / (4 * order - 1.0)
     diagonal, beside = squares[::2] + squares[1::2], np.sqrt(squares[1:-1:2] * squares[2::2])
     # LAPACK takes no empty array

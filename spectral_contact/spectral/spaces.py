@@ -129,8 +129,8 @@ class Space(NodalSpace):
         rows = np.atleast_2d(weighted).T
         sums = np.zeros((self.unknowns, rows.shape[1]))
         if len(self._used) == 1:
-            for own, first, values in self._strips:
-                sums[first:] += values.T @ rows[own]
+            for (here, own), values in self._strips:
+                sums[own] += values.T @ rows[here]
         else:
             for seen, each in zip(self._seen, np.split(rows, self._ends), strict=True):
                 for k, one in seen.tested(each):
@@ -142,7 +142,7 @@ class Space(NodalSpace):
         values = np.empty((self.unknowns, 1))
         values[self._order.place, 0] = coefficients[self.index]
         if len(self._used) == 1:
-            return np.concatenate([own @ values[first:, 0] for _, first, own in self._strips])
+            return np.concatenate([one @ values[own, 0] for (_, own), one in self._strips])
         each = [values[one] for one in self._order.columns]
         return np.concatenate([seen.more(each, whole=True)[:, 0] for seen in self._seen])
 
