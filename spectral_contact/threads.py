@@ -147,9 +147,10 @@ class _Hold(ContextDecorator):
         if mine.depth:
             return
         with self._lock:
-            _give_back(mine.before)
             self._inside -= 1
-            if self._inside == 0:
+            if mine.before:
+                _give_back(mine.before)
+            if self._before and self._inside == 0:
                 _give_back(self._before)
 
     def renew_after_forks(self) -> None:

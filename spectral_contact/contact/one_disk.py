@@ -267,7 +267,7 @@ class OneDiskProblem:
             limit = series_of(panels, change).limit
             continuous = change - limit / trial.unit * trial.response
         indicators = expected_error(share_of_change(panels, continuous, series.at_ends()), rates)
-        own, propagated = float(rates[np.argmax(indicators)]), SAFETY * normal.rate**2
+        own, propagated = float(rates[indicators.argmax()]), SAFETY * normal.rate**2
         # with little friction the target is a small difference, but rounds less at the centre
         at_rim = self.drive.value(radius.rest)
         cancelled = at_rim / float(np.abs(trial.target).max())
