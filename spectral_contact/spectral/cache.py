@@ -28,6 +28,9 @@ _CLOCK = count()
 #: made that are one part in `_SHARE` of it: counting takes 3 ms.
 _MOST, _LARGE, _SHARE = 256 * 2**20, 2**20, 8
 
+# glibc gives arrays back to the system, to touch them anew, until one as large has been freed
+np.empty(_LARGE)
+
 
 @dataclass(slots=True)
 class _Entry(Generic[V]):
