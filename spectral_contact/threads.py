@@ -6,14 +6,15 @@ to the process, or to each of its threads, as the BLAS library has it; what is h
 
 from __future__ import annotations
 
+import ctypes
 import functools
+import itertools
 import os
 import threading
 from collections.abc import Callable
 from contextlib import ContextDecorator, nullcontext
-from typing import Any, Final, TypeVar
-
-from threadpoolctl import ThreadpoolController
+from importlib import import_module
+from typing import Any, Final, NamedTuple, TypeVar
 
 __all__ = ["THREADS", "cached_property", "look_for_blas", "one_thread"]
 
@@ -28,6 +29,16 @@ THREADS: Final = (
     "BLIS_NUM_THREADS",
 )
 
+#: Modules of NumPy and SciPy that call BLAS, what OpenBLAS may call its number of threads, and what
+#: there is if each thread has one.
+_CALLERS: Final = "numpy.linalg._umath_linalg", "scipy.linalg._fblas"
+_ASKED: Final = tuple(
+    f"{first}openblas_get_num_threads{last}"
+    for first in ("scipy_", "")
+    for last in ("64_", "", "_64")
+)
+_OPENMP: Final = "omp_get_max_threads"
+
 
 class cached_property(functools.cached_property[T]):
     """As of functools, without the lock that it has before Python 3.12.
@@ -40,26 +51,49 @@ class cached_property(functools.cached_property[T]):
         self.lock = nullcontext()
 
 
-class _Library:
+class _Library(NamedTuple):
     """A BLAS library: how to ask for its number of threads, and how to set it.
 
-    Parameters
-    ----------
-    found : threadpoolctl.LibController
+    And whether each thread has a number of its own.
     """
 
-    def __init__(self, found: Any) -> None:
-        openblas = found.internal_api == "openblas"
-        openmp = openblas and found.threading_layer == "openmp"
-        self.number: Callable[[], int | None] = found.get_num_threads
-        self.set: Callable[[int], object] = found.set_num_threads
-        #: Whether each thread has a number of its own.
-        self.by_thread: bool = openmp or found.internal_api == "mkl"
-        if openblas and not openmp:
-            # newer threadpoolctl lets one thread alone set it, and ignores others silently
-            ask = next(name for name in found.check_symbols if hasattr(found.dynlib, name))
-            self.number = found.dynlib[ask]
-            self.set = found.dynlib[ask.replace("get_num", "set_num")]
+    number: Callable[[], int | None]
+    set: Callable[[int], object]
+    by_thread: bool = False
+
+
+def _openblas(library: ctypes.CDLL) -> list[_Library]:
+    """Return the OpenBLAS that a library is, or needs, if there is one."""
+    asked = [name for name in _ASKED if hasattr(library, name)]
+    return [_Library(library[one], library[one.replace("get_num", "set_num")]) for one in asked[:1]]
+
+
+def _brought() -> list[_Library]:
+    """Return the OpenBLAS of NumPy and that of SciPy; nothing, if one of them has another BLAS.
+
+    To look through all libraries of a process takes 2 ms, half of what a first solve does.
+    """
+    try:
+        callers = [ctypes.CDLL(import_module(name).__file__) for name in _CALLERS]
+    except (ImportError, OSError):
+        return []
+    found = [[] if hasattr(one, _OPENMP) else _openblas(one) for one in callers]
+    return [*itertools.chain(*found)] if all(found) else []
+
+
+def _present() -> list[_Library]:
+    """Return all BLAS libraries of this process."""
+    from threadpoolctl import ThreadpoolController
+
+    found = []
+    for one in ThreadpoolController().select(user_api="blas").lib_controllers:
+        openblas = one.internal_api == "openblas"
+        openmp = openblas and one.threading_layer == "openmp"
+        # newer threadpoolctl lets one thread alone set it, and ignores others silently
+        own = _openblas(one.dynlib) if openblas and not openmp else []
+        by_thread = openmp or one.internal_api == "mkl"
+        found += own or [_Library(one.get_num_threads, one.set_num_threads, by_thread)]
+    return found
 
 
 class _Mine(threading.local):
@@ -81,19 +115,18 @@ class _Hold(ContextDecorator):
         self._inside = 0
         self._before: list[tuple[_Library, int]] = []
 
-    def look(self) -> None:
-        """Find the BLAS libraries of this process; NumPy and SciPy often bring one each."""
-        import scipy.linalg  # noqa: F401  (its library has to be there to be found)
-
+    def look(self, *, first: bool = False) -> list[_Library]:
+        """Find all BLAS libraries of this process, or at first, if possible, what is called."""
         with self._lock:
-            found = ThreadpoolController().select(user_api="blas").lib_controllers
-            self._libraries = [_Library(one) for one in found]
+            if self._libraries is None or not first:
+                self._libraries = (_brought() if first else []) or _present()
+            return self._libraries
 
     def __enter__(self) -> int | None:
         """Put BLAS to one thread, if it is not; return how many it has, where that is known."""
-        if self._libraries is None:
-            self.look()
-        libraries, mine = self._libraries or [], self._mine
+        libraries, mine = self._libraries, self._mine
+        if libraries is None:
+            libraries = self.look(first=True)
         if mine.depth == 0:
             with self._lock:
                 for library in libraries:
@@ -114,9 +147,10 @@ class _Hold(ContextDecorator):
         if mine.depth:
             return
         with self._lock:
-            _give_back(mine.before)
             self._inside -= 1
-            if self._inside == 0:
+            if mine.before:
+                _give_back(mine.before)
+            if self._before and self._inside == 0:
                 _give_back(self._before)
 
     def renew_after_forks(self) -> None:
@@ -145,7 +179,7 @@ def _give_back(numbers: list[tuple[_Library, int]]) -> None:
 _HOLD: Final = _Hold()
 _HOLD.renew_after_forks()
 
-#: Look for BLAS libraries again, for those that were loaded since the first solve.
+#: Look for all BLAS libraries of the process: at first those of NumPy and SciPy are held.
 look_for_blas: Final = _HOLD.look
 
 

@@ -71,7 +71,7 @@ class _NormalProblem:
             shares = share_of_change(panels, change.coefficients * approach, pressure.at_ends())
             indicators = expected_error(shares, rates)
             error = pressure_error = float(indicators.max()) + FIELD_ROUNDING
-            worst = float(rates[np.argmax(indicators)])
+            worst = float(rates[indicators.argmax()])
             if self.drives:
                 for one in (change, factored.change(solution, degrees=1)):
                     lost = one.coefficients * approach

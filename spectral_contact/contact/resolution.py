@@ -230,7 +230,7 @@ def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
     places, least = _LAST_PLACES.get((degrees, terms), lambda: _last_places(degrees, terms))
     one, two, three, four = np.abs(table.ravel()[places])
     last, before = np.maximum(one, two), np.maximum(three, four)
-    ratio = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
+    ratio = np.divide(last, before, out=np.ones(len(last)), where=before > 0.0)
     # in a pattern of longer period the larger ones may be three degrees apart
     outer = (one >= two) & (four >= three)
     rate = np.where(outer, np.cbrt(ratio), np.sqrt(ratio))

@@ -5,30 +5,30 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["chebyshev_sums", "legendre_rows_between", "legendre_sum", "legendre_sums"]
+__all__ = ["chebyshev_sums", "legendre_sum", "legendre_sums", "legendre_sums_between"]
 
 Array = NDArray[np.float64]
 
 
-def legendre_rows_between(low: Array, high: Array, degree: int) -> Array:
-    """Return P_0 ... P_degree at ``-1 + low = 1 - high`` as rows, as accurate as the distances.
+def legendre_sums_between(values: Array, low: Array, high: Array, degree: int) -> Array:
+    """Return sums of values times P_0 ... P_degree at ``-1 + low = 1 - high``, in their last axis.
 
-    Next to either end the polynomials vary like ``degree**2`` times the distance, and rounding
-    the argument itself would cost that many eps.
+    The shapes are (n, q), of what it returns (n, degree + 1). They are as accurate as the
+    distances: next to either end the polynomials vary like ``degree**2`` times the distance, and
+    rounding the argument itself would cost that many eps.
     """
     near = np.minimum(low, high)
-    values = np.empty((degree + 1, *near.shape))
-    values[0] = 1.0
-    step = np.zeros(near.shape)  # P_n - P_(n-1) at 1 - near
-    product = np.empty(near.shape)
-    for n in range(degree):
-        np.multiply(near, values[n, ...], out=product)
-        product *= (2 * n + 1) / (n + 1)
-        step *= n / (n + 1)
-        step -= product
-        np.add(values[n, ...], step, out=values[n + 1, ...])
-    values[1::2] *= np.where(low < high, -1.0, 1.0)
-    return values
+    rows = np.empty((degree + 1, *near.shape))
+    rows[0] = 1.0
+    twice, step, product = 2.0 * near, -near, np.empty(near.shape)
+    for n in range(degree):  # T_n, and T_(n+1) - T_n at 1 - near
+        following = np.add(rows[n], step, out=rows[n + 1])
+        step -= np.multiply(twice, following, out=product)
+    sums = np.empty((len(near), degree + 1))
+    sums[:, ::2] = (values[:, None, :] @ rows[::2].transpose(1, 2, 0))[:, 0]
+    signed = np.where(low < high, -values, values)
+    sums[:, 1::2] = (signed[:, None, :] @ rows[1::2].transpose(1, 2, 0))[:, 0]
+    return np.asarray(sums @ _to_chebyshev(degree + 1))
 
 
 def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = None) -> Array:
@@ -46,10 +46,7 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     ndarray, shape (n,)
     """
     # as Chebyshev series: their recurrence has no factors that depend on the degree
-    terms = coefficients.shape[1]
-    known = terms <= len(_CHEBYSHEV)
-    matrix = _CHEBYSHEV[:terms, :terms] if known else _chebyshev_from_legendre(terms)
-    table = matrix @ coefficients.T
+    table = _to_chebyshev(coefficients.shape[1]) @ coefficients.T
     return chebyshev_sums(x, table if own is None else np.take(table, own, axis=1))
 
 
@@ -90,6 +87,11 @@ def _chebyshev_from_legendre(terms: int) -> Array:
 
 #: Of as many terms as any panel has; the matrix of fewer is its leading block.
 _CHEBYSHEV = _chebyshev_from_legendre(48)
+
+
+def _to_chebyshev(terms: int) -> Array:
+    known = terms <= len(_CHEBYSHEV)
+    return _CHEBYSHEV[:terms, :terms] if known else _chebyshev_from_legendre(terms)
 
 
 def legendre_sum(x: float, coefficients: list[float]) -> float:

@@ -13,6 +13,8 @@ __all__ = ["asked_quantities", "checked_tolerance", "closer_tolerance"]
 
 #: Integral quantities, which may be asked for at 1e-13.
 _INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
+#: Everything, of a flat punch and under a profile.
+_ALL = frozenset(QUANTITIES), frozenset({*QUANTITIES, *PROFILE_QUANTITIES})
 #: The tightest tolerance of fields.
 _TIGHTEST = 1e-12
 #: Zones that are not known are looked for at so much of the tolerance, where there is something to
@@ -28,8 +30,10 @@ def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) 
     SceneError
         For a name that is no quantity.
     """
+    if quantities is None:
+        return _ALL[shaped]
     known = (*PROFILE_QUANTITIES, *QUANTITIES) if shaped else QUANTITIES
-    return frozenset(known if quantities is None else names("quantities", quantities, known))
+    return frozenset(names("quantities", quantities, known))
 
 
 def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:

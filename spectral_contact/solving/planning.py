@@ -54,20 +54,17 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     SceneError
         For a name that is no quantity.
     """
-    instance("scene", scene, Scene)
-    shaped = scene.profile is not None
+    shaped = instance("scene", scene, Scene).profile is not None
     asked, friction = asked_quantities(quantities, shaped=shaped), scene.friction
-    kind = (
+    kind: tuple[object, ...] = (
         friction if friction in (None, 0.0, math.inf) else "finite",
         scene.poisson_ratio == 0.5,
         scene.normal_compliance == 0.0,
         scene.tangential_compliance == 0.0,
         scene.coupling,
-        shaped,
-        scene.layer is None,
-        endless(scene),
-        isinstance(scene.profile, Flat),
     )
+    if shaped:  # only then there may be a layer
+        kind = *kind, scene.layer is None, endless(scene), isinstance(scene.profile, Flat)
     return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
 
 

@@ -93,8 +93,9 @@ def solve(
 
 def _unsure(solution: Solution) -> bool:
     """Return whether there is slip in places, and at a tighter tolerance zones may be known."""
-    closer = closer_tolerance(solution.rtol)
-    return _zone_missing(solution) and len(solution.zones) > 1 and closer < solution.rtol
+    if not _zone_missing(solution) or len(solution.zones) < 2:
+        return False
+    return closer_tolerance(solution.rtol) < solution.rtol
 
 
 def _zone_missing(solution: Solution) -> bool:

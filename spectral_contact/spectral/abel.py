@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.legendre import legendre_rows_between
+from spectral_contact.fields.legendre import legendre_sums_between
 from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import (
@@ -109,12 +109,6 @@ def _panel(values: Array, local: Array, degree: int) -> Array:
     return np.asarray((values[:, None, :] @ legendre_values(local, degree))[:, 0, :])
 
 
-def _near_panel(values: Array, start: Array, end: Array, width: float, degree: int) -> Array:
-    """Contract likewise, at these distances from the shallow and the deep end of a panel."""
-    rows = legendre_rows_between(2.0 * start / width, 2.0 * end / width, degree)
-    return np.asarray((values[:, None, :] @ rows.transpose(1, 2, 0))[:, 0, :])
-
-
 def _root_rule(lower: Array, upper: Array, g: Array, w: Array) -> tuple[Array, ...]:
     """Return ``u``, ``u - lower``, ``upper - u`` and weights of ``int . du / (2 sqrt(u))``.
 
@@ -169,7 +163,7 @@ def near_blocks(
         if k == 0:
             start += from_start[:, None]
         values = np.exp(-(1.0 + power) * u) * _smooth(u) * weights
-        blocks[:, k] = _near_panel(values, start, end, width, degree)
+        blocks[:, k] = legendre_sums_between(values, 2.0 * start / width, 2.0 * end / width, degree)
         lower, upper = upper, upper + width
     return blocks
 
@@ -184,8 +178,7 @@ def far_blocks(to_end: Array, panels: int, width: float, degree: int, power: flo
     # far enough for 1 - exp(-u) to lose nothing, and exp(-u) is a product
     step = width * (1.0 + g) / 2.0
     values = np.exp(-start)[:, :, None] * np.exp(-step)
-    np.subtract(1.0, values, out=values)
-    np.sqrt(values, out=values)
+    np.sqrt(np.subtract(1.0, values, out=values), out=values)
     np.divide((width / 4) * np.exp(-(1.0 + power) * step), values, out=values)
     values *= np.exp(-(1.0 + power) * start)[:, :, None]
     return np.asarray(values @ legendre_projection_matrix(len(g), degree))
@@ -221,13 +214,15 @@ def outer_blocks(
         if k == 0:  # the panel ends before the point in the tail, or beyond it
             end += np.maximum(width - from_start, 0.0)[:, None]
         values = np.exp(-(0.5 + power) * offset) * _smooth(u) * weights
-        blocks[:, k] = _near_panel(values, offset, end, width, degree)
+        blocks[:, k] = legendre_sums_between(
+            values, 2.0 * offset / width, 2.0 * end / width, degree
+        )
         lower, upper = upper, upper + width
-    if panels > 2:
-        offset = width * (1.0 + g) / 2.0
-        start = from_start[:, None] + width * np.arange(2, panels)
-        u = start[:, :, None] - offset
-        values = (width / 4) * np.exp(-(0.5 + power) * offset) / np.sqrt(-np.expm1(-u))
+    if panels > 2:  # as of `far_blocks`
+        offset, start = width * (1.0 + g) / 2.0, from_start[:, None] + width * np.arange(2, panels)
+        values = np.exp(-start)[:, :, None] * np.exp(offset)
+        np.sqrt(np.subtract(1.0, values, out=values), out=values)
+        np.divide((width / 4) * np.exp(-(0.5 + power) * offset), values, out=values)
         blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
     return blocks
 
@@ -301,32 +296,45 @@ def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0)
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), tail])
 
 
-def outer(d: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+def outer(
+    d: Array,
+    panels: int,
+    width: float,
+    degree: int,
+    power: float = 0.0,
+    functions: NDArray[np.int_] | None = None,
+) -> Array:
     """Return the matrix of the `outer` integral at arbitrary distances in [0, 1].
 
-    Shapes are those of `deeper`; `power` is the endpoint weight, with which d must be positive.
+    Shapes are those of `deeper`, or columns are those of some functions and of the tail; `power` is
+    the endpoint weight, with which d must be positive.
     """
-    end = np.exp(-panels * width)
+    end, terms = np.exp(-panels * width), degree + 1
     x = -np.log(np.maximum(d, _TINY))
-    own = np.clip(np.floor(x / width).astype(int), 0, panels - 1)
-    matrix = np.zeros((len(d), panels, degree + 1))
-    scale = np.exp(-(0.5 + power) * width * np.arange(panels))
+    own = np.clip(np.floor(x / width).astype(int), 0, panels + 1)
+    inner = np.arange(panels * terms) if functions is None else functions[:-TAIL_TERMS]
+    panel = inner // terms
+    # a panel is as far from that of a point as it is higher up
+    places, scale = inner - 2 * terms * panel, np.exp(-(0.5 + power) * width * panel)
+    matrix = np.zeros((len(d), len(inner) + TAIL_TERMS))
+    matrix[:, len(inner) :] = _outer_tail(d, end, power)
     # far below the panels the plain rule keeps the distance itself
-    clear = x > (panels + 1) * width
-    matrix[clear] = _plain(-d[clear], panels, width, degree, power)
+    clear = own > panels
+    plain = _plain(-d[clear], panels, width, degree, power)
+    matrix[clear, : len(inner)] = plain.reshape(-1, panels * terms)[:, inner]
     found: list[tuple[Array, Array]] = []
-    number = np.bincount(own[~clear], minlength=1)
-    for i in np.flatnonzero(number):
-        rows = np.flatnonzero((own == i) & ~clear)
+    number = np.bincount(own, minlength=1)[: panels + 1]
+    for place in np.flatnonzero(number).tolist():
+        rows, i = np.flatnonzero(own == place), min(place, panels - 1)
         offset = np.maximum(x[rows] - i * width, 0.0)
         known = _alike(found, offset)
         if known is None:
-            last = int(np.flatnonzero(number == len(rows))[-1])
-            known = outer_blocks(offset, last + 1, width, degree, power)
+            most = min(int(np.flatnonzero(number == len(rows))[-1]) + 1, panels)
+            known = outer_blocks(offset, most, width, degree, power).reshape(len(rows), -1)
             found.append((offset, known))
-        blocks = known[:, : i + 1]
-        matrix[rows, : i + 1] = blocks[:, ::-1] * scale[: i + 1, None]
-    return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), _outer_tail(d, end, power)])
+        last = np.searchsorted(panel, i, "right")
+        matrix[rows, :last] = known.take(i * terms + places[:last], axis=1) * scale[:last]
+    return matrix
 
 
 def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
@@ -401,23 +409,24 @@ def far_fall(e: Array, width: float, degrees: tuple[int, ...], power: float = 0.
     return charges.after(charges.d ** (1.0 + power) * (e[:, None] / (near * far * (near + far))))
 
 
-def rise(d: Array, panels: int, width: float, degree: int) -> Array:
+def rise(
+    whole: Array, functions: NDArray[np.int_], d: Array, panels: int, width: float, degree: int
+) -> Array:
     """Return by how much `outer` is more at distances `d` in [0, 1] than at the boundary itself.
 
-    Shapes are those of `deeper`. What is far from the boundary contributes a difference that is
-    taken as such, what is as near as the point is as small as its distance.
+    Of these functions, of which it is `whole`. What is far from the boundary contributes a
+    difference that is taken as such, what is as near as the point is as small as its distance.
     """
-    whole = beyond(np.zeros(1), panels, width, degree)[0]
-    matrix = outer(d, panels, width, degree) - whole
+    matrix = whole - beyond(np.zeros(1), panels, width, degree)[0, functions]
     source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     own = np.minimum(np.floor(x / width).astype(int), panels + 1)
     for i in np.unique(own[own >= 2]):
-        rows, far = np.flatnonzero(own == i), slice(0, min(i - 1, panels))
-        near = source[far]
+        rows, near = np.flatnonzero(own == i), source[: min(i - 1, panels)]
         e = d[rows, None, None]
         roots = np.sqrt(near - e), np.sqrt(near)
         values = (width / 4) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
         blocks = values @ legendre_projection_matrix(degree + EXTRA, degree)
-        matrix[rows, : blocks.shape[1] * (degree + 1)] = blocks.reshape(len(rows), -1)
+        last = np.searchsorted(functions, len(near) * (degree + 1))
+        matrix[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]
     return np.asarray(matrix)

@@ -11,6 +11,7 @@ places.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -51,6 +52,10 @@ Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
 Used: TypeAlias = tuple[int, ...] | LogPanels
 Nodes: TypeAlias = GradedNodes | PlainNodes
+#: Number of panels, width, degree, power.
+Form: TypeAlias = tuple[int, float, int, float]
+#: Half-integrals at consecutive nodes: rows and columns, and what is there.
+Strip: TypeAlias = tuple[tuple[slice, slice], Array]
 
 #: Distances, in units of a part's extent, up to which a difference is taken as such.
 _NEAR = 0.5
@@ -66,9 +71,7 @@ _STRIPS = 8
 
 # slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
 _OWN: BoundedCache[tuple[LogPanels, Degrees, Used, str], Block] = BoundedCache("own integrals", 256)
-_DEEPER: BoundedCache[tuple[tuple[int, ...], int, float, int, float], list[Array]] = BoundedCache(
-    "half-integrals", 24
-)
+_DEEPER: BoundedCache[tuple[int, Form], Array] = BoundedCache("half-integrals", 72)
 _HALVES: BoundedCache[tuple[LogPanels, Degrees, LogPanels, Used, bool], Block] = BoundedCache(
     "halves", 128
 )
@@ -134,30 +137,49 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, nodes: Nodes, way: str
 
     def made() -> Block:
         if way == "toward" and isinstance(nodes, GradedNodes):
-            return _vanishing(_half_integrals(panels, functions, nodes))
+            seen = np.zeros((len(d), len(functions)))
+            half_integrals(panels, degrees, nodes, seen)
+            return _vanishing(seen)
         if way == "toward":
             return _vanishing(deeper(d, *form, panels.power)[:, functions])
         if way == "beyond":
-            return _vanishing(outer(d, *form, panels.power)[:, functions])
+            return _vanishing(outer(d, *form, panels.power, functions))
         whole = _own(panels, degrees, used, nodes, "beyond").whole
         at = beyond(np.zeros(1), *form)[0, functions]
-        return Block(at, rise(d, *form)[:, functions], whole, False)
+        return Block(at, rise(whole, functions, d, *form), whole, False)
 
     return _OWN.get((panels, degrees, used, way), made)
 
 
-def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedNodes) -> Array:
-    """Return half-integrals at Galerkin nodes, which see their own panel and deeper ones.
+def strips(nodes: GradedNodes, degrees: Degrees, size: int, whole: Array | None) -> list[Strip]:
+    """Return strips of so many functions, zeros or of a matrix, on a disk: they have few zeros.
 
-    Of panels with as many nodes the blocks depend on how much deeper the functions are alone.
+    Nodes see functions on their own panel and deeper ones; those of the tail are with the last.
+    """
+    rows = [0, *accumulate(map(len, nodes.end[:-1])), len(nodes.d)]
+    seen, found = [0, *accumulate(n + 1 for n in degrees)], []
+    for low, high in pairwise(sorted({len(degrees) * k // _STRIPS for k in range(_STRIPS + 1)})):
+        own = slice(rows[low], rows[high]), slice(seen[low], size)
+        shape = rows[high] - rows[low], size - seen[low]
+        found.append((own, np.zeros(shape) if whole is None else whole[own]))
+    return found
+
+
+def half_integrals(
+    panels: LogPanels, degrees: Degrees, nodes: GradedNodes, whole: Array | None = None
+) -> list[Strip]:
+    """Return half-integrals of the functions up to these degrees at Galerkin nodes, in strips.
+
+    Of a matrix of zeros, if there is one. Of panels with as many nodes the blocks depend on how
+    much deeper the functions are alone.
     """
     terms, form = panels.degree + 1, (panels.panels, panels.width, panels.degree, panels.power)
-    starts = np.searchsorted(columns, np.arange(panels.panels + 1) * terms).tolist()
-    last, root = starts[-1], nodes.d[:, None] ** (0.5 + panels.power)
+    columns, root = panels.functions(degrees), nodes.d[:, None] ** (0.5 + panels.power)
     alike = {len(end): (start, end) for start, end in zip(nodes.start, nodes.end, strict=True)}
 
-    def made() -> list[Array]:
-        from_start, to_end = (np.concatenate(one) for one in zip(*alike.values(), strict=True))
+    def made(missing: list[tuple[int, Form]]) -> list[Array]:
+        ends = [alike[count] for count, _ in missing]
+        from_start, to_end = (np.concatenate(one) for one in zip(*ends, strict=True))
         near = min(panels.panels, 2) * terms
         blocks = np.empty((len(to_end), panels.panels * terms))
         blocks[:, :near] = near_blocks(to_end, from_start, *form).reshape(len(to_end), near)
@@ -166,44 +188,46 @@ def _half_integrals(panels: LogPanels, columns: NDArray[np.int_], nodes: GradedN
         far = far_blocks(panels.width * (1.0 - g) / 2.0, *form).reshape(SAMPLES, -1)
         spread = legendre_interpolation_matrix(2.0 * from_start / panels.width - 1.0, SAMPLES)
         np.matmul(spread, far, out=blocks[:, near:])
-        return np.split(blocks, np.cumsum(list(alike))[:-1])
+        return np.split(blocks, np.cumsum([count for count, _ in missing])[:-1])
 
-    kept = dict(zip(alike, _DEEPER.get((tuple(alike), *form), made), strict=True))
-    matrix = np.zeros((len(root), len(columns)))
-    stop = 0
-    for j, end in enumerate(nodes.end):
-        start, stop = stop, stop + len(end)
-        values = kept[len(end)].take(columns[starts[j] : last] - j * terms, axis=1)
-        np.multiply(values, root[start:stop], out=matrix[start:stop, starts[j] : last])
-    form_of_tail = panels.end, panels.tail_terms, panels.power, panels.root_tail
-    matrix[:, last:] = deeper_tail(nodes.d, *form_of_tail)
-    return matrix
+    kept = dict(zip(alike, _DEEPER.several([(count, form) for count in alike], made), strict=True))
+    tail = deeper_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
+    found, last, j = strips(nodes, degrees, len(columns), whole), len(columns) - tail.shape[1], 0
+    for (rows, own), values in found:
+        stop, seen, first = rows.start, own.start, own.start
+        while j < len(degrees) and stop < rows.stop:
+            start, stop = stop, stop + len(nodes.end[j])
+            each = kept[stop - start].take(columns[seen:last] - j * terms, axis=1)
+            here = values[start - rows.start : stop - rows.start, seen - first : last - first]
+            np.multiply(each, root[start:stop], out=here)
+            seen, j = seen + degrees[j] + 1, j + 1
+        values[:, last - first :] = tail[rows]
+    return found
 
 
 def kept_disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return `disk_gram` (cached)."""
-    return _GRAMS.get((panels, degrees, shear), lambda: disk_gram(panels, degrees, shear))
+    """Return `disk_gram` where the half-integrals are kept as one matrix (cached)."""
+
+    def made() -> Array:
+        nodes = graded_nodes(panels, degrees)
+        whole = _own(panels, degrees, degrees, nodes, "toward").whole
+        return disk_gram(nodes, strips(nodes, degrees, whole.shape[1], whole), shear)
+
+    return _GRAMS.get((panels, degrees, shear), made)
 
 
-def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return the Gram matrix of the half-integrals on a disk, of unit extent and radius.
+def disk_gram(nodes: GradedNodes, each: list[Strip], shear: bool) -> Array:
+    """Return the Gram matrix of half-integrals on a disk, of unit extent and radius.
 
     With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
-    nodes = graded_nodes(panels, degrees)
     t = np.sqrt(nodes.rest)
     root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-    own = _own(panels, degrees, degrees, nodes, "toward").whole
-    gram = np.zeros((own.shape[1],) * 2)
-    # the nodes of a panel see its own functions and those of deeper panels
-    rows = np.cumsum([0, *map(len, nodes.start)])
-    rows[-1] = len(root)
-    seen = np.cumsum([0, *(n + 1 for n in degrees)]).tolist()
-    for strip in np.array_split(np.arange(panels.panels), min(_STRIPS, panels.panels)):
-        first, here = seen[strip[0]], slice(rows[strip[0]], rows[strip[-1] + 1])
-        part = root[here] * own[here, first:]
+    gram = np.zeros((each[0][1].shape[1],) * 2)
+    for (rows, own), values in each:
+        part = root[rows] * values
         # of a matrix and its own transpose NumPy computes one triangle, in half the time
-        gram[first:, first:] += part.T @ part
+        gram[own, own] += part.T @ part
     return gram
 
 

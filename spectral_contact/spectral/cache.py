@@ -6,8 +6,9 @@ import ctypes
 import os
 import sys
 import threading
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
 from typing import Any, Generic, TypeVar
 from weakref import WeakSet
@@ -26,6 +27,9 @@ _CLOCK = count()
 #: Most bytes that all caches together keep; they are counted when entries of `_LARGE` or more were
 #: made that are one part in `_SHARE` of it: counting takes 3 ms.
 _MOST, _LARGE, _SHARE = 256 * 2**20, 2**20, 8
+
+# glibc gives arrays back to the system, to touch them anew, until one as large has been freed
+np.empty(_LARGE)
 
 
 @dataclass(slots=True)
@@ -78,6 +82,14 @@ class BoundedCache(Generic[K, V]):
                 BoundedCache._uncounted = 0
                 _shrink()
         return value
+
+    def several(self, keys: list[K], make: Callable[[list[K]], Iterable[V]]) -> list[V]:
+        """Return the entries of keys; `make()` makes those that are not there together."""
+        with self._lock:
+            found = {key: self._entries[key].value for key in keys if key in self._entries}
+            if missing := [key for key in keys if key not in found]:
+                found |= zip(missing, make(missing), strict=True)
+            return [self.get(key, partial(found.__getitem__, key)) for key in keys]
 
     def entries(self) -> list[tuple[K, _Entry[V]]]:
         """Return keys and entries; none while a thread works here.

@@ -13,7 +13,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.legendre import legendre_rows_between
+from spectral_contact.fields.legendre import legendre_sums_between
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -148,8 +148,8 @@ class CellSpace(NodalSpace):
                     from_start = step * (2.0 * first[:, None] + step)
                     rest = span[:, None] * (1.0 - share)
                     to_end = rest * (2.0 * (first + span)[:, None] - rest)
-                values = legendre_rows_between(2.0 * from_start / length, 2.0 * to_end / length, n)
-                row.append((values @ (w / 2.0)).T * span[:, None])
+                ends = 2.0 * from_start / length, 2.0 * to_end / length
+                row.append(legendre_sums_between(span[:, None] * (w / 2.0), *ends, n))
             rows.append(np.hstack(row))
         return np.ascontiguousarray(np.vstack(rows)[:, self.index])
 

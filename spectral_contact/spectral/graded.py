@@ -66,10 +66,10 @@ class GradedNodes:
         # integrals of functions on both neighbours have square roots at the ends of a panel
         around = [degrees[0] + 1, *degrees, TAIL_TERMS]  # at the centre the measure has one, too
         counts = [_node_count(max(around[j : j + 3])) for j in range(panels.panels)]
-        rules = {count: _clustered_rule(count) for count in set(counts)}
-        self.start: list[Array] = [h * rules[count][0] for count in counts]
-        self.end: list[Array] = [h * rules[count][0][::-1] for count in counts]
-        weights = np.concatenate([h * rules[count][1] for count in counts])
+        rules = {count: _clustered_rule(count, h) for count in set(counts)}
+        self.start: list[Array] = [rules[count][0] for count in counts]
+        self.end: list[Array] = [start[::-1] for start in self.start]
+        weights = np.concatenate([rules[count][1] for count in counts])
         x = np.concatenate([np.minimum(j * h + a, (j + 1) * h) for j, a in enumerate(self.start)])
         self.tail, on_tail = _tail_rule(panels)
         d = np.exp(-x)
@@ -141,12 +141,12 @@ class PlainNodes:
         return far_values(self.d)
 
 
-def _clustered_rule(points: int) -> tuple[Array, Array]:
-    """Return a rule on (0, 1) for functions with square roots at both ends."""
+def _clustered_rule(points: int, width: float) -> tuple[Array, Array]:
+    """Return a rule on (0, width) for functions with square roots at both ends."""
     g, w = gauss_rule(points)
     phi = np.pi / 4 * (1.0 + g)
     sine, cosine = np.sin(phi), np.cos(phi)
-    return sine**2, w * np.pi / 2.0 * sine * cosine
+    return width * sine**2, width * (w * np.pi / 2.0 * sine * cosine)
 
 
 def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:

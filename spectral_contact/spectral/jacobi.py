@@ -79,12 +79,15 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
     """
     if points < 1:
         raise ValueError(f"points = {points}: must be at least 1")
-    if points == 1:  # LAPACK takes no empty array
+    if points == 1:
         return _frozen(np.zeros(1), np.full(1, 2.0))
-    order = np.arange(1.0, points)
-    eigenvalues, _ = lapack.dsterf(np.zeros(points), order / np.sqrt(4 * order * order - 1.0))
-    # the upper half, of which the lower one is the mirror image
-    start = eigenvalues[points // 2 :].astype(np.longdouble)
+    # the upper half: the square of the Jacobi matrix couples rows of one parity alone
+    order, squares = np.arange(1.0, points) ** 2, np.zeros(points + points % 2)
+    squares[1:points] = order / (4 * order - 1.0)
+    diagonal, beside = squares[::2] + squares[1::2], np.sqrt(squares[1:-1:2] * squares[2::2])
+    # LAPACK takes no empty array
+    eigenvalues = lapack.dsterf(diagonal, beside)[0] if points > 2 else diagonal
+    start = np.sqrt(np.maximum(eigenvalues, 0.0)).astype(np.longdouble)
     if points % 2:
         start[0] = 0.0
     # polynomials whose leading coefficient is 1, which take the fewest steps

@@ -104,9 +104,8 @@ class LogPanels:
         return _FUNCTIONS.get((self, degrees, 0), lambda: self._functions(degrees))
 
     def _functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
-        terms = self.degree + 1
-        used = [j * terms + np.arange(n + 1) for j, n in enumerate(degrees)]
-        return np.concatenate([*used, np.arange(self.panels * terms, self.size)])
+        own = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
+        return np.append(own, np.arange(self.size - self.tail_terms, self.size))
 
     def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
         """Return places among these of so many top degrees of every panel, and of the tail's last.
@@ -116,10 +115,10 @@ class LogPanels:
         return _FUNCTIONS.get((self, degrees, count), lambda: self._top(degrees, count))
 
     def _top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
-        ends = np.cumsum(np.array(degrees) + 1).tolist()
-        tops = zip(ends, degrees, strict=True)
-        places = [np.arange(end - min(count, n), end) for end, n in tops]
-        return np.concatenate([*places, [ends[-1] + self.tail_terms - 1]])
+        functions, highest = self.functions(degrees), np.repeat(degrees, np.add(degrees, 1))
+        own = functions[: -self.tail_terms] % (self.degree + 1)
+        tops = np.flatnonzero(own > highest - np.minimum(count, highest))
+        return np.append(tops, len(functions) - 1)
 
     @property
     def samples(self) -> int:

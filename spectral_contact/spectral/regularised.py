@@ -194,19 +194,22 @@ class Regularised:
         ndarray, shape (size,) or (size, k)
             Coefficients, zero outside the space.
         """
-        space = self.space
-        fixed = 0.0 if load is None else self.compliance * load[space.index]
-        coefficients = np.zeros((space.size, *np.shape(target)[1:]))
+        space, index = self.space, self.space.index
+        columns = () if isinstance(target, float) else target.shape[1:]
+        coefficients = np.zeros((space.size, *columns))
         misfit = target
         rounds = 2 if correct and self.compliance < HARMLESS else 1
         for correction in range(rounds):
             if isinstance(misfit, float):
-                residual = misfit * space.constant_moments - fixed
+                residual = misfit * space.constant_moments
             else:
-                residual = space.moments(misfit.T) - fixed
+                residual = space.moments(misfit.T)
+            if load is not None:
+                residual -= self.compliance * load[index]
             if correction and self.compliance != 0.0:
-                residual -= self.compliance * (space.mass @ coefficients[space.index]).T
-            coefficients[space.index] += self.cholesky.solve(residual).T
+                residual -= self.compliance * (space.mass @ coefficients[index]).T
+            step = self.cholesky.solve(residual).T
+            coefficients[index] = coefficients[index] + step if correction else step
             if correction + 1 < rounds:
                 misfit = target - space.half_integral(coefficients)
         return coefficients
@@ -217,7 +220,7 @@ class Regularised:
         That is what its value is most sensitive to.
         """
         index = self.space.index
-        coefficients = np.zeros_like(functional)
+        coefficients = np.zeros(len(functional))
         coefficients[index] = self.cholesky.solve(functional[index])
         return coefficients
 
@@ -230,7 +233,7 @@ class Regularised:
         index = self.space.index
         kept = self.space.kept if degrees == 2 else self.space.kept_but_one
         shed = self.cholesky.shed(coefficients[index], kept)
-        change = np.zeros_like(coefficients)
+        change = np.zeros(len(coefficients))
         change[index] = shed
         places = self.space.panels + 1
         energies = np.bincount(self.space.panel, shed**2 * self.cholesky.diagonal, places)

@@ -14,7 +14,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import spectral_contact
-from spectral_contact import ConvergenceError, Scene, solve
+from spectral_contact import ConvergenceError, Scene, solve, threads
 from spectral_contact import __main__ as cli
 from spectral_contact.precise import reference
 from spectral_contact.solving.run import Run
@@ -157,6 +157,15 @@ def test_numbers_of_threads_are_given_back_by_each():
         assert (library.number(), other.submit(library.number).result()) == (2, 1)
         other.submit(hold.__exit__).result()
         assert (library.number(), other.submit(library.number).result()) == (2, 4)
+
+
+@three_threads
+@pytest.mark.parametrize("other", [("_ASKED", ()), ("_CALLERS", ("no.such",)), ("_OPENMP", "exit")])
+def test_all_libraries_are_found_where_the_callers_have_another_one(monkeypatch, other):
+    monkeypatch.setattr(threads, *other)
+    assert threads._brought() == []
+    with _Hold() as count:
+        assert (count, blas()) == (1, ONE)
 
 
 # -- in a fresh process ---------------------------------------------------------------------------
