@@ -22,8 +22,6 @@ from spectral_contact.inputs.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
 
-__all__ = ["VERSION", "Benchmark", "CheckNumber", "Recipe", "Stiffness", "export", "load", "names"]
-
 #: Version of the problems and their numbers, which is to be cited with the name of one.
 VERSION: Final = "1.0"
 

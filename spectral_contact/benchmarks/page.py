@@ -10,8 +10,6 @@ from spectral_contact.scene import Scene
 if TYPE_CHECKING:  # a benchmark writes its page when asked to
     from spectral_contact.benchmarks.loader import Benchmark, CheckNumber, Stiffness
 
-__all__ = ["page"]
-
 #: The instance in SI units: Young's modulus [Pa], radius [m], load [N].
 _E, _A, _P = 210e9, 10e-3, 1e3
 _SHORT = {

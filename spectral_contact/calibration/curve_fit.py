@@ -20,8 +20,6 @@ from spectral_contact.inputs.choices import names
 from spectral_contact.scene import Scene
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["fit_indentation"]
-
 Array = NDArray[np.float64]
 
 #: What ends the search, of the tolerance of the solves.

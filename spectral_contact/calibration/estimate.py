@@ -31,8 +31,6 @@ from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["LawComparison", "compare_laws", "fit"]
-
 Array = NDArray[np.float64]
 Measurement = ApproachData | PressureData | StickRadiusData
 

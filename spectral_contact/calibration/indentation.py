@@ -25,14 +25,6 @@ from spectral_contact.inputs.choices import one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 
-__all__ = [
-    "INDENTATION_PARAMETERS",
-    "CurveProblem",
-    "IndentationData",
-    "IndentationFit",
-    "curve_load",
-]
-
 Array = NDArray[np.float64]
 
 #: What can be fitted: E* [Pa], alpha [m/Pa], and the depth at which the punch touches [m].

@@ -29,8 +29,6 @@ from spectral_contact.profiles import Flat, Profile
 from spectral_contact.scene import Scene
 from spectral_contact.solving.layered import through_layer
 
-__all__ = ["LawProblem", "LayeredLoad", "layered_load"]
-
 Array = NDArray[np.float64]
 
 _MOST_UNKNOWNS: Final = 20_000

@@ -18,8 +18,6 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import finite, real
 from spectral_contact.inputs.choices import instance, one_of
 
-__all__ = ["ApproachData", "Data", "PressureData", "StickRadiusData"]
-
 Array = NDArray[np.float64]
 
 

@@ -15,8 +15,6 @@ from spectral_contact.inputs.checks import real, whole
 from spectral_contact.io.documents import Refused, check_schema, key_complaint, reported
 from spectral_contact.scene import Scene
 
-__all__ = ["FittedParameter", "RoughnessFit", "check_settled"]
-
 _SCHEMA: Final = "spectral_contact.fit"
 _VERSION: Final = 1
 

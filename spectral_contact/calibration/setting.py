@@ -27,8 +27,6 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.slopes import SolutionSlopes
 from spectral_contact.threads import one_thread
 
-__all__ = ["PARAMETERS", "SLOPE_ERROR", "Layer", "Setting"]
-
 Array = NDArray[np.float64]
 #: Values of the parameters in the units of the scene; friction may be absent, as in a scene.
 Layer = Mapping[str, float | None]

@@ -20,8 +20,6 @@ from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
 from spectral_contact.view.report import table
 
-__all__ = ["OUTPUTS", "add_options", "run"]
-
 #: Suffixes of a stored table; a grid alone can be a dataset.
 OUTPUTS: Final = (".csv", ".npz", ".nc")
 

@@ -21,8 +21,6 @@ from spectral_contact.layers import (
     Table,
 )
 
-__all__ = ["LAW_NUMBERS", "add_layer", "law", "layer_given"]
-
 #: Laws by the name on the command line, with what they need and what they may have.
 _NAMED: Final[dict[str, tuple[Callable[..., Layer], tuple[str, ...], tuple[str, ...]]]] = {
     "power-law": (PowerLaw, ("coefficient", "exponent"), ()),

@@ -12,8 +12,6 @@ import numpy as np
 
 from spectral_contact.errors import SpectralContactError
 
-__all__ = ["UsageError", "friction", "joined", "number", "resolution", "values", "whole"]
-
 # Narrower than float() and int(), which take 1_000 and the digits of every script.
 _DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
 _NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)

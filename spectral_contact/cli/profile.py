@@ -13,15 +13,6 @@ from spectral_contact.inputs.units import in_si
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 
-__all__ = [
-    "add_any_scene",
-    "add_profile",
-    "any_scene",
-    "in_si_units",
-    "profile_given",
-    "profile_scene",
-]
-
 #: Profiles that numbers describe, by the name on the command line.
 _NAMED: Final = {
     "parabola": "Parabola",

@@ -10,16 +10,6 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.units import has_unit
 from spectral_contact.scene import Scene
 
-__all__ = [
-    "add_coupling",
-    "add_physical",
-    "add_scene",
-    "defaults",
-    "in_options",
-    "scene",
-    "si_given",
-]
-
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
 _SI_COMPLIANCES: Final = ("normal_compliance_si", "tangential_compliance_si")
 _SI: Final = ("youngs_modulus", "radius", "load", "approach", *_SI_COMPLIANCES)

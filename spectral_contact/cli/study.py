@@ -16,8 +16,6 @@ from spectral_contact.studies.study import OwnSolver, convergence, work_precisio
 from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
 
-__all__ = ["KINDS", "OUTPUTS", "add_options", "run", "write"]
-
 #: The studies, and what they do.
 KINDS: Final = {
     "convergence": "error against unknowns and time of one solver",

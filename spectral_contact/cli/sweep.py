@@ -25,8 +25,6 @@ from spectral_contact.view.report import table
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["OUTPUTS", "add_options", "run", "summary", "write"]
-
 #: Suffixes of a stored sweep.
 OUTPUTS: Final = (".nc", ".csv")
 _PARAMETERS: Final = {

@@ -30,8 +30,6 @@ from spectral_contact.equations.residuals import (
 )
 from spectral_contact.fields.series import DiskSeries, LogSeries, PressureField
 
-__all__ = ["CoupledTraction", "approach_bounds"]
-
 #: Relative rounding of the integrals, measured; the bounds are widened by it.
 _ROUNDING = 4e-15
 _POINTS = 28

@@ -19,8 +19,6 @@ from spectral_contact.inputs.checks import exactly_one, reals
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["OutsideRadii", "gap_outside", "outside_radii"]
-
 Array = NDArray[np.float64]
 
 #: Panels that shrink by this factor towards edge, breaks and centre; so many, with so many points:

@@ -18,15 +18,6 @@ from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
 from spectral_contact.inputs.checks import real, values_at
 from spectral_contact.inputs.choices import function, listed
 
-__all__ = [
-    "approach_slope",
-    "load",
-    "normal_displacement",
-    "outer_displacement",
-    "shear_lift",
-    "tangential_displacement",
-]
-
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 _FINITE: dict[str, Any] = {"allowed": "finite"}

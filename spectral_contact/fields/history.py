@@ -15,8 +15,6 @@ from spectral_contact.inputs.checks import reals
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 
-__all__ = ["ContactHistory"]
-
 Array = NDArray[np.float64]
 
 #: What a history knows, in the order of the columns of `errors`.

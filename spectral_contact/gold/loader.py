@@ -26,8 +26,6 @@ from spectral_contact.profiles.control import CONTROLS, profile_from
 from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem
 
-__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "find", "load", "names", "table", "tables"]
-
 _SCHEMA: Final = "spectral_contact.gold"
 _VERSION: Final = 1
 _TABLE_KEYS: Final = ("schema", "version", "table", "regime", "script", "scenes")

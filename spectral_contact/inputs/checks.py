@@ -16,20 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = [
-    "exactly_one",
-    "finite",
-    "flag",
-    "lengths",
-    "radii",
-    "real",
-    "reals",
-    "scalar",
-    "tolerance",
-    "values_at",
-    "whole",
-]
-
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
 

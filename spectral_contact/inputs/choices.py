@@ -6,8 +6,6 @@ from typing import Any, TypeVar
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["function", "instance", "listed", "names", "one_of", "suggestion"]
-
 _T = TypeVar("_T")
 
 

@@ -8,8 +8,6 @@ from typing import Any, TypeVar
 
 from spectral_contact.errors import SceneError, shown
 
-__all__ = ["kind_from", "kind_tree"]
-
 T = TypeVar("T")
 
 

@@ -13,8 +13,6 @@ from typing import Any, Final
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import exactly_one, real
 
-__all__ = ["LARGEST_COMPLIANCE", "SMALLEST_COMPLIANCE", "PhysicalData", "checked_poisson_ratio"]
-
 #: What a dimensionless compliance may be, besides 0.
 SMALLEST_COMPLIANCE: Final = 1e-14
 LARGEST_COMPLIANCE: Final = 1e14

@@ -13,8 +13,6 @@ from typing import Any, Final, Protocol
 
 from spectral_contact.errors import MissingDependencyError, SceneError, optional
 
-__all__ = ["Measured", "Quantity", "has_unit", "in_si"]
-
 
 class Quantity(Protocol):
     """What is used of a quantity of pint."""

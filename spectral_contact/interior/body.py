@@ -27,8 +27,6 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Inside"]
-
 Array = NDArray[np.float64]
 
 #: At how many radii the largest traction is looked for.

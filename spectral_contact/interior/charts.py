@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import CENTRE, Radius
 from spectral_contact.interior.mesh import BodyPoints
 
-__all__ = ["Chart", "CoordinateLine", "Polar", "Toroidal", "around", "from_toroidal"]
-
 Array = NDArray[np.float64]
 
 #: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.

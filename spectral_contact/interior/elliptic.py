@@ -9,8 +9,6 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-__all__ = ["Elliptic", "elliptic", "solid_angle"]
-
 Array = NDArray[np.float64]
 
 #: Up to this parameter the series serves; beyond, the definitions lose little.

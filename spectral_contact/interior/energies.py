@@ -16,8 +16,6 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["energies"]
-
 Array = NDArray[np.float64]
 Move = Callable[[BodyPoints], Displacement]
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from spectral_contact.fields.series import Radius
     from spectral_contact.solution import Solution
 
-__all__ = ["MEASURES", "largest"]
-
 Array = NDArray[np.float64]
 #: Stress at points, to a tolerance or to all digits.
 StressAt = Callable[[BodyPoints, float | None], Stress]

@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from spectral_contact.interior.body import Inside
     from spectral_contact.solution import Solution
 
-__all__ = [
-    "QUANTITIES",
-    "UnitNames",
-    "Units",
-    "as_csv",
-    "as_npz",
-    "columns",
-    "dataset",
-    "own_units",
-    "si_units",
-    "unit_of",
-]
-
 Array = NDArray[np.float64]
 
 #: Columns of a table but for the places, and what they mean.

@@ -18,20 +18,6 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.interior.tails import Panelled, Tails
 
-__all__ = [
-    "AXIS",
-    "FAST",
-    "TIGHT",
-    "BodyMesh",
-    "BodyPoints",
-    "Evaluator",
-    "Grading",
-    "MeshNodes",
-    "Rule",
-    "Shrinking",
-    "graded",
-]
-
 Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]
 

@@ -13,8 +13,6 @@ from spectral_contact.interior.mesh import BodyPoints, Evaluator, Grading, grade
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["boundaries", "distance", "finite", "grading", "lost", "pointed", "singular", "within"]
-
 Array = NDArray[np.float64]
 
 #: E-folds of the panels towards the edge, where the loads are bounded and where they are not.

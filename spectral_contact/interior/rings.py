@@ -16,15 +16,6 @@ from scipy.special import ellipe
 
 from spectral_contact.interior.elliptic import Elliptic, elliptic, solid_angle
 
-__all__ = [
-    "Geometry",
-    "geometry",
-    "normal_displacement",
-    "normal_stress",
-    "radial_displacement",
-    "radial_stress",
-]
-
 Array = NDArray[np.float64]
 
 _TWO_OVER_PI = 2.0 / np.pi

@@ -22,8 +22,6 @@ from spectral_contact.interior.mesh import (
 from spectral_contact.interior.patches import Relative, interpolate
 from spectral_contact.threads import cached_property
 
-__all__ = ["Sampler", "displacement_error", "stress_error", "stresses"]
-
 Array = NDArray[np.float64]
 
 #: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.

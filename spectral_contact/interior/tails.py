@@ -9,8 +9,6 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-__all__ = ["Panelled", "Tails"]
-
 Array = NDArray[np.float64]
 
 

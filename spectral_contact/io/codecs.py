@@ -17,20 +17,6 @@ from numpy.typing import NDArray
 from spectral_contact.errors import shown
 from spectral_contact.io.documents import Refused, key_complaint
 
-__all__ = [
-    "Array",
-    "Arrays",
-    "Choice",
-    "Either",
-    "Float",
-    "Kind",
-    "Maybe",
-    "Plain",
-    "Record",
-    "Several",
-    "Values",
-]
-
 #: Arrays by their place in the tree, in the order in which the tree names them.
 Arrays = dict[str, NDArray[np.float64]]
 

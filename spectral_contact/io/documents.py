@@ -20,23 +20,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SolutionFileError, shown
 
-__all__ = [
-    "YOUNGER",
-    "Refused",
-    "append_file",
-    "check_schema",
-    "create_file",
-    "key_complaint",
-    "left_out",
-    "netcdf",
-    "npz_members",
-    "path_text",
-    "read_file",
-    "replace_file",
-    "reported",
-]
-
-
 #: Metadata of a dataclass field that came after the first release: documents leave it out where it
 #: has its default, so that old files are read, and what does not use it is written as ever.
 YOUNGER: Final = {"younger": True}

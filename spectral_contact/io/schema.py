@@ -56,8 +56,6 @@ from spectral_contact.records import (
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 
-__all__ = ["CHOICES", "LAYERS", "PROFILES", "RECORDS", "SOLUTION"]
-
 _FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(str, "a text")
 _FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
 _MAYBE_FLOAT = Maybe(_FLOAT)

@@ -34,8 +34,6 @@ from spectral_contact.io.documents import (
 from spectral_contact.io.schema import SOLUTION
 from spectral_contact.solution import Solution
 
-__all__ = ["comparable", "from_json", "load", "save", "to_json"]
-
 _SCHEMA: Final = "spectral_contact.solution"
 _VERSION: Final = 1
 _MEMBERS: Final = ("schema", "version", "library", "sha256", "solution")

@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.layers.base import Layer, positive
 
-__all__ = ["GreenwoodWilliamson"]
-
 Array = NDArray[np.float64]
 
 _HEIGHTS = "gaussian", "exponential"

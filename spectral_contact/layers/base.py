@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import real, reals
 
-__all__ = ["Layer", "positive"]
-
 Array = NDArray[np.float64]
 
 #: Steps of bracketing and of bisection between neighbouring doubles.

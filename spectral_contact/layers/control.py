@@ -15,8 +15,6 @@ from spectral_contact.layers.laws import CalculixExponential, Exponential, Linea
 from spectral_contact.layers.sampled import Sampled, Table
 from spectral_contact.profiles.shapes import Flat
 
-__all__ = ["KINDS", "check_layer", "endless", "in_own_units", "layer_from", "refuse_layer"]
-
 #: Layers by the name that they have in files.
 KINDS: Final[dict[str, type[Layer]]] = {
     one.__name__: one

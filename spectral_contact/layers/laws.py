@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.layers.base import Layer, positive
 
-__all__ = ["CalculixExponential", "Exponential", "Linear", "PowerLaw"]
-
 Array = NDArray[np.float64]
 
 #: Below 1 the layer softens under pressure; beyond, it is as good as rigid at one overclosure.

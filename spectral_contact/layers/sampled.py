@@ -17,8 +17,6 @@ from spectral_contact.inputs.checks import finite, values_at
 from spectral_contact.inputs.choices import function, listed
 from spectral_contact.layers.base import Layer
 
-__all__ = ["Sampled", "Table"]
-
 Array = NDArray[np.float64]
 Rows = tuple[tuple[float, ...], ...]
 

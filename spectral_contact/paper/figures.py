@@ -14,8 +14,6 @@ from spectral_contact.paper.tables import RADII, FigureData, PaperFigure
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
-__all__ = ["FIGURES", "figure_data", "paper_figure", "slip_onset"]
-
 Array = NDArray[np.float64]
 
 #: The figures that can be made: the paper's by their numbers, and the one that it lacks.

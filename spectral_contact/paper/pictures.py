@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["check", "draw"]
-
 Array = NDArray[np.float64]
 
 #: Dashes of the curves of one family; dots are left to full stick, as in the paper.

@@ -19,8 +19,6 @@ from spectral_contact.paper.tables import FigureData, PaperFigure, complete_csv,
 from spectral_contact.view import plotting
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["Reproduced", "read_csv", "reproduce"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reproduced:

@@ -20,8 +20,6 @@ from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.view.radii import Radii
 
-__all__ = ["PARAMETERS", "RADII", "FigureData", "PaperFigure", "complete_csv", "whole_blocks"]
-
 Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
 #: The columns that every table begins with; f is 0 without friction, and infinite in full stick.

@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.inputs.checks import lengths
 
-__all__ = ["Profile"]
-
 Array = NDArray[np.float64]
 
 #: Radii beyond have squares that overflow.

@@ -25,16 +25,6 @@ from spectral_contact.profiles.shapes import (
     TruncatedCone,
 )
 
-__all__ = [
-    "ALL_CONTROLS",
-    "CONTROLS",
-    "KINDS",
-    "SHAPES",
-    "checked_controls",
-    "profile_from",
-    "refuse_profile",
-]
-
 #: What may be given of a contact under a profile, one of them.
 CONTROLS: Final = ("contact_radius", "load", "approach")
 #: The same where a layer may have pressure at every gap.

@@ -17,8 +17,6 @@ from spectral_contact.inputs.checks import finite, flag, real, values_at
 from spectral_contact.inputs.choices import function, listed
 from spectral_contact.profiles.base import Profile
 
-__all__ = ["Sampled"]
-
 Array = NDArray[np.float64]
 Rows = tuple[tuple[float, ...], ...]
 

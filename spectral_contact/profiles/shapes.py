@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from spectral_contact.inputs.checks import real
 from spectral_contact.profiles.base import Profile
 
-__all__ = ["Cone", "Flat", "Parabola", "PowerLaw", "RoundedFlat", "Sphere", "TruncatedCone"]
-
 Array = NDArray[np.float64]
 
 #: Beyond, powers of ordinary lengths leave the range of doubles.

@@ -9,8 +9,6 @@ from spectral_contact.inputs import checks
 from spectral_contact.inputs.choices import names
 from spectral_contact.records import PROFILE_QUANTITIES, QUANTITIES
 
-__all__ = ["asked_quantities", "checked_tolerance", "closer_tolerance"]
-
 #: Integral quantities, which may be asked for at 1e-13.
 _INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
 #: The tightest tolerance of fields.

@@ -34,8 +34,6 @@ from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
 
-__all__ = ["GrownField", "GrownFields", "opening"]
-
 Array = NDArray[np.float64]
 
 #: Width of the panels towards the ends of a part, and by how much a term gains there, which the

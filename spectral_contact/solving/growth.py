@@ -31,8 +31,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["Grower", "Growth", "Stage"]
-
 Array = NDArray[np.float64]
 #: Of a contact radius: the solution of a flat punch.
 Stage: TypeAlias = "Callable[[float], Solution]"

@@ -19,8 +19,6 @@ from spectral_contact.solving.stretch import (
 )
 from spectral_contact.spectral.jacobi import gauss_rule
 
-__all__ = ["history_of"]
-
 Array = NDArray[np.float64]
 
 #: Below the range of doubles.

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from spectral_contact.solution import Solution
     from spectral_contact.solving.weights import Weights
 
-__all__ = ["Panel", "PowerCurve"]
-
 Array = NDArray[np.float64]
 
 #: Where the convergence of the fields over the radius is looked at, in the stuck disk.

@@ -11,8 +11,6 @@ from spectral_contact.errors import SceneError
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 
-__all__ = ["through_layer"]
-
 #: Tolerance of a contact that is a first guess only.
 _ROUGH = 1e-4
 

@@ -25,8 +25,6 @@ from spectral_contact.spectral.jacobi import gauss_rule, graded_rule, legendre_e
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["outside_displacement", "reached"]
-
 Array = NDArray[np.float64]
 
 #: Panels in ``-ln Y`` and their points; deeper the surface is at the edge.

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import FlatPunches, Stages
 
-__all__ = ["ProfileRun"]
-
 #: Scenes that are extrapolated from, and how far in a logarithm.
 _POINTS, _FARTHEST = 4, 1.0
 #: Tolerance of normal contact where it is a measure only.

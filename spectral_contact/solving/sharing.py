@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
     from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["Place", "Shared", "StickPath", "ZonePath", "extrapolated", "place_of"]
-
 _T = TypeVar("_T")
 Array = NDArray[np.float64]
 Place: TypeAlias = tuple[float, float, float]

@@ -25,8 +25,6 @@ from spectral_contact.solution import Solution, Zone
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
 
-__all__ = ["PARAMETERS", "SolutionSlopes", "kappa_slope"]
-
 Array = NDArray[np.float64]
 
 #: What can be differentiated by, and what the system calls it.

@@ -20,17 +20,6 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.threads import cached_property
 
-__all__ = [
-    "FieldTable",
-    "RadiusStretch",
-    "chebyshev_nodes",
-    "chebyshev_series",
-    "chebyshev_value",
-    "interpolation_weights",
-    "left_out",
-    "slope",
-]
-
 Array = NDArray[np.float64]
 
 #: Of 19 random contacts the loads under spheres were up to 1.5 times farther off than this says.

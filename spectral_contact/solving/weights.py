@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.on_parts import Indentation
     from spectral_contact.solution import Solution
 
-__all__ = ["CoupledWeight", "NormalWeight", "SmoothWeight", "Weight", "Weights"]
-
 Array = NDArray[np.float64]
 
 #: Quadrature up to the radius in question, at which the kernel is singular, and far from it.

@@ -22,8 +22,6 @@ from spectral_contact.view.html import table_html
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table
 
-__all__ = ["Agreement", "Comparison", "compare"]
-
 Array = NDArray[np.float64]
 Numbers = Callable[..., Any] | ArrayLike
 

@@ -28,8 +28,6 @@ from spectral_contact.view.html import table_html
 from spectral_contact.view.progress import ProgressLine
 from spectral_contact.view.report import table
 
-__all__ = ["PARAMETERS", "Derivative", "FieldDerivative", "Sensitivity", "sensitivity"]
-
 Array = NDArray[np.float64]
 
 #: What can be differentiated.

@@ -28,8 +28,6 @@ from spectral_contact.studies.results import Convergence, Point, Study, WorkPrec
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
 from spectral_contact.view.report import scene_text
 
-__all__ = ["SUFFIXES", "load", "point_from_row", "point_row", "save"]
-
 #: What `save` knows.
 SUFFIXES: Final = (".json", ".csv")
 _SCHEMA: Final = "spectral_contact.study"

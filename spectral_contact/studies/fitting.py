@@ -14,8 +14,6 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.checks import finite, real, reals
 from spectral_contact.inputs.choices import listed
 
-__all__ = ["Line", "Rate", "fit_line", "fit_rate"]
-
 Array = NDArray[np.float64]
 
 #: Errors this small are rounding, whatever they are.

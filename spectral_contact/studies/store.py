@@ -24,8 +24,6 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.files import point_from_row, point_row
 from spectral_contact.studies.results import Point
 
-__all__ = ["StudyStore"]
-
 _SCHEMA: Final = "spectral_contact.study.point"
 _VERSION: Final = 1
 #: Every line begins like this, however short it was cut.

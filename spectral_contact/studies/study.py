@@ -23,8 +23,6 @@ from spectral_contact.studies.timing import Stopwatch, Times, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["OwnSolver", "convergence", "truth_of", "work_precision"]
-
 _STOPWATCH: Final = Stopwatch()
 _OF_SCENES: Final = "a scene and a resolution"
 #: Digits of a reference that is the truth.

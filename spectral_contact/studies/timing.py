@@ -28,8 +28,6 @@ from spectral_contact.threads import THREADS, look_for_blas, one_thread
 if TYPE_CHECKING:
     from spectral_contact.scene import Scene
 
-__all__ = ["Stopwatch", "Times", "Timing", "repeated", "times_of"]
-
 _START = (
     "import sys; sys.path[:] = {path!r}; from spectral_contact.studies.worker import main; main()"
 )

@@ -17,8 +17,6 @@ from spectral_contact.scene import Scene, same_problem
 from spectral_contact.studies.results import QUANTITIES
 from spectral_contact.testing.checks import field_of
 
-__all__ = ["PLACES", "Truth", "chosen", "estimate_of", "given_truth"]
-
 Array = NDArray[np.float64]
 
 _SCALARS = ("approach", "total_shear", "stick_radius")

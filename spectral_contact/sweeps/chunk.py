@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from spectral_contact.solving.solver import Continuation
     from spectral_contact.solving.uncoupled_run import FrictionOf
 
-__all__ = ["outcomes", "solve_chunk"]
-
 _LOG = logging.getLogger(__name__)
 
 #: Chunks that wait for a worker at any time; more would only hold memory.

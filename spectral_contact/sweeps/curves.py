@@ -11,8 +11,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LEAST", "WORTH", "Curves", "Placed", "nodes_needed"]
-
 Array = NDArray[np.float64]
 
 #: From so many scenes on some can be spared.

@@ -19,8 +19,6 @@ from spectral_contact.view.radii import graded_radii
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Collected", "assembled", "needed", "of_solution"]
-
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
     "poisson_ratio": ("Poisson's ratio ν", "1"),

@@ -20,8 +20,6 @@ from spectral_contact.contact.resolution import ROUNDING, TRACTION_ROUNDING
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.sweeps.spectra import NormalSpectrum, StickSpectrum
 
-__all__ = ["CertifiedNormal", "CertifiedStick", "certified_normal", "certified_stick"]
-
 Array = NDArray[np.float64]
 
 #: Least and largest logarithm of a compliance, and lattice points in a decade.

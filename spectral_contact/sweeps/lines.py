@@ -26,8 +26,6 @@ from spectral_contact.sweeps.request import SCALARS, Request, Served
 if TYPE_CHECKING:
     from spectral_contact.solving.uncoupled_run import FrictionOf
 
-__all__ = ["Solver", "between", "lines"]
-
 Array = NDArray[np.float64]
 
 #: What is proportional to kappa at the same ``f/kappa``.

@@ -20,18 +20,6 @@ from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 
-__all__ = [
-    "PARAMETERS",
-    "Columns",
-    "Indices",
-    "SceneForm",
-    "SweepParameters",
-    "alone",
-    "changed",
-    "grid",
-    "listed",
-]
-
 Array = NDArray[np.float64]
 #: Numbers of scenes.
 Indices = NDArray[np.intp]

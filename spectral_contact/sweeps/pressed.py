@@ -22,8 +22,6 @@ from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, nodes_needed
 from spectral_contact.sweeps.parameters import PARAMETERS, Columns, Indices
 from spectral_contact.sweeps.request import Request, Served
 
-__all__ = ["CURVED", "PressedSolver", "along", "indentation_curves", "pressed_alone"]
-
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 

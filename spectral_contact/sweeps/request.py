@@ -17,18 +17,6 @@ from spectral_contact.solving.asked import asked_quantities, checked_tolerance
 if TYPE_CHECKING:
     from spectral_contact.sweeps.parameters import Indices
 
-__all__ = [
-    "ENDINGS",
-    "FIELDS",
-    "SCALARS",
-    "Outcome",
-    "Request",
-    "Rows",
-    "Served",
-    "outcome_of",
-    "requested",
-]
-
 Array = NDArray[np.float64]
 
 #: Quantities that are a number for each scene: what a sweep asks for by default.

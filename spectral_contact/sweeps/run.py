@@ -40,8 +40,6 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["sweep"]
-
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
 #: Frictions, times Poisson's ratios, that make no chunk of their own any more.

@@ -11,8 +11,6 @@ from spectral_contact.sweeps.error_maps import certified_normal, certified_stick
 from spectral_contact.sweeps.parameters import Columns
 from spectral_contact.sweeps.request import Request, Served
 
-__all__ = ["eligible", "served"]
-
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 

@@ -24,8 +24,6 @@ from spectral_contact.spectral.jacobi import legendre_rows
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
 
-__all__ = ["NormalSpectrum", "StickSpectrum"]
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 

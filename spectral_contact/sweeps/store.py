@@ -32,8 +32,6 @@ from spectral_contact.io.documents import (
 )
 from spectral_contact.sweeps.request import Outcome
 
-__all__ = ["Store"]
-
 _SCHEMA: Final = "spectral_contact.sweep"
 _CHUNK_SCHEMA: Final = "spectral_contact.sweep.chunk"
 _VERSION: Final = 2

@@ -25,8 +25,6 @@ from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.testing.layered import LayerConditions
 
-__all__ = ["Check", "CheckReport", "by_distance", "check_solution", "field_of"]
-
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 

@@ -12,8 +12,6 @@ from spectral_contact.layers import Layer
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
 
-__all__ = ["LayerConditions"]
-
 Array = NDArray[np.float64]
 
 #: Where between the edge and the centre a steep law may turn from contact to gap.

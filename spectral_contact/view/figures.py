@@ -23,21 +23,6 @@ from spectral_contact.scene import Scene
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "BLACK",
-    "BLUE",
-    "FORMATS",
-    "GREEN",
-    "SLIP_GREY",
-    "VERMILION",
-    "math_number",
-    "new_figure",
-    "require",
-    "save",
-    "scene_title",
-    "style",
-]
-
 #: Suffixes that `save` knows.
 FORMATS = (".png", ".pdf", ".svg")
 

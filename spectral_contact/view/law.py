@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_law"]
-
 Array = NDArray[np.float64]
 
 #: How far beyond the largest pressure the law is drawn, and how far down without a start.

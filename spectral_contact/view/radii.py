@@ -14,8 +14,6 @@ from spectral_contact.inputs.checks import values_at, whole
 from spectral_contact.inputs.choices import function, instance
 from spectral_contact.solution import Solution, Zone
 
-__all__ = ["Radii", "bulk_limits", "from_zero", "graded_radii", "known_zones", "layer_depth"]
-
 Array = NDArray[np.float64]
 _MOST: Final = 10_000_000
 

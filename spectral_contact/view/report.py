@@ -21,17 +21,6 @@ from spectral_contact.view.radii import graded_radii
 if TYPE_CHECKING:
     from spectral_contact.view.physical import PhysicalSolution
 
-__all__ = [
-    "FIELDS",
-    "quantity_cells",
-    "report",
-    "scene_text",
-    "si_cells",
-    "table",
-    "write_csv",
-    "zone_cells",
-]
-
 #: Quantities that are functions of the radius: the columns of a table.
 FIELDS = ("pressure", "traction", "slip")
 _UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"

@@ -17,8 +17,6 @@ from spectral_contact.view.html import table_html, zones_svg
 from spectral_contact.view.radii import bulk_limits, graded_radii, known_zones, layer_depth
 from spectral_contact.view.report import quantity_cells
 
-__all__ = ["Look", "look_at"]
-
 Array = NDArray[np.float64]
 
 _RADII = 240

@@ -19,20 +19,6 @@ from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.solving.asked import checked_tolerance
 
-__all__ = [
-    "FLAT",
-    "KNOBS",
-    "RTOL",
-    "Knob",
-    "Texts",
-    "code_of",
-    "query_of",
-    "rtol_of",
-    "scene_of",
-    "texts_from",
-    "texts_of",
-]
-
 Texts = Mapping[str, str]
 
 #: The tolerance that nobody set.
