@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.calibration.indentation import (
     INDENTATION_PARAMETERS,
@@ -16,11 +15,10 @@ from spectral_contact.calibration.indentation import (
 )
 from spectral_contact.calibration.layered import LawProblem
 from spectral_contact.calibration.outcome import check_settled
+from spectral_contact.fields import Array
 from spectral_contact.inputs.choices import names
 from spectral_contact.scene import Scene
 from spectral_contact.view.progress import ProgressLine
-
-Array = NDArray[np.float64]
 
 #: What ends the search, of the tolerance of the solves.
 _SETTLED = 1e-2

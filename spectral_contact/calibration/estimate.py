@@ -12,7 +12,6 @@ from itertools import count
 from typing import Any, Final, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.calibration.curve_fit import fit_indentation
 from spectral_contact.calibration.indentation import IndentationData, IndentationFit
@@ -25,13 +24,13 @@ from spectral_contact.calibration.measurements import (
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, check_settled
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import real, whole
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine
 
-Array = NDArray[np.float64]
 Measurement = ApproachData | PressureData | StickRadiusData
 
 #: The range that is searched, within that of scenes.

@@ -15,17 +15,16 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import finite, reals
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
-
-Array = NDArray[np.float64]
 
 #: What can be fitted: E* [Pa], alpha [m/Pa], and the depth at which the punch touches [m].
 INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", "zero_point")

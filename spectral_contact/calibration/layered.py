@@ -16,20 +16,18 @@ from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.calibration.indentation import CurveProblem
 from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError
+from spectral_contact.fields import Array
 from spectral_contact.layers import GreenwoodWilliamson, Layer
 from spectral_contact.layers.control import in_own_units
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.scene import Scene
 from spectral_contact.solving.layered import through_layer
-
-Array = NDArray[np.float64]
 
 _MOST_UNKNOWNS: Final = 20_000
 #: Exponents between which is searched.

@@ -10,16 +10,14 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
 from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import finite, real
 from spectral_contact.inputs.choices import instance, one_of
-
-Array = NDArray[np.float64]
-
 
 _ABOVE_ZERO: dict[str, Any] = {"allowed": "finite and > 0", "low": 0.0, "low_open": True}
 

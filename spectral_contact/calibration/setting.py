@@ -13,12 +13,12 @@ from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.given_radius import radius_slopes
 from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
@@ -27,7 +27,6 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.slopes import SolutionSlopes
 from spectral_contact.threads import one_thread
 
-Array = NDArray[np.float64]
 #: Values of the parameters in the units of the scene; friction may be absent, as in a scene.
 Layer = Mapping[str, float | None]
 _Solver: TypeAlias = Callable[..., Solution]

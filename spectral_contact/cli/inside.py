@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.cli.options import UsageError, number, values
 from spectral_contact.cli.profile import any_scene
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.interior import Extreme, Inside
 from spectral_contact.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.io.documents import netcdf, read_file, replace_file, reported
@@ -22,8 +22,6 @@ from spectral_contact.view.report import table
 
 #: Suffixes of a stored table; a grid alone can be a dataset.
 OUTPUTS: Final = (".csv", ".npz", ".nc")
-
-Array = NDArray[np.float64]
 
 
 def add_options(command: argparse.ArgumentParser) -> None:

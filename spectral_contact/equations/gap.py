@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import exactly_one, reals
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
-
-Array = NDArray[np.float64]
 
 #: Panels that shrink by this factor towards edge, breaks and centre; so many, with so many points:
 #: the last point next to a break is as far off as its rounding.

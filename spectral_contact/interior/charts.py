@@ -12,12 +12,10 @@ from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, Radius
 from spectral_contact.interior.mesh import BodyPoints
-
-Array = NDArray[np.float64]
 
 #: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.
 _LINE, _NET = 241, (61, 41)

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.interior.mesh import BodyMesh, BodyPoints
 from spectral_contact.interior.results import Displacement, Energies
 from spectral_contact.view.progress import ProgressLine
@@ -16,7 +16,6 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-Array = NDArray[np.float64]
 Move = Callable[[BodyPoints], Displacement]
 
 #: A ring that carries less than this share changes no digit.

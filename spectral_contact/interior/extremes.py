@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 
+from spectral_contact.fields import Array
 from spectral_contact.interior.charts import Chart, CoordinateLine, around
 from spectral_contact.interior.mesh import AXIS, BodyPoints
 from spectral_contact.interior.places import boundaries, distance, pointed, singular
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from spectral_contact.fields.series import Radius
     from spectral_contact.solution import Solution
 
-Array = NDArray[np.float64]
 #: Stress at points, to a tolerance or to all digits.
 StressAt = Callable[[BodyPoints, float | None], Stress]
 

@@ -7,17 +7,15 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import optional
+from spectral_contact.fields import Array
 
 if TYPE_CHECKING:
     import xarray
 
     from spectral_contact.interior.body import Inside
     from spectral_contact.solution import Solution
-
-Array = NDArray[np.float64]
 
 #: Columns of a table but for the places, and what they mean.
 QUANTITIES = {

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
 from spectral_contact.interior.tails import Panelled, Tails
 
-Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]
 
 #: What stands for the axis, where ``u_r / r`` is the limit.

@@ -7,11 +7,9 @@ from math import e, inf, log
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.layers.base import Layer, positive
-
-Array = NDArray[np.float64]
 
 #: Below 1 the layer softens under pressure; beyond, it is as good as rigid at one overclosure.
 _EXPONENTS = 1.0, 10.0

@@ -7,16 +7,14 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.paper.tables import FigureData
 from spectral_contact.view.figures import new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 #: Dashes of the curves of one family; dots are left to full stick, as in the paper.
 _DASHES: tuple[Any, ...] = (

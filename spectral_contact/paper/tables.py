@@ -11,16 +11,15 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs import checks, choices
 from spectral_contact.io.documents import append_file, reported
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.view.radii import Radii
 
-Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
 #: The columns that every table begins with; f is 0 without friction, and infinite in full stick.
 PARAMETERS = ("nu", "alpha", "beta", "f")

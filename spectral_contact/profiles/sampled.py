@@ -10,14 +10,14 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import finite, flag, real, values_at
 from spectral_contact.inputs.choices import function, listed
 from spectral_contact.profiles.base import Profile
 
-Array = NDArray[np.float64]
 Rows = tuple[tuple[float, ...], ...]
 
 #: Degrees that are tried, and the last coefficients at which a fit is taken for exact.

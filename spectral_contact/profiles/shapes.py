@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from math import atan, gamma, log, pi, sqrt, tan
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import real
 from spectral_contact.profiles.base import Profile
-
-Array = NDArray[np.float64]
 
 #: Beyond, powers of ordinary lengths leave the range of doubles.
 _HIGHEST_POWER = 100.0

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -33,8 +33,6 @@ from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
-
-Array = NDArray[np.float64]
 
 #: Width of the panels towards the ends of a part, and by how much a term gains there, which the
 #: other end decides; those to the centre go to where the history begins.

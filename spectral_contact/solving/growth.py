@@ -19,10 +19,10 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.solving.growth_panel import Panel, PowerCurve
 from spectral_contact.solving.stretch import RadiusStretch, chebyshev_value
 from spectral_contact.solving.weights import Weight, Weights
@@ -31,7 +31,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-Array = NDArray[np.float64]
 #: Of a contact radius: the solution of a flat punch.
 Stage: TypeAlias = "Callable[[float], Solution]"
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
 from spectral_contact.solving.stretch import (
     FieldTable,
@@ -25,8 +25,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
     from spectral_contact.solving.weights import Weights
-
-Array = NDArray[np.float64]
 
 #: Where the convergence of the fields over the radius is looked at, in the stuck disk.
 _LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])

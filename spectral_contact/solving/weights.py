@@ -21,10 +21,10 @@ from functools import cache
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles.base import Profile
 from spectral_contact.solving.outside import outside_displacement, reached
@@ -34,8 +34,6 @@ from spectral_contact.spectral.jacobi import gauss_rule, graded_rule
 if TYPE_CHECKING:
     from spectral_contact.contact.on_parts import Indentation
     from spectral_contact.solution import Solution
-
-Array = NDArray[np.float64]
 
 #: Quadrature up to the radius in question, at which the kernel is singular, and far from it.
 _GRADED, _SMOOTH = (12, 24, 0.2), 20

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs import checks
 from spectral_contact.inputs.choices import instance
 from spectral_contact.records import PROFILE_QUANTITIES
@@ -22,7 +23,6 @@ from spectral_contact.view.html import table_html
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table
 
-Array = NDArray[np.float64]
 Numbers = Callable[..., Any] | ArrayLike
 
 _RTOL: Final = 1e-12

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.equations.residuals import approach_slope
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import radii
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.layers.control import refuse_layer
@@ -27,8 +28,6 @@ from spectral_contact.threads import one_thread
 from spectral_contact.view.html import table_html
 from spectral_contact.view.progress import ProgressLine
 from spectral_contact.view.report import table
-
-Array = NDArray[np.float64]
 
 #: What can be differentiated.
 QUANTITIES: Final = ("approach", "total_shear", "stick_radius")

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import finite, real, reals
 from spectral_contact.inputs.choices import listed
-
-Array = NDArray[np.float64]
 
 #: Errors this small are rounding, whatever they are.
 _ROUNDING = 10.0 * 2.0**-52

@@ -8,16 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import scalar
 from spectral_contact.inputs.choices import names
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.studies.results import QUANTITIES
 from spectral_contact.testing.checks import field_of
-
-Array = NDArray[np.float64]
 
 _SCALARS = ("approach", "total_shear", "stick_radius")
 _FIELDS = ("pressure", "traction")

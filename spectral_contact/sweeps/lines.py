@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.fields import Array
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, Placed, nodes_needed
 from spectral_contact.sweeps.parameters import Columns, Indices
@@ -25,8 +25,6 @@ from spectral_contact.sweeps.request import SCALARS, Request, Served
 
 if TYPE_CHECKING:
     from spectral_contact.solving.uncoupled_run import FrictionOf
-
-Array = NDArray[np.float64]
 
 #: What is proportional to kappa at the same ``f/kappa``.
 _AS_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})

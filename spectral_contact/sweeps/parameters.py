@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import reals
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.inputs.kinds import kind_tree
@@ -20,7 +21,6 @@ from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 
-Array = NDArray[np.float64]
 #: Numbers of scenes.
 Indices = NDArray[np.intp]
 

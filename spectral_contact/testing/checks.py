@@ -9,7 +9,6 @@ from math import inf, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.equations.residuals import (
     load,
@@ -19,13 +18,13 @@ from spectral_contact.equations.residuals import (
     tangential_displacement,
 )
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import flag, real, scalar, values_at
 from spectral_contact.inputs.choices import instance, listed
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.testing.layered import LayerConditions
 
-Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
 #: What the quadrature and rounding leave of a residual, measured on solutions right to 1e-13.
