@@ -296,7 +296,6 @@ def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
 
 
 def _solve(arguments: argparse.Namespace) -> None:
-    """Check everything that can be checked, solve, write the files and print the report."""
     shaped, scene = profile_given(arguments), any_scene(arguments)
     quantities = arguments.quantities
     if quantities is not None and "approach" in vars(arguments) and not shaped:
@@ -316,13 +315,11 @@ def _solve(arguments: argparse.Namespace) -> None:
 
 
 def _inside(arguments: argparse.Namespace) -> None:
-    """Solve, write the files and print the largest stresses and the energies."""
     _check_paths(arguments, cli_inside.OUTPUTS)
     print(cli_inside.run(arguments))
 
 
 def _paper(arguments: argparse.Namespace) -> None:
-    """Reproduce the paper's figures and print what was written."""
     made = reproduce(
         arguments.output, arguments.figures, rtol=arguments.rtol, pictures=not arguments.no_pictures
     )
@@ -330,7 +327,6 @@ def _paper(arguments: argparse.Namespace) -> None:
 
 
 def _study(arguments: argparse.Namespace) -> None:
-    """Run a study, write the files and print the tables."""
     _check_paths(arguments, cli_study.OUTPUTS)
     study = cli_study.run(arguments, cli_scene.scene(arguments))
     try:
@@ -340,7 +336,6 @@ def _study(arguments: argparse.Namespace) -> None:
 
 
 def _sweep(arguments: argparse.Namespace) -> None:
-    """Solve the grid, write the files and print what came of it."""
     _check_paths(arguments, cli_sweep.OUTPUTS)
     found = cli_sweep.run(arguments)
     try:

@@ -249,7 +249,6 @@ class CurveProblem:
 
     @staticmethod
     def _of_layer(scene: Scene) -> dict[str, float]:
-        """Return the numbers of the layer, in SI units."""
         assert scene.physical is not None
         return {"normal_compliance": scene.physical.normal_compliance}
 

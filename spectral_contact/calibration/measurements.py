@@ -321,7 +321,6 @@ def _put(data: object, **values: object) -> None:
 
 
 def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
-    """Return one or more finite numbers as a tuple."""
     array = finite(name, values, one_will_do=True)
     if not array.size:
         raise SceneError(name, values, "at least one number")
@@ -329,7 +328,6 @@ def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
 
 
 def _positive(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
-    """Return one positive number, or `count` of them, as a tuple."""
     listed = _finite(name, values)
     if len(listed) not in (1, count):
         raise SceneError(name, values, f"one number, or {count} as the values measured are")

@@ -88,7 +88,6 @@ class Setting:
         return _solved(self.solver, self._scene(radius, layer), self.rtol, quantities)
 
     def _scene(self, radius: float, layer: Layer) -> Scene:
-        """Return the scene of a punch."""
         alpha, beta = (layer[name] for name in PARAMETERS[:2])
         assert alpha is not None
         assert beta is not None

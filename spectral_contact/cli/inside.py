@@ -114,7 +114,6 @@ def _is_number(text: str) -> bool:
 
 
 def _summary(body: Inside, solution: Solution) -> str:
-    """Return the largest stresses and the energies as text."""
     cells: list[tuple[str, ...]] = [("", "largest", "at r", "at z", "error", "")]
     for name in ("von_mises", "max_shear", "surface_tension"):
         cells.append((name, *_said(body.largest(name))))

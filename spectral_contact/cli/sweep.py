@@ -129,7 +129,6 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
 
 
 def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
-    """Return the scene of the first values."""
     if profile_given(arguments):
         return profile_scene(argparse.Namespace(**vars(arguments) | first))
     alien = [name for name in ("radius", *ALL_CONTROLS) if name in arguments]
@@ -173,7 +172,6 @@ def summary(dataset: xarray.Dataset) -> str:
 
 
 def _content(dataset: xarray.Dataset, suffix: str) -> bytes:
-    """Return what is in the file."""
     if suffix == ".csv":
         rows = dataset if dataset.sizes else dataset.expand_dims("scene")
         text: str = rows.to_dataframe().reset_index().to_csv(index=False)

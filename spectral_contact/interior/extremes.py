@@ -80,7 +80,6 @@ def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
 
 
 def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
-    """Return what was found with its errors."""
     here = stress(best.at, None)
     error = float(here.error[0] * here.norm[0] / best.value) if best.value else 0.0
     drop = 2.0 * best.value * max(error, 1e-15)
@@ -169,7 +168,6 @@ def _at_places(
 
 
 def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) -> _Found:
-    """Return the largest value on a line."""
     grid = line.grid
 
     def of(x: Array, rtol: float | None = None) -> Array:

@@ -42,7 +42,6 @@ class Linear(Layer):
         positive(self, "compliance")
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, compliance=self.compliance * unit)
 
     @property
@@ -87,7 +86,6 @@ class PowerLaw(Layer):
         positive(self, "exponent", *_EXPONENTS)
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, coefficient=self.coefficient / unit)
 
     @property
@@ -138,7 +136,6 @@ class Exponential(Layer):
         positive(self, "clearance")
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, zero_pressure=self.zero_pressure / unit)
 
     @property
@@ -206,7 +203,6 @@ class CalculixExponential(Layer):
         positive(self, "clearance")
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, zero_pressure=self.zero_pressure / unit)
 
     @property

@@ -103,7 +103,6 @@ def _reproduced(
     pictures: bool,
     progress: Callable[[str, float], None],
 ) -> Reproduced:
-    """Do what is asked, which is checked."""
     tell = _Steps(progress, 1 + sum(len(one.scenes) + 1 for one in wanted))
     made, files = [], []
     for figure in wanted:

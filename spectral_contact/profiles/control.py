@@ -86,7 +86,6 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _pressed(name: str, value: Any, layer: Any) -> float:
-    """Return a load or an approach."""
     if name == "approach" and layer is not None:
         told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
         return real(name, value, allowed=told, low=layer.start, low_open=True)
@@ -94,7 +93,6 @@ def _pressed(name: str, value: Any, layer: Any) -> float:
 
 
 def _separated(value: Any, layer: Any) -> float:
-    """Return a separation."""
     if layer is None or not isinf(layer.start):
         told = "None: only a layer with pressure at every gap has one; give a load or an approach"
         raise SceneError("separation", value, told)

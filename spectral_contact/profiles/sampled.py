@@ -195,12 +195,10 @@ class Sampled(Profile):
         return np.asarray(total)
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         t = np.asarray(t, dtype=float)
         return np.asarray(2.0 * t * self._mean(t))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         last = max((b for b in self.edges[:-1] if b < radius), default=0.0)
         inward = radius * y / (1.0 + t)
         # next to the edge it is the integral of the derivative
@@ -215,7 +213,6 @@ class Sampled(Profile):
         return fallen
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         t = np.asarray(t, dtype=float)
         mean, bent = self._means(t)
         rate = 2.0 * mean + 2.0 * t * bent
@@ -261,7 +258,6 @@ class Sampled(Profile):
                 bent[reached] += half * (w @ (chebyshev.chebval(local, slopes) * sine))
 
     def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
-        """Return the ends and the series of every piece."""
         ends = pairwise(self.edges)
         return [(pair, np.array(row)) for pair, row in zip(ends, self.slopes, strict=True)]
 
@@ -302,7 +298,6 @@ def _increasing(name: str, values: Any) -> tuple[float, ...]:
 def _fitted(
     slope: Callable[[Array], ArrayLike], low: float, high: float, largest: float
 ) -> tuple[float, ...]:
-    """Return the Chebyshev coefficients of a function on a piece."""
     for degree in _DEGREES:
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("slope", slope, low + (high - low) * (1.0 + nodes) / 2.0)

@@ -98,19 +98,15 @@ class Parabola(Profile):
         _positive(self, "radius")
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(r**2 / (2.0 * self.radius))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(2.0 * t**2 / self.radius)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         return np.asarray(4.0 * t / self.radius)
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         return np.asarray(2.0 * radius**2 / self.radius * y)
 
 
@@ -141,7 +137,6 @@ class Sphere(Profile):
 
     @property
     def _pole(self) -> float:
-        """Radius of the equator."""
         return self.radius
 
     def _height(self, r: Array) -> Array:
@@ -151,7 +146,6 @@ class Sphere(Profile):
         return np.asarray(r**2 / (self.radius + root))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(t * self._slope_of(t))
 
     def _slope_of(self, t: Array) -> Array:
@@ -159,12 +153,10 @@ class Sphere(Profile):
         return np.asarray(np.log1p(2.0 * t / (self.radius - t)))
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         whole = self.radius
         return np.asarray(self._slope_of(t) + 2.0 * t * whole / ((whole - t) * (whole + t)))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         a, whole, inward = radius, self.radius, radius * _inward(t, y)
         slope = log((whole + a) / (whole - a))
         steeper = np.log1p(2.0 * whole * inward / ((whole - a) * (whole + a * t)))
@@ -203,19 +195,15 @@ class PowerLaw(Profile):
         return self.exponent % 2.0 != 0.0
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(self.coefficient * r**self.exponent)
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(self._factor * t**self.exponent)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         return np.asarray(self._factor * self.exponent * t ** (self.exponent - 1.0))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         outer = np.minimum(y, 0.75)  # farther in y does not know the radius
         near = -np.expm1(self.exponent / 2.0 * np.log1p(-outer))
         left = np.where(t < 0.5, 1.0 - t**self.exponent, near)
@@ -253,19 +241,15 @@ class Cone(Profile):
         return True
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(r / tan(self.half_angle))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(pi / tan(self.half_angle) * t)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         return np.full(np.shape(t), pi / tan(self.half_angle))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         return np.asarray(pi / tan(self.half_angle) * radius * _inward(t, y))
 
 
@@ -317,23 +301,19 @@ class TruncatedCone(_FlatEnded):
         _half_angle(self)
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) / tan(self.half_angle))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         angle = np.arctan2(self._outside(t), self.flat_radius)
         return np.asarray(2.0 / tan(self.half_angle) * t * angle)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         root, b = np.sqrt(past), self.flat_radius
         outside = root > 0.0
         steep = np.arctan2(root, b) + b / np.where(outside, root, 1.0)
         return np.where(outside, 2.0 / tan(self.half_angle) * steep, 0.0)
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
         whole, less = self._roots(radius, y, past)
         angle = np.arctan(less * b / (b**2 + whole * (whole - less)))
@@ -366,21 +346,17 @@ class RoundedFlat(_FlatEnded):
         _positive(self, "radius")
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) ** 2 / (2.0 * self.radius))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         root = self._outside(t)
         return np.asarray(2.0 / self.radius * t * _risen(root, self.flat_radius))
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         root, b = np.sqrt(past), self.flat_radius
         return np.asarray(2.0 / self.radius * (2.0 * root - b * np.arctan2(root, b)))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
         whole, less = self._roots(radius, y, past)
         # sqrt - b arctan(sqrt/b), and by how much it is less inside

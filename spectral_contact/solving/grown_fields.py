@@ -169,7 +169,6 @@ class GrownFields:
     def _sampled(
         self, values: Callable[[Array], Array], ends: list[Radius], *, power: int
     ) -> GrownField:
-        """Return the field with these values at logarithms of radii."""
         pieces, lost, largest = [], 0.0, 0.0
         for low, high in pairwise(ends):
             halves = []
@@ -222,7 +221,6 @@ def _logarithmic(series: LogSeries) -> LogSeries:
 
 
 def _largest_radii(family: Family) -> Array:
-    """Return the largest radius of every panel."""
     d = np.exp(-_WIDTH * np.arange(family.panels.panels))
     squares = family.boundary.square + family.reach * (d if family.sign > 0 else 0.0 * d)
     return np.asarray(np.sqrt(squares))

@@ -144,5 +144,4 @@ def _carried(pieces: list[_HistoryPiece], logs: list[Array], begun: float) -> Ar
 
 
 def _worst(panel: Panel, name: str) -> float:
-    """Return the largest error of the flat punches of a panel."""
     return max(getattr(one.error, name) or 0.0 for one in panel.flats)

@@ -295,7 +295,6 @@ class _ComparedScene:
         )
 
     def _listed(self, name: str, given: ArrayLike, places: Array) -> Array:
-        """Return the values of a field at all places."""
         numbers = np.ravel(checks.reals(name, given, "for each radius", anything=True))
         if np.isnan(numbers).any():
             raise SceneError(name, np.nan, "a number at each radius")

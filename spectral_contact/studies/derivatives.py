@@ -198,7 +198,6 @@ class _Slopes:
         return found
 
     def _derivative(self, quantity: str, name: str) -> Derivative:
-        """Return one of them."""
         scene = self.scene
         if quantity == "approach" and not scene.couples:
             return self._approach(name)
@@ -292,7 +291,6 @@ class _Slopes:
         return found
 
     def _pressure(self, name: str) -> FieldDerivative:
-        """Return that of the pressure."""
         scene = self.scene
         if not scene.couples and name != "normal_compliance":
             return self._constant(0.0)
@@ -302,7 +300,6 @@ class _Slopes:
         return self._constant(*known) if known else self._compared("pressure", name)
 
     def _traction(self, name: str) -> FieldDerivative:
-        """Return that of the traction."""
         assert self.places is not None
         scene = self.scene
         if self.friction == 0.0 and name == "friction":

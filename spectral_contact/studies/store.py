@@ -76,7 +76,6 @@ class StudyStore:
             append_file(self._source, b"", len(content) - len(cut) if cut else None)
 
     def _take(self, line: bytes) -> None:
-        """Keep the point of a line."""
         row = json.loads(line.decode())
         check_schema(row, "store of a study", _SCHEMA, _VERSION)
         complaint = key_complaint(row, _MEMBERS)

@@ -16,7 +16,6 @@ def text_of(study: Study) -> str:
 
 
 def _convergence(study: Convergence) -> str:
-    """Return the points, the rates, and how the times were taken."""
     timed = study.stopwatch is not None
     heading = ["resolution", "unknowns", *(name.replace("_", " ") for name in study.quantities)]
     if timed:

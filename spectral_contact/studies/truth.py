@@ -184,7 +184,6 @@ def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
 
 
 def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:
-    """Return the points and the fields there."""
     fields = {}
     listed = getattr(truth, "points", None)
     if listed:

@@ -195,7 +195,6 @@ def _briefs(parameters: SweepParameters, part: str) -> list[str]:
 
 
 def _about(name: str, shaped: bool = False) -> dict[str, str]:
-    """Return the attributes of a variable."""
     meanings = {**_MEANINGS, **_WITH_PROFILE} if shaped else _MEANINGS
     quantity = name.removesuffix("_error")
     if quantity != name:

@@ -325,7 +325,6 @@ def _axis(base: Scene, name: str, values: Any) -> Array:
 
 
 def _numbers(name: str, values: Any) -> Array:
-    """Return a list of numbers."""
     array = np.asarray(reals(name, values, "a list of real numbers") + 0.0, dtype=np.float64)
     if array.ndim != 1 or array.size == 0:
         raise SceneError(name, values, "a list of at least one number")

@@ -185,7 +185,6 @@ def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
 def _parameters(
     scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
 ) -> SweepParameters:
-    """Return the scenes that are meant."""
     alone: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
     }

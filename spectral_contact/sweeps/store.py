@@ -146,7 +146,6 @@ class Store:
 
 
 def _members(content: bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a file."""
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         if sum(one.file_size for one in archive.infolist()) > len(content):
             raise ValueError("it was compressed")  # which a store does not: it may be endless
@@ -155,7 +154,6 @@ def _members(content: bytes) -> dict[str, NDArray[Any]]:
 
 
 def _digest(header: dict[str, Any], members: dict[str, NDArray[Any]]) -> str:
-    """Return a checksum of everything that a chunk says."""
     digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
     for name, array in sorted(members.items()):
         digest.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())

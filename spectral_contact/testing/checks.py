@@ -164,7 +164,6 @@ def check_solution(
 def _all_checks(
     solution: Any, scene: Scene, pressure: Field, rtol: float, cuts: list[float]
 ) -> list[Check]:
-    """Return the checks of a scene."""
     traction = None if scene.friction is None else field_of(solution, "traction")
     if scene.profile is not None:
         return _Indented(solution, scene, rtol, cuts).checks(pressure, traction)
@@ -361,7 +360,6 @@ class _Indented:
         return checks if traction is None else checks + self._friction(pressure, traction)
 
     def _outside(self, pressure: Field, approach: float, size: float, mean: float) -> Check:
-        """Return the check of the gap."""
         room = min(self.profile.reach / self.radius - 1.0, 1.0)
         beyond = np.array([d * room for d in _PLACES])
         moved = np.array([outer_displacement(pressure, float(d), self.cuts) for d in beyond])

@@ -119,7 +119,6 @@ class _Row:
 
 
 def _rows(solution: Solution) -> list[_Row]:
-    """Return the dimensionless scalars of a solution."""
     rows = _scalars(solution, solution, {})
     if solution.values.get("opening") is not None:
         rows.append(_Row("contact would open within", solution.opening, "", None))
