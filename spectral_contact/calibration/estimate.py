@@ -15,12 +15,7 @@ import numpy as np
 
 from spectral_contact.calibration.curve_fit import fit_indentation
 from spectral_contact.calibration.indentation import IndentationData, IndentationFit
-from spectral_contact.calibration.measurements import (
-    ApproachData,
-    Data,
-    PressureData,
-    StickRadiusData,
-)
+from spectral_contact.calibration.measurements import Data
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, check_settled
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
 from spectral_contact.errors import SceneError
@@ -30,8 +25,6 @@ from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine
-
-Measurement = ApproachData | PressureData | StickRadiusData
 
 #: The range that is searched, within that of scenes.
 _COMPLIANCES = 1e-13, 1e13
@@ -57,7 +50,7 @@ def fit(
 @overload
 def fit(
     scene: Scene,
-    data: Measurement | Sequence[Measurement],
+    data: Data | Sequence[Data],
     free: str | Sequence[str],
     *,
     rtol: float = 1e-10,
@@ -68,7 +61,7 @@ def fit(
 
 def fit(
     scene: Scene,
-    data: Measurement | Sequence[Measurement] | IndentationData,
+    data: Data | Sequence[Data] | IndentationData,
     free: str | Sequence[str],
     *,
     rtol: float = 1e-10,
@@ -286,10 +279,10 @@ class _FitProblem:
         return Scene.from_physical(poisson_ratio=self.scene.poisson_ratio, **known)
 
 
-def _measurements(data: Measurement | Sequence[Measurement]) -> tuple[Measurement, ...]:
+def _measurements(data: Data | Sequence[Data]) -> tuple[Data, ...]:
     listed = tuple(data) if isinstance(data, (list, tuple)) else (data,)
     for one in listed:
-        if not isinstance(one, Measurement):
+        if not isinstance(one, Data):
             raise SceneError("data", one, "ApproachData, PressureData or StickRadiusData")
     if not listed:
         raise SceneError("data", data, "at least one set of data")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,32 +20,6 @@ from spectral_contact.inputs.checks import finite, real
 from spectral_contact.inputs.choices import instance, one_of
 
 _ABOVE_ZERO: dict[str, Any] = {"allowed": "finite and > 0", "low": 0.0, "low_open": True}
-
-
-class Data(Protocol):
-    """Measured values with their standard deviations, and their theory."""
-
-    @property
-    def measured(self) -> tuple[float, ...]:
-        """The values."""
-
-    @property
-    def sigma(self) -> tuple[float, ...]:
-        """Their standard deviations."""
-
-    @property
-    def depends_on(self) -> frozenset[str]:
-        """The parameters that change the values."""
-
-    @property
-    def radius(self) -> tuple[float, ...] | None:
-        """Radii of the punches; None is the scene's."""
-
-    def predict(self, setting: Setting, layer: Layer) -> Array:
-        """Return what the theory says of the values."""
-
-    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
-        """Return the derivative of `predict` by the logarithm of a parameter it depends on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,6 +268,10 @@ class StickRadiusData:
         frictions = np.broadcast_to(np.array(self.friction or (layer["friction"],)), count)
         each = zip(radii, frictions.tolist(), strict=True)
         return [(a, {**layer, "friction": f}) for a, f in each]
+
+
+#: Measured values with their standard deviations, and their theory.
+Data = ApproachData | PressureData | StickRadiusData
 
 
 def _check(setting: object, layer: object) -> None:
