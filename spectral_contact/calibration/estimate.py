@@ -20,7 +20,7 @@ from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, 
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import real, whole
+from spectral_contact.inputs.checks import whole, within
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
@@ -118,7 +118,7 @@ def fit(
     chi square 0.2539 at 1 degrees of freedom, p = 0.61
     """
     instance("scene", scene, Scene)
-    rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
+    rtol = within("rtol", rtol, "in [1e-12, 1e-4]")
     most = whole("max_evaluations", max_evaluations, 1)
     if isinstance(data, IndentationData):
         return fit_indentation(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,10 +16,8 @@ from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
 from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import finite, real
+from spectral_contact.inputs.checks import finite, positive
 from spectral_contact.inputs.choices import instance, one_of
-
-_ABOVE_ZERO: dict[str, Any] = {"allowed": "finite and > 0", "low": 0.0, "low_open": True}
 
 
 @dataclass(frozen=True, slots=True)
@@ -309,11 +307,11 @@ def _positive(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
     listed = _finite(name, values)
     if len(listed) not in (1, count):
         raise SceneError(name, values, f"one number, or {count} as the values measured are")
-    return tuple(real(name, value, **_ABOVE_ZERO) for value in listed)
+    return tuple(positive(name, value) for value in listed)
 
 
 def _one(name: str, value: object) -> tuple[float] | None:
-    return None if value is None else (real(name, value, **_ABOVE_ZERO),)
+    return None if value is None else (positive(name, value),)
 
 
 def _optional(name: str, values: ArrayLike | None, count: int) -> tuple[float, ...] | None:

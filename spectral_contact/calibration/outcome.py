@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.inputs.checks import real, whole
+from spectral_contact.inputs.checks import real, whole, within
 from spectral_contact.io.documents import Refused, check_schema, key_complaint, reported
 from spectral_contact.scene import Scene
 
@@ -44,15 +44,7 @@ class FittedParameter:
         """
         from scipy.special import ndtri  # takes long to import
 
-        share = real(
-            "confidence",
-            confidence,
-            allowed="in (0, 1)",
-            low=0.0,
-            high=1.0,
-            low_open=True,
-            high_open=True,
-        )
+        share = within("confidence", confidence, "in (0, 1)")
         factor = math.exp(float(ndtri(0.5 + 0.5 * share)) * self.relative_error)
         return self.value / factor, self.value * factor
 

@@ -8,19 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
-from spectral_contact.inputs.checks import real, values_at
+from spectral_contact.inputs.checks import positive, real, values_at, within
 from spectral_contact.inputs.choices import function, listed
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
-_FINITE: dict[str, Any] = {"allowed": "finite"}
 
 #: Step and reach of the tanh-sinh rule; the last points lie 1e-200 from the ends.
 _T = np.arange(-5.6, 5.6001, 1.0 / 32.0)
@@ -48,7 +47,7 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
         For an argument that is not as said, or values of the field that are no real numbers.
     """
     field = _field("pressure", pressure)
-    inside = real("inside", inside, allowed="in [0, 1)", low=0.0, high=1.0, high_open=True)
+    inside = within("inside", inside, "in [0, 1)")
     nodes = _NodesBetween.between({inside, 1.0, *(b for b in _cuts(breaks) if inside < b < 1.0)})
     return nodes.integral(lambda: field(nodes.d) * nodes.s)
 
@@ -86,7 +85,7 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
     SceneError
         As of `load`.
     """
-    place, breaks = _place(from_edge), _cuts(breaks)
+    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
     return _potential(_field("pressure", pressure), normal_kernel, place, breaks)
 
 
@@ -108,7 +107,7 @@ def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] =
         As of `load`.
     """
     field = _field("pressure", pressure)
-    past = real("beyond", beyond, allowed="finite and > 0", low=0.0, low_open=True)
+    past = positive("beyond", beyond)
     outside = 1.0 + past
 
     nodes = _NodesBetween.between({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
@@ -144,7 +143,8 @@ def tangential_displacement(
     SceneError
         As of `load`.
     """
-    place, breaks, coupling = _place(from_edge), _cuts(breaks), real("kappa", kappa, **_FINITE)
+    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
+    coupling = real("kappa", kappa, allowed="finite")
     outward = _potential(_field("traction", traction), tangential_kernel, place, breaks)
     inward = coupling * load(pressure, inside=place, breaks=breaks) / (1.0 - place)
     return outward, inward
@@ -171,8 +171,8 @@ def shear_lift(
     SceneError
         As of `load`.
     """
-    field, coupling = _field("traction", traction), real("kappa", kappa, **_FINITE)
-    place = real("from_edge", from_edge, allowed="in (0, 1]", low=0.0, high=1.0, low_open=True)
+    field, coupling = _field("traction", traction), real("kappa", kappa, allowed="finite")
+    place = within("from_edge", from_edge, "in (0, 1]")
     nodes = _NodesBetween.between({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
     return coupling * nodes.integral(lambda: field(nodes.d))
 
@@ -182,13 +182,8 @@ def _field(parameter: str, field: object) -> Field:
     return partial(values_at, parameter, function(parameter, field, "distances from the edge"))
 
 
-def _place(from_edge: object) -> float:
-    limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
-    return real("from_edge", from_edge, allowed="in (0, 1)", **limits)
-
-
 def _cuts(breaks: object) -> list[float]:
-    return [real("breaks", one, **_FINITE) for one in listed("breaks", breaks, "numbers")]
+    return [real("breaks", one, allowed="finite") for one in listed("breaks", breaks, "numbers")]
 
 
 class _NodesBetween(NamedTuple):

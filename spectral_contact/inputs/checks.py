@@ -65,6 +65,31 @@ def real(
     return number + 0.0
 
 
+def within(parameter: str, value: object, interval: str) -> float:
+    """Return a real number of an interval that is written as an error has it: ``"in (0, 0.5]"``.
+
+    Raises
+    ------
+    SceneError
+        As `real`.
+    """
+    low, high = map(float, interval[4:-1].split(", "))
+    opened = {"low_open": interval[3] == "(", "high_open": interval[-1] == ")"}
+    return real(parameter, value, allowed=interval, low=low, high=high, **opened)
+
+
+def positive(parameter: str, value: object, unit: str = "") -> float:
+    """Return a finite real number above 0, of which the error has the unit.
+
+    Raises
+    ------
+    SceneError
+        As `real`.
+    """
+    allowed = f"finite and > 0 {unit}".rstrip()
+    return real(parameter, value, allowed=allowed, low=0.0, low_open=True)
+
+
 def whole(parameter: str, value: object, low: int) -> int:
     """Return a whole number of at least ``low`` as a Python int.
 
@@ -88,7 +113,7 @@ def tolerance(rtol: object) -> float:
     SceneError
         If it is not a real number in [1e-13, 1e-2].
     """
-    return real("rtol", rtol, allowed="in [1e-13, 1e-2]", low=1e-13, high=1e-2)
+    return within("rtol", rtol, "in [1e-13, 1e-2]")
 
 
 def flag(parameter: str, value: object) -> bool:

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.checks import positive, real
 from spectral_contact.inputs.kinds import kind_from
 from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
 from spectral_contact.profiles.base import Profile
@@ -89,7 +89,7 @@ def _pressed(name: str, value: Any, layer: Any) -> float:
     if name == "approach" and layer is not None:
         told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
         return real(name, value, allowed=told, low=layer.start, low_open=True)
-    return real(name, value, allowed="finite and > 0", low=0.0, low_open=True)
+    return positive(name, value)
 
 
 def _separated(value: Any, layer: Any) -> float:

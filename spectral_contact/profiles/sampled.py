@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import finite, flag, real, values_at
+from spectral_contact.inputs.checks import finite, flag, positive, values_at
 from spectral_contact.inputs.choices import function, listed
 from spectral_contact.profiles.base import Profile
 
@@ -101,7 +101,7 @@ class Sampled(Profile):
         """
         function("height", height, "radii")
         function("slope", slope, "radii")
-        reach = real("reach", reach, allowed="finite and > 0", low=0.0, low_open=True)
+        reach = positive("reach", reach)
         edges = _increasing(
             "breaks", (0.0, *finite("breaks", listed("breaks", breaks, "radii")).tolist(), reach)
         )

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import atan, gamma, log, pi, sqrt, tan
+from typing import Any
 
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.checks import positive, real
 from spectral_contact.profiles.base import Profile
 
 #: Beyond, powers of ordinary lengths leave the range of doubles.
@@ -16,21 +17,13 @@ _HIGHEST_POWER = 100.0
 
 
 def _positive(profile: object, name: str) -> None:
-    value = real(name, getattr(profile, name), allowed="finite and > 0", low=0.0, low_open=True)
-    object.__setattr__(profile, name, value)
+    object.__setattr__(profile, name, positive(name, getattr(profile, name)))
 
 
 def _half_angle(profile: object) -> None:
     allowed = "in (0, pi/2), in radians, between the axis and the side"
-    value = real(
-        "half_angle",
-        getattr(profile, "half_angle", None),
-        allowed=allowed,
-        low=0.0,
-        high=pi / 2.0,
-        low_open=True,
-        high_open=True,
-    )
+    limits: dict[str, Any] = {"low": 0.0, "high": pi / 2.0, "low_open": True, "high_open": True}
+    value = real("half_angle", getattr(profile, "half_angle", None), allowed=allowed, **limits)
     object.__setattr__(profile, "half_angle", value)
 
 

@@ -19,7 +19,7 @@ from spectral_contact.equations.residuals import (
 )
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import flag, real, scalar, values_at
+from spectral_contact.inputs.checks import flag, real, scalar, values_at, within
 from spectral_contact.inputs.choices import instance, listed
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
@@ -143,11 +143,8 @@ def check_solution(
     """
     instance("scene", scene, Scene)
     flag("strict", strict)
-    rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
-    cuts = [
-        real("breaks", b, allowed="in (0, 1)", low=0.0, high=1.0, low_open=True, high_open=True)
-        for b in listed("breaks", breaks, "numbers")
-    ]
+    rtol = within("rtol", rtol, "in (0, 0.5]")
+    cuts = [within("breaks", b, "in (0, 1)") for b in listed("breaks", breaks, "numbers")]
     zones = listed("solution.zones", getattr(solution, "zones", ()), "zones")
     ends = [scalar("solution.zones", getattr(zone, "outer_from_edge", None)) for zone in zones]
     cuts += [end for end in ends if 0.0 < end < 1.0]
