@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.inputs.checks import real, whole, within
-from spectral_contact.io.documents import Refused, check_schema, key_complaint, reported
+from spectral_contact.io.documents import check_keys, check_schema, reported
 from spectral_contact.scene import Scene
 
 _SCHEMA: Final = "spectral_contact.fit"
@@ -145,11 +145,7 @@ class RoughnessFit:
         with reported("fit", "not a fit"):
             document: dict[str, Any] = json.loads(text)
             check_schema(document, "fit", _SCHEMA, _VERSION)
-            complaint = key_complaint(
-                document, ("schema", "version", *(one.name for one in fields(cls)))
-            )
-            if complaint:
-                raise Refused(complaint)
+            check_keys("", document, ("schema", "version", *(one.name for one in fields(cls))))
             return cls(
                 Scene.from_dict(document["scene"]),
                 tuple(

@@ -78,6 +78,21 @@ def key_complaint(data: Any, expected: Iterable[str], optional: Iterable[str] = 
     return f"keys are {'; '.join(complaints)}" if complaints else None
 
 
+def check_keys(
+    where: str, data: Any, expected: Iterable[str], optional: Iterable[str] = ()
+) -> None:
+    """Check that the keys of an object are those expected; an error says where it is.
+
+    Raises
+    ------
+    Refused
+        If they are not.
+    """
+    complaint = key_complaint(data, expected, optional)
+    if complaint:
+        raise Refused(f"{where}: {complaint}" if where else complaint)
+
+
 def check_schema(document: Any, what: str, schema: str, version: int) -> None:
     """Check that a document is of a schema and of the version that this release reads.
 

@@ -24,8 +24,8 @@ from spectral_contact.errors import SolutionFileError
 from spectral_contact.io.codecs import Arrays
 from spectral_contact.io.documents import (
     Refused,
+    check_keys,
     check_schema,
-    key_complaint,
     npz_members,
     path_text,
     replace_file,
@@ -144,7 +144,7 @@ def _json_array(array: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def _from_json_array(body: Any) -> NDArray[np.float64]:
-    _check_names("an array", body, ("shape", "data"))
+    check_keys("an array", body, ("shape", "data"))
     if any(type(x) is not float and x not in _INFINITIES for x in body["data"]):
         raise Refused("an array holds something else than doubles")
     return np.array([float(x) for x in body["data"]]).reshape(body["shape"])
@@ -175,7 +175,7 @@ def _unpack(document: Any, arrays: Arrays | None) -> Solution:
     check_schema(document, "solution", _SCHEMA, _VERSION)
     if arrays is None:
         arrays = {name: _from_json_array(body) for name, body in document.pop("arrays", {}).items()}
-    _check_names("the header", document, _MEMBERS)
+    check_keys("the header", document, _MEMBERS)
     tree, used = document["solution"], Arrays()
     solution: Solution = SOLUTION.decode(tree, "", arrays, used)
     if _checksum(tree, used) != document["sha256"] or used.keys() != arrays.keys():
@@ -189,9 +189,3 @@ def _checksum(tree: Any, arrays: Arrays) -> str:
     for array in arrays.values():
         digest.update(f"{array.shape}".encode() + array.astype("<f8").tobytes())
     return digest.hexdigest()
-
-
-def _check_names(what: str, body: Any, expected: tuple[str, ...]) -> None:
-    complaint = key_complaint(body, expected)
-    if complaint:
-        raise Refused(f"{what}: {complaint}")

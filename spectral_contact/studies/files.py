@@ -14,8 +14,8 @@ from typing import Any, Final
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.io.documents import (
     Refused,
+    check_keys,
     check_schema,
-    key_complaint,
     path_text,
     read_file,
     replace_file,
@@ -36,17 +36,6 @@ _KINDS: Final[dict[str, type[Study]]] = {
     "convergence": Convergence,
     "work-precision": WorkPrecision,
 }
-_POINT: Final = (
-    "solver",
-    "scene",
-    "resolution",
-    "unknowns",
-    "refinements",
-    "errors",
-    "estimates",
-    "times",
-    "failure",
-)
 
 
 def save(study: Study, path: str | os.PathLike[str]) -> None:
@@ -108,9 +97,7 @@ def point_from_row(row: Any) -> Point:
     Refused
         If keys are missing or unknown; what else may be raised says that the row is damaged.
     """
-    complaint = key_complaint(row, _POINT)
-    if complaint:
-        raise Refused(f"a point: {complaint}")
+    check_keys("a point", row, (one.name for one in fields(Point)))
     values = dict(row, scene=Scene.from_dict(row["scene"]))
     for name in ("errors", "estimates"):
         values[name] = {key: float(value) for key, value in row[name].items()}
@@ -155,9 +142,7 @@ def _study(body: Any) -> Study:
     cls = _KINDS[body["study"]]
     derived = ("rates",) if cls is Convergence else ()  # from the points, for other readers
     names = tuple(one.name for one in fields(cls))
-    complaint = key_complaint(body, ("schema", "version", "study", *names, *derived))
-    if complaint:
-        raise Refused(complaint)
+    check_keys("", body, ("schema", "version", "study", *names, *derived))
     values = {name: body[name] for name in names}
     for name, value in values.items():
         if name == "points":

@@ -15,8 +15,8 @@ from spectral_contact.errors import shown
 from spectral_contact.io.documents import (
     Refused,
     append_file,
+    check_keys,
     check_schema,
-    key_complaint,
     path_text,
     reported,
 )
@@ -78,9 +78,7 @@ class StudyStore:
     def _take(self, line: bytes) -> None:
         row = json.loads(line.decode())
         check_schema(row, "store of a study", _SCHEMA, _VERSION)
-        complaint = key_complaint(row, _MEMBERS)
-        if complaint:
-            raise Refused(complaint)
+        check_keys("", row, _MEMBERS)
         if row["study"] != self._study:
             raise Refused(f"it is of a study with {self._difference(row['study'])}")
         point = point_from_row(row["point"])
