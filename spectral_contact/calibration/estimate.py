@@ -6,9 +6,8 @@ Fits of several layers are compared by an information criterion: which law do th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import count
 from typing import Any, Final, overload
 
 import numpy as np
@@ -16,7 +15,7 @@ import numpy as np
 from spectral_contact.calibration.curve_fit import fit_indentation
 from spectral_contact.calibration.indentation import IndentationData, IndentationFit
 from spectral_contact.calibration.measurements import Data
-from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, check_settled
+from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, least_squares_fit
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
@@ -163,31 +162,15 @@ class _FitProblem:
             count = f"at most {len(self.measured)} parameters, the number of values measured"
             raise SceneError("free", self.free, count)
 
-    def outcome(self, max_evaluations: int, tell: Callable[[str], None]) -> RoughnessFit:
-        from scipy.optimize import least_squares  # takes long to import
-
-        steps = count(1)
-
-        def residuals(x: Array) -> Array:
-            tell(f"evaluation {next(steps)}")
-            return self.residuals(x)
-
-        found = least_squares(
-            residuals,
-            np.zeros(len(self.free)),
-            jac=self.jacobian,
-            bounds=self._bounds(),
-            x_scale=1.0,
-            ftol=1e-10,
-            xtol=1e-9,
-            gtol=1e-10,
-            max_nfev=max_evaluations,
-        )
-        check_settled(found, max_evaluations)
+    def outcome(self, max_evaluations: int, tell: ProgressLine) -> RoughnessFit:
+        how = {"jac": self.jacobian, "bounds": self._bounds(), "x_scale": 1.0}
+        ends = {"ftol": 1e-10, "xtol": 1e-9, "gtol": 1e-10}
+        start = np.zeros(len(self.free))
+        found = least_squares_fit(self.residuals, start, max_evaluations, tell, **how, **ends)
         covariance = self._covariance(self.jacobian(found.x), found.x, found.active_mask)
         layer = self.layer(found.x)
         errors = np.sqrt(np.diag(covariance))
-        ends = np.cumsum([len(one.measured) for one in self.data])[:-1]
+        sets = np.cumsum([len(one.measured) for one in self.data])[:-1]
         return RoughnessFit(
             self._scene(layer),
             tuple(
@@ -195,7 +178,7 @@ class _FitProblem:
                 for name, error in zip(self.free, errors, strict=True)
             ),
             tuple(tuple(row) for row in covariance.tolist()),
-            tuple(tuple(part.tolist()) for part in np.split(found.fun, ends)),
+            tuple(tuple(part.tolist()) for part in np.split(found.fun, sets)),
             int(found.nfev),
         )
 

@@ -42,34 +42,14 @@ _INFINITIES: Final = ("inf", "-inf")
 
 
 def save(solution: Solution, path: str | os.PathLike[str]) -> None:
-    """Store a solution; the file is complete or, after any failure, as it was before.
-
-    Parameters
-    ----------
-    solution : Solution
-    path : str or os.PathLike
-        Ends in ``.npz`` or ``.json``, which chooses the format. A file there is replaced.
-
-    Raises
-    ------
-    SolutionFileError
-        For another suffix, a path that cannot be written, or a solution that holds NaN or
-        anything else that does not belong into one.
-    """
+    """Store a solution as `Solution.save` says."""
     source, suffix = _source(path)
     with reported(source, "cannot be written"):
         replace_file(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
 
 
 def load(path: str | os.PathLike[str]) -> Solution:
-    """Return the solution that `save` stored, equal bit for bit; its arrays are read-only.
-
-    Raises
-    ------
-    SolutionFileError
-        For another suffix, or a file that is not there, not ours, changed, damaged, or of another
-        version.
-    """
+    """Return the solution that `save` stored, as `Solution.load` says; its arrays are read-only."""
     source, suffix = _source(path)
     with reported(source, "cannot be read"):
         content = Path(source).read_bytes()
@@ -81,25 +61,13 @@ def load(path: str | os.PathLike[str]) -> Solution:
 
 
 def to_json(solution: Solution) -> str:
-    """Return the solution as one line of strict JSON, which is also what `save` writes.
-
-    Raises
-    ------
-    SolutionFileError
-        If the solution holds NaN or anything else that does not belong into one.
-    """
+    """Return the text that `Solution.to_json` does, which is also what `save` writes."""
     with reported("solution", "cannot be written as JSON"):
         return _json(solution)
 
 
 def from_json(text: str) -> Solution:
-    """Return the solution that `to_json` wrote, equal bit for bit; its arrays are read-only.
-
-    Raises
-    ------
-    SolutionFileError
-        If the text is not JSON, not a solution, changed, damaged, or of another version.
-    """
+    """Return the solution that `to_json` wrote; its arrays are read-only."""
     with reported("solution", "damaged, or not the JSON text of a solution"):
         return _unpack(json.loads(text), None)
 

@@ -32,34 +32,13 @@ _NAMED = (0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0)
 
 
 def check() -> None:
-    """Check, before the work, that pictures can be made.
-
-    Raises
-    ------
-    MissingDependencyError
-        If matplotlib is not installed.
-    """
+    """Check, before the work, that pictures can be made: matplotlib is there."""
     with style():
         pass
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw a figure in the paper's layout.
-
-    Parameters
-    ----------
-    data : FigureData
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With a note of its parameters and the largest estimates of its errors.
-
-    Raises
-    ------
-    MissingDependencyError
-        If matplotlib is not installed.
-    """
+    """Draw a figure in the paper's layout, with a note of parameters and largest errors."""
     with style():
         columns = _COLUMNS.get(data.figure.name, 1)
         width = 5.2 if columns == 1 else 4.4 * columns

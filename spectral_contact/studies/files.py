@@ -39,13 +39,7 @@ _KINDS: Final[dict[str, type[Study]]] = {
 
 
 def save(study: Study, path: str | os.PathLike[str]) -> None:
-    """Store a study; the suffix, one of `SUFFIXES`, decides the format.
-
-    Raises
-    ------
-    SolutionFileError
-        For another suffix, or a path that cannot be written.
-    """
+    """Store a study as its ``save`` says; the suffix is one of `SUFFIXES`."""
     source = path_text(path)
     suffix = Path(source).suffix.lower()
     if suffix not in SUFFIXES:

@@ -135,19 +135,7 @@ def repeated(
 def times_of(
     solver: Callable[[Scene, Any], Any], scene: Scene, resolution: float, stopwatch: Stopwatch
 ) -> Times:
-    """Time a solve in fresh processes, or, if that cannot be, in this one, which is warmed up.
-
-    Parameters
-    ----------
-    solver : callable
-    scene : Scene
-    resolution : float
-    stopwatch : Stopwatch
-
-    Returns
-    -------
-    Times
-    """
+    """Time a solve in fresh processes, or, if that cannot be, in this one, which is warmed up."""
     try:
         first = _fresh((scene, solver, resolution, stopwatch, []))
         again = scene, solver, resolution, None, first["imported"]

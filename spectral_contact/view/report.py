@@ -66,15 +66,7 @@ def _less_certain(solution: Solution) -> str:
 
 
 def write_csv(solution: Solution, path: str | os.PathLike[str]) -> None:
-    """Write the fields over graded radii; the scalars and the zones are comments.
-
-    Raises
-    ------
-    NotComputedError
-        If no field was asked for.
-    SolutionFileError
-        If the path cannot be written.
-    """
+    """Write the fields over graded radii; the scalars and the zones are comments."""
     path, columns = path_text(path), _csv_columns(solution)
     lines = [f"# {line}" for line in _csv_comments(solution)]
     lines.append(",".join(columns))
