@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from spectral_contact.cli.layer import LAW_NUMBERS
-from spectral_contact.cli.options import UsageError, friction, number, values, whole
+from spectral_contact.cli.options import UsageError, add_option, friction, number, values, whole
 from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
 from spectral_contact.cli.scene import add_coupling
 from spectral_contact.inputs.checks import whole as checked_whole
@@ -39,22 +39,14 @@ def add_options(command: argparse.ArgumentParser) -> None:
     """Add what a sweep takes."""
     group = command.add_argument_group("scenes")
     for name, (default, meaning) in _PARAMETERS.items():
-        group.add_argument(
-            f"--{name.replace('_', '-')}",
-            type=_frictions if name == "friction" else values,
-            default=argparse.SUPPRESS,
-            metavar="VALUES",
-            help=f"{meaning} (default: {default})",
-        )
+        kind = _frictions if name == "friction" else values
+        add_option(group, name, kind, f"{meaning} (default: {default})", "VALUES")
     add_coupling(group)
     add_profile(command, values)
     group = command.add_argument_group("how far it is pressed in, and its size")
     about = {"load": "instead of --contact-radius", "approach": "the same", "radius": "of the tip"}
     for name, meaning in about.items():
-        kind = number if name == "radius" else values
-        group.add_argument(
-            f"--{name}", type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
-        )
+        add_option(group, name, number if name == "radius" else values, meaning)
     group = command.add_argument_group("request")
     group.add_argument("--rtol", type=number, default=1e-8, help="(default: %(default)s)")
     group.add_argument(
