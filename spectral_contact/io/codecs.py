@@ -191,7 +191,7 @@ class Record:
     """
 
     def __init__(
-        self, tag: str, cls: type, /, later: dict[str, object] | None = None, **kinds: Kind
+        self, tag: str, cls: type, later: dict[str, object] | None = None, /, **kinds: Kind
     ) -> None:
         self.tag, self.cls, self.kinds, self.later = tag, cls, kinds, later or {}
         self.required = [key for key in kinds if key not in self.later]

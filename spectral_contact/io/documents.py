@@ -110,6 +110,15 @@ def check_schema(document: Any, what: str, schema: str, version: int) -> None:
         raise Refused(f"version {shown(found)} {known}")
 
 
+def difference(theirs: Any, ours: Mapping[str, Any]) -> str:
+    """Return in what another object of JSON differs from this one."""
+    known = theirs if isinstance(theirs, dict) else {}
+    for name, value in ours.items():
+        if known.get(name) != value:
+            return f"{name} {shown(known.get(name))}, not {shown(value)}"
+    return "other members"
+
+
 def path_text(path: str | os.PathLike[str]) -> str:
     """Return a path as text.
 

@@ -25,6 +25,7 @@ from spectral_contact.io.codecs import (
     Choice,
     Either,
     Float,
+    Kind,
     Maybe,
     Plain,
     Record,
@@ -58,53 +59,51 @@ from spectral_contact.solution import Solution
 
 _FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(str, "a text")
 _FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
-_MAYBE_FLOAT = Maybe(_FLOAT)
+_ROWS = Several(Several(_FLOAT))
+
+
+def _floats(names: str) -> dict[str, Kind]:
+    return dict.fromkeys(names.split(), _FLOAT)
+
+
+def _maybe_floats(names: str) -> dict[str, Kind]:
+    return dict.fromkeys(names.split(), Maybe(_FLOAT))
+
 
 #: Profiles of punches.
 PROFILES: Final = (
     Record("Parabola", Parabola, radius=_FLOAT),
     Record("Sphere", Sphere, radius=_FLOAT),
-    Record("PowerLaw", PowerLaw, coefficient=_FLOAT, exponent=_FLOAT),
+    Record("PowerLaw", PowerLaw, **_floats("coefficient exponent")),
     Record("Cone", Cone, half_angle=_FLOAT),
-    Record("TruncatedCone", TruncatedCone, flat_radius=_FLOAT, half_angle=_FLOAT),
+    Record("TruncatedCone", TruncatedCone, **_floats("flat_radius half_angle")),
     Record("Flat", Flat, radius=_FLOAT),
-    Record("RoundedFlat", RoundedFlat, flat_radius=_FLOAT, radius=_FLOAT),
-    Record(
-        "Sampled", Sampled, edges=Several(_FLOAT), slopes=Several(Several(_FLOAT)), rounded=_FLAG
-    ),
+    Record("RoundedFlat", RoundedFlat, **_floats("flat_radius radius")),
+    Record("Sampled", Sampled, edges=Several(_FLOAT), slopes=_ROWS, rounded=_FLAG),
 )
+_EXPONENTIAL = _floats("zero_pressure clearance")
+_ASPERITIES = _floats("density tip_radius height_deviation")
 #: Laws of layers.
 LAYERS: Final = (
     Record("Linear", layers.Linear, compliance=_FLOAT),
-    Record("PowerLaw", layers.PowerLaw, coefficient=_FLOAT, exponent=_FLOAT),
-    Record("Exponential", layers.Exponential, zero_pressure=_FLOAT, clearance=_FLOAT),
-    Record(
-        "CalculixExponential", layers.CalculixExponential, zero_pressure=_FLOAT, clearance=_FLOAT
-    ),
-    Record(
-        "GreenwoodWilliamson",
-        layers.GreenwoodWilliamson,
-        density=_FLOAT,
-        tip_radius=_FLOAT,
-        height_deviation=_FLOAT,
-        heights=_TEXT,
-    ),
+    Record("PowerLaw", layers.PowerLaw, **_floats("coefficient exponent")),
+    Record("Exponential", layers.Exponential, **_EXPONENTIAL),
+    Record("CalculixExponential", layers.CalculixExponential, **_EXPONENTIAL),
+    Record("GreenwoodWilliamson", layers.GreenwoodWilliamson, **_ASPERITIES, heights=_TEXT),
     Record("Table", layers.Table, overclosures=Several(_FLOAT), pressures=Several(_FLOAT)),
-    Record("Sampled", layers.Sampled, edges=Several(_FLOAT), series=Several(Several(_FLOAT))),
+    Record("Sampled", layers.Sampled, edges=Several(_FLOAT), series=_ROWS),
 )
+_LAYER, _PROFILE = Maybe(Either(*LAYERS)), Maybe(Either(*PROFILES))
 _PHYSICAL = Record(
     "PhysicalData",
     PhysicalData,
     dict.fromkeys(("contact_radius", "layer", "separation")),
     youngs_modulus=_FLOAT,
-    radius=_MAYBE_FLOAT,
-    load=_MAYBE_FLOAT,
-    approach=_MAYBE_FLOAT,
-    normal_compliance=_FLOAT,
-    tangential_compliance=_FLOAT,
-    contact_radius=_MAYBE_FLOAT,
-    layer=Maybe(Either(*LAYERS)),
-    separation=_MAYBE_FLOAT,
+    **_maybe_floats("radius load approach"),
+    **_floats("normal_compliance tangential_compliance"),
+    contact_radius=Maybe(_FLOAT),
+    layer=_LAYER,
+    separation=Maybe(_FLOAT),
 )
 _SCENE = Record(
     "Scene",
@@ -113,18 +112,14 @@ _SCENE = Record(
         "coupling": False,
         **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer", "separation")),
     },
-    poisson_ratio=_FLOAT,
-    normal_compliance=_FLOAT,
-    tangential_compliance=_FLOAT,
-    friction=_MAYBE_FLOAT,
+    **_floats("poisson_ratio normal_compliance tangential_compliance"),
+    friction=Maybe(_FLOAT),
     physical=Maybe(_PHYSICAL),
     coupling=_FLAG,
-    profile=Maybe(Either(*PROFILES)),
-    contact_radius=_MAYBE_FLOAT,
-    load=_MAYBE_FLOAT,
-    approach=_MAYBE_FLOAT,
-    layer=Maybe(Either(*LAYERS)),
-    separation=_MAYBE_FLOAT,
+    profile=_PROFILE,
+    **_maybe_floats("contact_radius load approach"),
+    layer=_LAYER,
+    separation=Maybe(_FLOAT),
 )
 _STATE = Choice(
     "StepState", RUN=StepState.RUN, CONDITIONAL=StepState.CONDITIONAL, SKIPPED=StepState.SKIPPED
@@ -148,37 +143,21 @@ _ZONE = Record(
     "Zone",
     Zone,
     kind=Plain(str, '"stick" or "slip"', "stick", "slip"),
-    inner=_FLOAT,
-    outer=_FLOAT,
-    inner_from_edge=_FLOAT,
-    outer_from_edge=_FLOAT,
+    **_floats("inner outer inner_from_edge outer_from_edge"),
 )
 _ERRORS = Record(
     "ErrorEstimates",
     ErrorEstimates,
     dict.fromkeys(PROFILE_QUANTITIES),
-    approach=_MAYBE_FLOAT,
-    pressure=_MAYBE_FLOAT,
-    traction=_MAYBE_FLOAT,
-    slip=_MAYBE_FLOAT,
-    zones=_MAYBE_FLOAT,
-    stick_radius=_MAYBE_FLOAT,
-    total_shear=_MAYBE_FLOAT,
-    edge_ratio=_MAYBE_FLOAT,
-    critical_friction=_MAYBE_FLOAT,
-    violation=_MAYBE_FLOAT,
-    contact_radius=_MAYBE_FLOAT,
-    load=_MAYBE_FLOAT,
-    stiffness=_MAYBE_FLOAT,
-    indentation_work=_MAYBE_FLOAT,
+    **_maybe_floats("approach pressure traction slip zones stick_radius total_shear edge_ratio"),
+    **_maybe_floats("critical_friction violation contact_radius load stiffness indentation_work"),
 )
 _REFINEMENT = Record(
     "RefinementStep",
     RefinementStep,
     unknowns=_INT,
     highest_degree=_INT,
-    error=_FLOAT,
-    seconds=_FLOAT,
+    **_floats("error seconds"),
 )
 _STEP_WORK = Record(
     "StepWork",
@@ -191,20 +170,18 @@ _STEP_WORK = Record(
     seconds=_FLOAT,
 )
 _WORK = Record("Work", Work, steps=Several(_STEP_WORK))
-_RADIUS = Record("Radius", Radius, value=_FLOAT, from_edge=_FLOAT)
+_RADIUS = Record("Radius", Radius, **_floats("value from_edge"))
 _LOG_SERIES = Record(
     "LogSeries",
     LogSeries,
     {"oscillation": 0.0, "logarithm": 0.0},
     coefficients=_TABLE,
     tail=_ROW,
-    width=_FLOAT,
-    power=_FLOAT,
+    **_floats("width power"),
     root_tail=_FLAG,
-    oscillation=_FLOAT,
-    logarithm=_FLOAT,
+    **_floats("oscillation logarithm"),
 )
-_WEIGHT = Record("EdgeWeight", EdgeWeight, amplitude=_FLOAT, shift=_FLOAT, logarithmic=_FLAG)
+_WEIGHT = Record("EdgeWeight", EdgeWeight, **_floats("amplitude shift"), logarithmic=_FLAG)
 _PRESSURE = Record("PressureField", PressureField, weight=Maybe(_WEIGHT), series=Maybe(_LOG_SERIES))
 _DISK = Record(
     "DiskSeries",
@@ -238,11 +215,7 @@ _HISTORY = Record(
     "ContactHistory",
     ContactHistory,
     ends=_ROW,
-    loads=_TABLE,
-    approaches=_TABLE,
-    shears=_TABLE,
-    sticks=_TABLE,
-    errors=_TABLE,
+    **dict.fromkeys(("loads", "approaches", "shears", "sticks", "errors"), _TABLE),
 )
 
 #: The root of the tree.
@@ -258,18 +231,10 @@ SOLUTION: Final = Record(
     ending=_ENDING,
     work=_WORK,
     values=Values(
-        approach=_FLOAT,
-        total_shear=_FLOAT,
-        edge_ratio=_FLOAT,
-        critical_friction=_FLOAT,
+        **_floats("approach total_shear edge_ratio critical_friction"),
         zones=Several(_ZONE),
-        stick_radius=_MAYBE_FLOAT,
-        opening=_MAYBE_FLOAT,
-        contact_radius=_FLOAT,
-        load=_FLOAT,
-        stiffness=_FLOAT,
-        indentation_work=_FLOAT,
-        domain_radius=_FLOAT,
+        **_maybe_floats("stick_radius opening"),
+        **_floats("contact_radius load stiffness indentation_work domain_radius"),
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,

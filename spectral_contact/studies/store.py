@@ -17,6 +17,7 @@ from spectral_contact.io.documents import (
     append_file,
     check_keys,
     check_schema,
+    difference,
     path_text,
     reported,
 )
@@ -80,7 +81,9 @@ class StudyStore:
         check_schema(row, "store of a study", _SCHEMA, _VERSION)
         check_keys("", row, _MEMBERS)
         if row["study"] != self._study:
-            raise Refused(f"it is of a study with {self._difference(row['study'])}")
+            raise Refused(
+                f"it is of a study with {difference(row['study'], self._study)}: {_OTHER}"
+            )
         point = point_from_row(row["point"])
         case = point.solver, point.scene
         if case not in self._cases:
@@ -89,15 +92,6 @@ class StudyStore:
         if row["truth"] != self._cases[case]:
             raise Refused(f"it is of another truth, {shown(row['truth'])}: {_OTHER}")
         self._points[point.solver, point.scene, point.resolution] = point
-
-    def _difference(self, other: Any) -> str:
-        """Return in what another study differs from this one."""
-        theirs = other if isinstance(other, dict) else {}
-        for name, value in self._study.items():
-            if theirs.get(name) != value:
-                found = f"{name} {shown(theirs.get(name))}, not {shown(value)}"
-                return f"{found}: {_OTHER}"
-        return f"other members: {_OTHER}"
 
     def get(self, solver: str, scene: Scene, resolution: float) -> Point | None:
         """Return a point, None if it is not there yet."""

@@ -24,6 +24,7 @@ from spectral_contact.io.documents import (
     Refused,
     check_schema,
     create_file,
+    difference,
     key_complaint,
     path_text,
     read_file,
@@ -75,7 +76,10 @@ class Store:
             document = json.loads(content.decode())
             check_schema(document, "store of a sweep", _SCHEMA, _VERSION)
             if document.get("sweep") != sweep:
-                raise Refused(f"it is of a sweep with {_difference(document.get('sweep'), sweep)}")
+                told = difference(document.get("sweep"), sweep)
+                if told.startswith("scenes "):  # a digest says nothing to anybody
+                    told = "other scenes"
+                raise Refused(f"it is of a sweep with {told}: {_OTHER}")
 
     def _begin(self, manifest: Path, sweep: dict[str, Any]) -> None:
         """Say of which sweep this store is, unless another process has just done so."""
@@ -158,14 +162,3 @@ def _digest(header: dict[str, Any], members: dict[str, NDArray[Any]]) -> str:
     for name, array in sorted(members.items()):
         digest.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
     return digest.hexdigest()
-
-
-def _difference(theirs: Any, ours: dict[str, Any]) -> str:
-    """Return in what another sweep differs from this one."""
-    known = theirs if isinstance(theirs, dict) else {}
-    for name, value in ours.items():
-        if known.get(name) != value:
-            if name == "scenes":  # a digest says nothing to anybody
-                return f"other scenes: {_OTHER}"
-            return f"{name} {shown(known.get(name))}, not {shown(value)}: {_OTHER}"
-    return f"other members: {_OTHER}"
