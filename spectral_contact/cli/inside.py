@@ -52,13 +52,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """Solve, write the files that the options name, and return what there is to say.
-
-    Raises
-    ------
-    UsageError
-        If the options do not go together.
-    """
+    """Solve, write the files that the options name, and return what there is to say."""
     points = arguments.points
     if points is not None and (arguments.r or arguments.z):
         raise UsageError("--points is instead of --r and --z")

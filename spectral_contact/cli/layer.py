@@ -81,17 +81,7 @@ def layer_given(given: Mapping[str, Any]) -> bool:
 
 
 def law(given: Mapping[str, Any], si: bool) -> Layer | None:
-    """Return the law of the options, None without.
-
-    Raises
-    ------
-    UsageError
-        If options are missing, or belong to another law.
-    SceneError
-        If a value is out of range.
-    SolutionFileError
-        If a table cannot be read.
-    """
+    """Return the law of the options, None without; its parameters are called as the options are."""
     if not layer_given(given):
         return None
     if "layer" not in given:

@@ -1,4 +1,8 @@
-"""Values of options: what the text of the command line stands for."""
+"""Values of options: what the text of the command line stands for.
+
+Options that do not make a request are a `UsageError` throughout `cli`; values out of range are
+errors of the library.
+"""
 
 from __future__ import annotations
 

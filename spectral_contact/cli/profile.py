@@ -89,15 +89,7 @@ def in_si_units(arguments: argparse.Namespace) -> bool:
 
 
 def profile_scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options.
-
-    Raises
-    ------
-    UsageError
-        If options are missing, or belong to another profile or to SI units.
-    SceneError
-        If a value is out of range.
-    """
+    """Return the scene of the options, which have to be complete, and of this profile."""
     given = vars(arguments)
     if "profile" not in given:
         told = "a layer" if layer_given(given) else "a profile"

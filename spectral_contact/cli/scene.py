@@ -76,15 +76,7 @@ def si_given(arguments: argparse.Namespace) -> bool:
 
 
 def scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options.
-
-    Raises
-    ------
-    UsageError
-        If SI and dimensionless options are mixed, or SI options are missing.
-    SceneError
-        If a value is out of range.
-    """
+    """Return the scene of the options, SI or dimensionless; none may be missing or of the other."""
     given = vars(arguments)
     if not si_given(arguments):
         values = {name: given.get(name, default) for name, default in _DEFAULTS.items()}

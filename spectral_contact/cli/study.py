@@ -84,13 +84,7 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
 
 
 def run(arguments: argparse.Namespace, scene: Scene) -> Study:
-    """Run the study that the options ask for.
-
-    Raises
-    ------
-    SpectralContactError
-        Whatever is wrong with the options.
-    """
+    """Run the study that the options ask for."""
     if arguments.plot is not None:
         plotting.require()
     if arguments.solver and os.getcwd() not in sys.path:
@@ -118,13 +112,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Study:
 
 
 def write(study: Study, arguments: argparse.Namespace) -> None:
-    """Write the files that the options name.
-
-    Raises
-    ------
-    SolutionFileError
-        If one cannot be written.
-    """
+    """Write the files that the options name."""
     if arguments.output is not None:
         study.save(arguments.output)
     if arguments.plot is not None:

@@ -88,13 +88,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> xarray.Dataset:
-    """Run the sweep that the options ask for.
-
-    Raises
-    ------
-    SpectralContactError
-        Whatever is wrong with the options.
-    """
+    """Run the sweep that the options ask for."""
     if arguments.plot is not None:
         plotting.require()
     lists = {
@@ -131,15 +125,7 @@ def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
 
 
 def write(dataset: xarray.Dataset, arguments: argparse.Namespace) -> None:
-    """Write the files that the options name.
-
-    Raises
-    ------
-    SolutionFileError
-        If one cannot be written.
-    SceneError
-        If what is to be plotted is no slice.
-    """
+    """Write the files that the options name."""
     output = arguments.output
     if output is not None:
         with reported(output, "cannot be written"):

@@ -35,13 +35,7 @@ class OutsideRadii:
 
 
 def outside_radii(s: ArrayLike | None, beyond: ArrayLike | None) -> OutsideRadii:
-    """Return radii of at least 1, or distances of at least 0, whichever was given.
-
-    Raises
-    ------
-    SceneError
-        If both or neither are, or a value is another.
-    """
+    """Return radii of at least 1, or distances of at least 0, whichever was given."""
     exactly_one("s", s, "beyond", beyond)
     name, given, least = ("s", s, 1.0) if beyond is None else ("beyond", beyond, 0.0)
     allowed = f"finite and at least {least:.0f}"

@@ -17,7 +17,7 @@ def kind_tree(known: Any) -> dict[str, Any]:
 
 
 def kind_from(name: str, tree: Any, kinds: Mapping[str, type[T]]) -> T:
-    """Return the object that `kind_tree` wrote.
+    """Return the object that `kind_tree` wrote, or raise `SceneError`.
 
     Parameters
     ----------
@@ -26,11 +26,6 @@ def kind_from(name: str, tree: Any, kinds: Mapping[str, type[T]]) -> T:
     tree : object
     kinds : mapping
         Classes by the name that they have in documents.
-
-    Raises
-    ------
-    SceneError
-        If it is none, or a parameter is out of range.
     """
     allowed = f"an object with one key, one of {', '.join(kinds)}, over its parameters"
     if not isinstance(tree, Mapping) or len(tree) != 1:

@@ -19,25 +19,13 @@ _CLOSER, _LOOSE = 1e-3, 1e-11
 
 
 def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) -> frozenset[str]:
-    """Return what is asked for; everything is the default.
-
-    Raises
-    ------
-    SceneError
-        For a name that is no quantity.
-    """
+    """Return what is asked for, known names; everything is the default."""
     known = (*PROFILE_QUANTITIES, *QUANTITIES) if shaped else QUANTITIES
     return frozenset(known if quantities is None else names("quantities", quantities, known))
 
 
 def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
-    """Return the tolerance if these quantities can be solved to it.
-
-    Raises
-    ------
-    SceneError
-        If they cannot.
-    """
+    """Return the tolerance; `SceneError` if these quantities cannot be solved to it."""
     value = checks.tolerance(rtol)
     if value < _TIGHTEST and not _INTEGRAL.issuperset(quantities):
         raise SceneError(

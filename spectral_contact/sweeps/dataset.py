@@ -100,13 +100,7 @@ class Collected:
 
 
 def needed() -> Any:
-    """Return xarray.
-
-    Raises
-    ------
-    MissingDependencyError
-        If it is not installed.
-    """
+    """Return xarray."""
     return optional("xarray", "sweep")
 
 

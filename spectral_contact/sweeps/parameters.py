@@ -233,13 +233,7 @@ def grid(
 
 
 def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> SweepParameters:
-    """Return the scenes of a list, with changes to all of them.
-
-    Raises
-    ------
-    SceneError
-        If it is empty, or something in it is no scene.
-    """
+    """Return the scenes of a list, at least one, with changes to all of them."""
     rows: list[tuple[float, ...]] = []
     forms: list[SceneForm] = []
     for number, scene in enumerate(scenes):
@@ -262,13 +256,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """Return a changed scene, in which a load takes the place of an approach, and so on.
-
-    Raises
-    ------
-    SceneError
-        If a value is out of its range.
-    """
+    """Return a changed scene, in which a load takes the place of an approach, and so on."""
     dropped = dict.fromkeys(ALL_CONTROLS if any(changes.get(name) for name in ALL_CONTROLS) else ())
     return replace(scene, **{**dropped, **changes})
 

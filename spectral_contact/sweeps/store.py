@@ -94,24 +94,12 @@ class Store:
         return self._folder / f"{number:06d}.npz"
 
     def has(self, number: int) -> bool:
-        """Whether a chunk is there.
-
-        Raises
-        ------
-        SolutionFileError
-            If the store cannot be read.
-        """
+        """Whether a chunk is there."""
         with reported(self._source, "cannot be read"):
             return self._file(number).exists()
 
     def put(self, number: int, outcome: Outcome) -> None:
-        """Keep a chunk, on disk before this returns.
-
-        Raises
-        ------
-        SolutionFileError
-            If it cannot be written; the store is as it was before.
-        """
+        """Keep a chunk, on disk before this returns; a failure leaves the store as it was."""
         messages = {str(i): text for i, text in outcome.messages.items()}
         members = {**outcome.values, _ENDINGS: outcome.endings}
         values = (_CHUNK_SCHEMA, _VERSION, self._sweep, number, messages)
@@ -124,13 +112,7 @@ class Store:
             replace_file(str(self._file(number)), content.getvalue())
 
     def get(self, number: int) -> Outcome:
-        """Return a chunk.
-
-        Raises
-        ------
-        SolutionFileError
-            If its file is damaged, was changed, or is not this chunk of this sweep.
-        """
+        """Return a chunk; a file that is damaged, changed, or not this chunk is refused."""
         source, content = read_file(self._file(number))
         with reported(source, f"damaged: {_AGAIN}"):
             values = _members(content)

@@ -47,13 +47,7 @@ _STYLE = {
 
 
 def require() -> Any:
-    """Return matplotlib; called before the work, which its absence would cost.
-
-    Raises
-    ------
-    MissingDependencyError
-        If it is not installed.
-    """
+    """Return matplotlib; called before the work, which its absence would cost."""
     return optional("matplotlib", "plot")
 
 
@@ -126,13 +120,7 @@ def style() -> Iterator[None]:
 
 
 def scene_title(scene: Scene) -> str:
-    """Return the parameters of a scene in the symbols of the theory, as a title of a figure.
-
-    Raises
-    ------
-    SceneError
-        If it is no Scene.
-    """
+    """Return the parameters of a scene in the symbols of the theory, as a title of a figure."""
     instance("scene", scene, Scene)
     friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
     if scene.friction == np.inf:
