@@ -55,15 +55,7 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
 def approach_slope(pressure: Field) -> float:
     """Return ``ddelta*/dalpha* = 2 pi int p**2 s ds``, by reciprocity of (3.5).
 
-    Parameters
-    ----------
-    pressure : callable
-        ``p*`` as a function of an array of distances from the edge.
-
-    Raises
-    ------
-    SceneError
-        As `load` does.
+    The pressure, and errors, are as of `load`.
     """
     return 2.0 * np.pi * load(lambda d: np.square(pressure(d)))
 
@@ -90,21 +82,9 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
 
 
 def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] = ()) -> float:
-    """Return ``N p`` outside the contact, where the surface moves as (3.5) says.
+    """Return ``N p`` so far beyond the edge, where the surface moves as (3.5) says.
 
-    Parameters
-    ----------
-    pressure : callable
-        ``p*`` as a function of an array of distances from the edge.
-    beyond : float
-        Distance from the edge, > 0.
-    breaks : sequence of float
-        Distances from the edge at which the field is not smooth.
-
-    Raises
-    ------
-    SceneError
-        As of `load`.
+    The pressure, its breaks, and errors are as of `load`.
     """
     field = _field("pressure", pressure)
     past = positive("beyond", beyond)
@@ -155,21 +135,7 @@ def shear_lift(
 ) -> float:
     """Return ``kappa int_s^1 q deta``, by how much less the surface gives way under a traction.
 
-    Parameters
-    ----------
-    traction : callable
-        ``q*`` as a function of an array of distances from the edge.
-    kappa : float
-        ``(1 - 2 nu)/(4 (1 - nu))``.
-    from_edge : float
-        The field point, in (0, 1].
-    breaks : sequence of float
-        Distances from the edge at which the field is not smooth.
-
-    Raises
-    ------
-    SceneError
-        As of `load`.
+    The field point is in (0, 1]; else arguments are as of `tangential_displacement`.
     """
     field, coupling = _field("traction", traction), real("kappa", kappa, allowed="finite")
     place = within("from_edge", from_edge, "in (0, 1]")

@@ -8,18 +8,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from spectral_contact import layers
+from spectral_contact import layers, profiles, records
+from spectral_contact.fields import series
 from spectral_contact.fields.history import ContactHistory
-from spectral_contact.fields.series import (
-    AnnulusSeries,
-    DiskSeries,
-    EdgeWeight,
-    LogSeries,
-    PressureField,
-    Radius,
-    ZonalField,
-    ZonePiece,
-)
 from spectral_contact.io.codecs import (
     Array,
     Choice,
@@ -32,28 +23,7 @@ from spectral_contact.io.codecs import (
     Several,
     Values,
 )
-from spectral_contact.profiles import (
-    Cone,
-    Flat,
-    Parabola,
-    PowerLaw,
-    RoundedFlat,
-    Sampled,
-    Sphere,
-    TruncatedCone,
-)
-from spectral_contact.records import (
-    PROFILE_QUANTITIES,
-    Ending,
-    ErrorEstimates,
-    Plan,
-    PlannedStep,
-    RefinementStep,
-    StepState,
-    StepWork,
-    Work,
-    Zone,
-)
+from spectral_contact.records import Ending, StepState
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 
@@ -72,14 +42,14 @@ def _maybe_floats(names: str) -> dict[str, Kind]:
 
 #: Profiles of punches.
 PROFILES: Final = (
-    Record("Parabola", Parabola, radius=_FLOAT),
-    Record("Sphere", Sphere, radius=_FLOAT),
-    Record("PowerLaw", PowerLaw, **_floats("coefficient exponent")),
-    Record("Cone", Cone, half_angle=_FLOAT),
-    Record("TruncatedCone", TruncatedCone, **_floats("flat_radius half_angle")),
-    Record("Flat", Flat, radius=_FLOAT),
-    Record("RoundedFlat", RoundedFlat, **_floats("flat_radius radius")),
-    Record("Sampled", Sampled, edges=Several(_FLOAT), slopes=_ROWS, rounded=_FLAG),
+    Record("Parabola", profiles.Parabola, radius=_FLOAT),
+    Record("Sphere", profiles.Sphere, radius=_FLOAT),
+    Record("PowerLaw", profiles.PowerLaw, **_floats("coefficient exponent")),
+    Record("Cone", profiles.Cone, half_angle=_FLOAT),
+    Record("TruncatedCone", profiles.TruncatedCone, **_floats("flat_radius half_angle")),
+    Record("Flat", profiles.Flat, radius=_FLOAT),
+    Record("RoundedFlat", profiles.RoundedFlat, **_floats("flat_radius radius")),
+    Record("Sampled", profiles.Sampled, edges=Several(_FLOAT), slopes=_ROWS, rounded=_FLAG),
 )
 _EXPONENTIAL = _floats("zero_pressure clearance")
 _ASPERITIES = _floats("density tip_radius height_deviation")
@@ -131,37 +101,37 @@ _ENDING = Choice(
     ROUNDING=Ending.ROUNDING,
     ZONES=Ending.ZONES,
 )
-_PLANNED_STEP = Record("PlannedStep", PlannedStep, name=_TEXT, state=_STATE, reason=_TEXT)
+_PLANNED_STEP = Record("PlannedStep", records.PlannedStep, name=_TEXT, state=_STATE, reason=_TEXT)
 _PLAN = Record(
     "Plan",
-    Plan,
+    records.Plan,
     quantities=Several(_TEXT),
     steps=Several(_PLANNED_STEP),
     missing=Several(Several(_TEXT, 2)),
 )
 _ZONE = Record(
     "Zone",
-    Zone,
+    records.Zone,
     kind=Plain(str, '"stick" or "slip"', "stick", "slip"),
     **_floats("inner outer inner_from_edge outer_from_edge"),
 )
 _ERRORS = Record(
     "ErrorEstimates",
-    ErrorEstimates,
-    dict.fromkeys(PROFILE_QUANTITIES),
+    records.ErrorEstimates,
+    dict.fromkeys(records.PROFILE_QUANTITIES),
     **_maybe_floats("approach pressure traction slip zones stick_radius total_shear edge_ratio"),
     **_maybe_floats("critical_friction violation contact_radius load stiffness indentation_work"),
 )
 _REFINEMENT = Record(
     "RefinementStep",
-    RefinementStep,
+    records.RefinementStep,
     unknowns=_INT,
     highest_degree=_INT,
     **_floats("error seconds"),
 )
 _STEP_WORK = Record(
     "StepWork",
-    StepWork,
+    records.StepWork,
     name=_TEXT,
     unknowns=_INT,
     degrees=Several(_INT),
@@ -169,11 +139,11 @@ _STEP_WORK = Record(
     ending=_ENDING,
     seconds=_FLOAT,
 )
-_WORK = Record("Work", Work, steps=Several(_STEP_WORK))
-_RADIUS = Record("Radius", Radius, **_floats("value from_edge"))
+_WORK = Record("Work", records.Work, steps=Several(_STEP_WORK))
+_RADIUS = Record("Radius", series.Radius, **_floats("value from_edge"))
 _LOG_SERIES = Record(
     "LogSeries",
-    LogSeries,
+    series.LogSeries,
     {"oscillation": 0.0, "logarithm": 0.0},
     coefficients=_TABLE,
     tail=_ROW,
@@ -181,11 +151,13 @@ _LOG_SERIES = Record(
     root_tail=_FLAG,
     **_floats("oscillation logarithm"),
 )
-_WEIGHT = Record("EdgeWeight", EdgeWeight, **_floats("amplitude shift"), logarithmic=_FLAG)
-_PRESSURE = Record("PressureField", PressureField, weight=Maybe(_WEIGHT), series=Maybe(_LOG_SERIES))
+_WEIGHT = Record("EdgeWeight", series.EdgeWeight, **_floats("amplitude shift"), logarithmic=_FLAG)
+_PRESSURE = Record(
+    "PressureField", series.PressureField, weight=Maybe(_WEIGHT), series=Maybe(_LOG_SERIES)
+)
 _DISK = Record(
     "DiskSeries",
-    DiskSeries,
+    series.DiskSeries,
     {"power": 1, "exponent": 0.0},
     outer=_RADIUS,
     series=Maybe(_LOG_SERIES),
@@ -195,7 +167,7 @@ _DISK = Record(
 )
 _ANNULUS = Record(
     "AnnulusSeries",
-    AnnulusSeries,
+    series.AnnulusSeries,
     inner=_RADIUS,
     outer=_RADIUS,
     toward_inner=_LOG_SERIES,
@@ -204,12 +176,12 @@ _ANNULUS = Record(
 )
 _PIECE = Record(
     "ZonePiece",
-    ZonePiece,
+    series.ZonePiece,
     outer=_RADIUS,
     field=Maybe(Either(_DISK, _ANNULUS, _PRESSURE)),
     factor=_FLOAT,
 )
-_ZONAL = Record("ZonalField", ZonalField, pieces=Several(_PIECE))
+_ZONAL = Record("ZonalField", series.ZonalField, pieces=Several(_PIECE))
 _TANGENTIAL = Maybe(Either(_ZONAL, _DISK))
 _HISTORY = Record(
     "ContactHistory",

@@ -129,7 +129,7 @@ def query_of(texts: Texts) -> str:
 
 
 def scene_of(texts: Texts) -> Scene:
-    """Return the scene of a state; refused as `Scene` and profiles do, or for text that is no number."""
+    """Return the scene of a state; what is none, text that is no number too, is a `SceneError`."""
     values: dict[str, Any] = {name: _number(texts[name]) for name in FLAT if name in texts}
     if "coupling" in texts:
         values["coupling"] = _YES_NO[one_of("coupling", texts["coupling"], _YES_NO)]
