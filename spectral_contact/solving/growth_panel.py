@@ -131,7 +131,7 @@ class Panel:
     @cached_property
     def stick(self) -> Array:
         """``ln c*`` of the stages."""
-        return np.array([math.log(_stick_radius(one).value) for one in self.flats])
+        return np.array([math.log(stick_radius(one).value) for one in self.flats])
 
     @cached_property
     def shears(self) -> Array:
@@ -178,7 +178,7 @@ class Panel:
         """
 
         def values(one: Solution, x: Array) -> Array:
-            c, d, inside = _stick_radius(one), np.exp(-x), np.sqrt(-np.expm1(-x))
+            c, d, inside = stick_radius(one), np.exp(-x), np.sqrt(-np.expm1(-x))
             found = _field(one, name, c.value * inside, c.from_edge + c.value * d / (1.0 + inside))
             return found / inside if name == "traction" else found
 
@@ -191,7 +191,7 @@ class Panel:
         """
 
         def values(one: Solution, x: Array) -> Array:
-            y = _stick_radius(one).rest / (1.0 + np.exp(x))
+            y = stick_radius(one).rest / (1.0 + np.exp(x))
             s = np.sqrt(1.0 - y)
             return _field(one, name, s, y / (1.0 + s))
 
@@ -276,7 +276,8 @@ class Panel:
         return field(t, np.tile(places, len(nodes))).reshape(-1, len(places))
 
 
-def _stick_radius(flat: Solution) -> Radius:
+def stick_radius(flat: Solution) -> Radius:
+    """Return where the central zone of a flat punch ends, its stick disk."""
     zone = flat.zones[0]
     return Radius(zone.outer, zone.outer_from_edge)
 

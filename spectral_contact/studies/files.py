@@ -106,21 +106,21 @@ def point_from_row(row: Any) -> Point:
 def _json(study: Study) -> str:
     [kind] = [name for name, cls in _KINDS.items() if isinstance(study, cls)]
     body: dict[str, Any] = {"schema": _SCHEMA, "version": _VERSION, "study": kind}
-    for name in (one.name for one in fields(study)):
-        value = getattr(study, name)
-        if name == "points":
-            value = [point_row(point) for point in value]
-        elif name == "scenes":
-            value = [scene.to_dict() for scene in value]
-        elif name == "scene":
-            value = value.to_dict()
-        elif name in ("stopwatch", "machine") and value is not None:
-            value = asdict(value)
-        body[name] = value
+    body |= {one.name: _encoded(getattr(study, one.name)) for one in fields(study)}
     if isinstance(study, Convergence):
         rates = study.rates.items()
         body["rates"] = {name: None if rate is None else _rate(rate) for name, rate in rates}
     return json.dumps(body, indent=1, allow_nan=False) + "\n"
+
+
+def _encoded(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_encoded(one) for one in value]
+    if isinstance(value, Point):
+        return point_row(value)
+    if isinstance(value, Scene):
+        return value.to_dict()
+    return asdict(value) if isinstance(value, (Stopwatch, Machine)) else value
 
 
 def _rate(rate: Rate) -> dict[str, Any]:
