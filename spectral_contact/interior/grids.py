@@ -119,17 +119,12 @@ def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Data
     made = optional("xarray", "sweep").Dataset
     found = columns(body, *np.meshgrid(r, z), rtol)
     units = body.unit_names
-    variables = {name: (("z", "r"), one, _about(name, units)) for name, one in found.items()}
-    axes = {
-        name: (name, one, {"long_name": about, "units": unit_of(name, units)})
-        for name, one, about in (("r", r, "distance from the axis"), ("z", z, "depth"))
-    }
+    about = {**QUANTITIES, "r": "distance from the axis", "z": "depth"}
+    said = {name: {"long_name": one, "units": unit_of(name, units)} for name, one in about.items()}
+    variables = {name: (("z", "r"), one, said[name]) for name, one in found.items()}
+    axes = {name: (name, one, said[name]) for name, one in (("r", r), ("z", z))}
     found_there: xarray.Dataset = made(variables, axes, {"title": "inside the body"})
     return found_there
-
-
-def _about(name: str, units: UnitNames) -> dict[str, Any]:
-    return {"long_name": QUANTITIES[name], "units": unit_of(name, units)}
 
 
 def as_csv(table: dict[str, Array], units: UnitNames) -> bytes:

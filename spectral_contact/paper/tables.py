@@ -85,7 +85,8 @@ class PaperFigure:
     def keys_of(self, scene: Scene) -> Array:
         """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
         choices.instance("scene", scene, Scene)
-        parameters = _parameters(scene)
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        parameters = scene.poisson_ratio, *compliances, scene.friction or 0.0
         if not self.radial:
             return np.array([parameters])
         radii = np.column_stack([RADII.s, RADII.from_edge])
@@ -156,12 +157,6 @@ class FigureData:
         """
         errors = self[f"{choices.one_of('name', name, self.figure.values)}_error"]
         return float(errors[np.isfinite(errors)].max())
-
-
-def _parameters(scene: Scene) -> tuple[float, ...]:
-    friction = 0.0 if scene.friction is None else scene.friction
-    alpha, beta = scene.normal_compliance, scene.tangential_compliance
-    return scene.poisson_ratio, alpha, beta, friction
 
 
 def complete_csv(

@@ -45,11 +45,13 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     if remarks:
         parts.append("\n".join(["remarks", *map(_indented, remarks)]))
     if "zones" in solution.plan.quantities:
-        parts.append(_zone_table(solution))
+        none = "zones\n  none: without friction there is neither stick nor slip"
+        parts.append(table(zone_cells(solution)) if solution.zones else none)
     parts += [f"plan\n{_indented(str(solution.plan))}", _work_table(solution)]
     if solution.less_certain:
         parts.append(_less_certain(solution))
-    verdict = "yes" if solution.converged else f"no. {_capitalised(solution.ending.value)}"
+    why = solution.ending.value
+    verdict = "yes" if solution.converged else f"no. {why[:1].upper()}{why[1:]}"
     parts.append(f"converged: {verdict}")
     return "\n\n".join(parts)
 
@@ -240,12 +242,6 @@ def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     return cells
 
 
-def _zone_table(solution: Solution) -> str:
-    if not solution.zones:
-        return "zones\n  none: without friction there is neither stick nor slip"
-    return table(zone_cells(solution))
-
-
 def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
     """Return the table of the zones; only its heading if there are none."""
     zones, estimate = solution.zones, solution.error.zones
@@ -281,10 +277,6 @@ def table(cells: Sequence[tuple[str, ...]]) -> str:
         padded = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
         lines.append("   ".join(padded).rstrip())
     return "\n".join(lines)
-
-
-def _capitalised(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _indented(text: str) -> str:
