@@ -162,7 +162,7 @@ class _CurveLoad(NamedTuple):
 
 
 def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> _CurveLoad:
-    """Return the load of an approach, over E', with its derivatives.
+    """Return the load of an approach, over E', with its derivatives, all to the tolerance.
 
     Parameters
     ----------
@@ -172,11 +172,6 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     layer : float
         ``alpha E'``, a length; if 0, the derivative by it is taken for 0.
     rtol : float
-
-    Raises
-    ------
-    ConvergenceError
-        If the tolerance is not met.
     """
     if approach <= 0.0:
         return _CurveLoad(0.0, 0.0, 0.0)

@@ -53,7 +53,7 @@ class LayeredLoad(NamedTuple):
 def layered_load(
     profile: Profile, layer: Layer, approach: float, rtol: float, *, near: float | None = None
 ) -> LayeredLoad:
-    """Return the load of an approach, over E', with its derivatives.
+    """Return the load of an approach, over E', with its derivatives, all to the tolerance.
 
     Parameters
     ----------
@@ -65,11 +65,6 @@ def layered_load(
     rtol : float
     near : float or None
         Where the radius of the contact may be.
-
-    Raises
-    ------
-    ConvergenceError
-        If the tolerance is not met.
     """
     names = (UNIT, *layer._rates(np.zeros(1)))
     if approach <= layer.start:

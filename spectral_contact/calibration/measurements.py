@@ -273,13 +273,7 @@ Data = ApproachData | PressureData | StickRadiusData
 
 
 def _check(setting: object, layer: object) -> None:
-    """Check what a prediction is asked for.
-
-    Raises
-    ------
-    SceneError
-        If it is no `Setting`, or no mapping of all `PARAMETERS`.
-    """
+    """Check that a prediction is asked for a `Setting`, and for a mapping of all `PARAMETERS`."""
     instance("setting", setting, Setting)
     if not isinstance(layer, Mapping) or not set(PARAMETERS) <= set(layer):
         raise SceneError("layer", layer, f"a mapping of {', '.join(PARAMETERS)}")

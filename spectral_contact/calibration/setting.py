@@ -76,15 +76,7 @@ class Setting:
         return cls(nu, stiffness, data.radius, data.load, rtol, solver)
 
     def solve(self, radius: float, layer: Layer, *quantities: str) -> Solution:
-        """Solve for a punch of this radius on a layer.
-
-        Raises
-        ------
-        SceneError
-            If the dimensionless compliances are out of the range that scenes have.
-        ConvergenceError
-            If the tolerance cannot be met; it names the scene.
-        """
+        """Solve for a punch of this radius on a layer; what does not converge names the scene."""
         return _solved(self.solver, self._scene(radius, layer), self.rtol, quantities)
 
     def _scene(self, radius: float, layer: Layer) -> Scene:
@@ -117,13 +109,7 @@ class Setting:
         return np.broadcast_to(np.array(radius or (self.radius,)), count)
 
     def loads(self, load: tuple[float, ...] | None, count: int) -> Array:
-        """Return `count` loads [N]; None is the scene's.
-
-        Raises
-        ------
-        SceneError
-            If neither the data nor the scene have one.
-        """
+        """Return `count` loads [N]; None is that of the scene, which has to have one then."""
         if load is None and self.load is None:
             raise SceneError("load", None, "given, in the data or in the scene")
         return np.broadcast_to(np.array(load or (self.load,), dtype=float), count)

@@ -72,10 +72,6 @@ def approach_bounds(
         ``p*``.
     coupled : CoupledTraction, optional
         With elastic coupling.
-
-    Returns
-    -------
-    lower, upper : float
     """
     assert pressure.series is not None
 

@@ -31,7 +31,8 @@ def energies(
 
     Under a flat punch the load grows in proportion, so that each is half of what the final
     tractions would do over the final displacements. Under a profile it does not; but without
-    friction that is still what body and layer store, and together it is the work of the load.
+    friction that is still what body and layer store, and together it is the work of the load. With
+    friction they are no functions of the final state, and refused.
 
     Parameters
     ----------
@@ -45,11 +46,6 @@ def energies(
         What an energy is multiplied by, as is the square of the contact radius of a profile.
     tell : ProgressLine
         Is told how far it is.
-
-    Raises
-    ------
-    NotComputedError
-        If a quantity was not asked for, or is no function of the final state.
     """
     external, doubt = _external(solution)
     parts, missing = _parts(solution, mesh, move, tell)

@@ -181,11 +181,6 @@ def complete_csv(
     data : FigureData
     kept : int
         How many scenes were there already.
-
-    Raises
-    ------
-    SolutionFileError
-        If a file cannot be read or written.
     """
     partial = path.with_name(f"{path.name}.partial")
     with reported(str(path), "cannot be read"):

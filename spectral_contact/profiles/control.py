@@ -45,15 +45,7 @@ SHAPES: Final = {
 def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     """Return what is given of a contact, by name: one number with a profile, none without.
 
-    Parameters
-    ----------
-    scene : mapping
-        What a scene has, by name; the compliance is checked already.
-
-    Raises
-    ------
-    SceneError
-        If it is another number, or out of range.
+    The scene is a mapping of all that it has, the compliance checked already.
     """
     profile, compliance = scene["profile"], scene["normal_compliance"]
     values = {name: scene[name] for name in ALL_CONTROLS}
@@ -119,24 +111,12 @@ def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
 
 
 def refuse_profile(scene: Any, what: str) -> None:
-    """Refuse a scene with a profile on behalf of what knows flat punches only.
-
-    Raises
-    ------
-    SceneError
-        If it has one.
-    """
+    """Refuse a scene with a profile on behalf of what knows flat punches only."""
     if scene.profile is not None:
         told = f"one without a profile: {what} knows flat punches only"
         raise SceneError("scene", scene, told)
 
 
 def profile_from(tree: Any) -> Profile:
-    """Return the profile that `kind_tree` wrote.
-
-    Raises
-    ------
-    SceneError
-        If it is none, or a parameter is out of range.
-    """
+    """Return the profile that `kind_tree` wrote."""
     return kind_from("profile", tree, KINDS)

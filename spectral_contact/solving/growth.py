@@ -328,7 +328,7 @@ class Grower:
     end: float
 
     def grown(self, least: float, radius: float, load: float) -> Growth:
-        """Return the history of a contact.
+        """Return the history, if slip reaches the edge and the stick radius does not fall.
 
         Parameters
         ----------
@@ -336,11 +336,6 @@ class Grower:
             Where the load is negligible.
         radius, load : float
             Today's; the load is a measure only.
-
-        Raises
-        ------
-        NotComputedError
-            If slip does not reach the edge at some radius, or the stick radius falls.
         """
         today = math.log(radius)
         todo, panels = self._stretches(math.log(least), today)[::-1], []

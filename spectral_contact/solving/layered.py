@@ -34,6 +34,7 @@ def through_layer(
     Parameters
     ----------
     profile : Profile
+        Refused if it ends before the pressure does.
     layer : Layer
     tolerance : float
     max_unknowns : int
@@ -46,11 +47,6 @@ def through_layer(
         Where the radius may be.
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
-
-    Raises
-    ------
-    SceneError
-        If the profile ends before the pressure does.
     """
 
     def at(radius: float, tolerance: float, pointwise: bool) -> Contact:

@@ -84,13 +84,7 @@ def _number(value: float) -> float | str:
 
 
 def point_from_row(row: Any) -> Point:
-    """Return the point that `point_row` wrote.
-
-    Raises
-    ------
-    Refused
-        If keys are missing or unknown; what else may be raised says that the row is damaged.
-    """
+    """Return the point that `point_row` wrote; whatever is raised says that the row is damaged."""
     check_keys("a point", row, (one.name for one in fields(Point)))
     values = dict(row, scene=Scene.from_dict(row["scene"]))
     for name in ("errors", "estimates"):

@@ -36,20 +36,17 @@ _OTHER: Final = "use another store for another study"
 class StudyStore:
     """The points of one study; without a path they are kept in memory alone.
 
+    A file that is no store, damaged, or of another study or version is refused.
+
     Parameters
     ----------
     path : str or os.PathLike or None
         The file; it is made if it is not there.
     study : dict
-        What makes it this study, as an object of JSON; points of another study are refused.
+        What makes it this study, as an object of JSON.
     cases : dict
         What belongs to it: the name of a solver and a scene, and what the scene's truth is as an
         object of JSON.
-
-    Raises
-    ------
-    SolutionFileError
-        If the file is no store, damaged, of another study or version, or cannot be read.
     """
 
     def __init__(
@@ -98,13 +95,7 @@ class StudyStore:
         return self._points.get((solver, scene, resolution))
 
     def add(self, point: Point) -> None:
-        """Keep a point, on disk before this returns.
-
-        Raises
-        ------
-        SolutionFileError
-            If it cannot be written.
-        """
+        """Keep a point, on disk before this returns."""
         if self._source is not None:
             truth = self._cases[point.solver, point.scene]
             members = (_SCHEMA, _VERSION, self._study, truth, point_row(point))

@@ -142,13 +142,7 @@ def estimate_of(solution: Any, name: str) -> float | None:
 
 
 def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:
-    """Return the quantities of a study: those asked for, or all of which some truth is known.
-
-    Raises
-    ------
-    SceneError
-        For a name that is unknown, or of which a truth says nothing.
-    """
+    """Return a study's quantities: those asked for, or all of which some truth is known."""
     if quantities is None:
         return tuple(q for q in QUANTITIES if any(q in truth.quantities for truth in truths))
     given = [quantities] if isinstance(quantities, str) else quantities

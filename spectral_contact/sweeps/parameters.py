@@ -207,14 +207,9 @@ def grid(
     base : Scene
         Has the parameters that are not given.
     axes : mapping of str to array_like
-        Values of parameters, out of `PARAMETERS`; None for one that does not vary.
+        Values of parameters, out of `PARAMETERS` and in their ranges; None for what does not vary.
     law : mapping of str to array_like, optional
         The same of parameters of the layer's law.
-
-    Raises
-    ------
-    SceneError
-        For values that are no list of numbers in the range of the parameter.
     """
     given = {
         name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None

@@ -48,17 +48,14 @@ _SUM: Final = "sha256"
 class Store:
     """The chunks of one sweep.
 
+    A folder that is no store, or of another sweep or version, is refused.
+
     Parameters
     ----------
     path : str or os.PathLike
         The folder; it is made if it is not there.
     sweep : dict
-        What makes it this sweep, as an object of JSON; chunks of another sweep are refused.
-
-    Raises
-    ------
-    SolutionFileError
-        If the folder is no store, of another sweep or version, or cannot be read or written.
+        What makes it this sweep, as an object of JSON.
     """
 
     def __init__(self, path: str | os.PathLike[str], sweep: dict[str, Any]) -> None:
