@@ -16,6 +16,8 @@ from spectral_contact.inputs.checks import reals
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 
+__all__ = ["ContactHistory"]
+
 #: What a history knows, in the order of the columns of `errors`.
 _NAMES: Final = ("load", "approach", "total_shear", "stick_radius")
 _ROUNDING: Final = 1e-15

@@ -29,6 +29,8 @@ from spectral_contact.view.html import table_html
 from spectral_contact.view.progress import ProgressLine
 from spectral_contact.view.report import table
 
+__all__ = ["PARAMETERS", "Derivative", "FieldDerivative", "Sensitivity", "sensitivity"]
+
 #: What can be differentiated.
 QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
 #: Tolerances of the spaces: of what is returned, and of what it is compared with. That one is less

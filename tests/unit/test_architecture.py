@@ -33,7 +33,7 @@ PUBLIC = [
     for name, path in NAMES.items()
     if path.name == "__init__.py"
     or (path.parent == PACKAGE and path.name[0] != "_")
-    or name in re.findall(r"automodule:: (\S+)", API)
+    or re.search(rf":: {re.escape(name)}\b", API)
 ]
 
 
