@@ -109,13 +109,7 @@ def unit_of(name: str, units: UnitNames) -> str:
 
 
 def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Dataset:
-    """Return all columns over the grid of radii and depths.
-
-    Raises
-    ------
-    MissingDependencyError
-        If xarray is not installed.
-    """
+    """Return all columns over the grid of radii and depths, if xarray is installed."""
     made = optional("xarray", "sweep").Dataset
     found = columns(body, *np.meshgrid(r, z), rtol)
     units = body.unit_names
