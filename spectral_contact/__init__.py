@@ -103,22 +103,15 @@ __version__ = processes.VERSION
 
 #: What is loaded when it is used: the module, and the name in it unless it is meant itself.
 _LAZY: dict[str, tuple[str, str | None]] = {
-    "PhysicalSolution": ("spectral_contact.view.physical", "PhysicalSolution"),
-    "asperities": ("spectral_contact.asperities", None),
-    "benchmarks": ("spectral_contact.benchmarks", None),
-    "calibration": ("spectral_contact.calibration", None),
-    "closed_forms": ("spectral_contact.closed_forms", None),
-    "compare": ("spectral_contact.studies", "compare"),
-    "explore": ("spectral_contact.view.explorer", "explore"),
-    "fit": ("spectral_contact.calibration", "fit"),
-    "gold": ("spectral_contact.gold", None),
-    "paper": ("spectral_contact.paper", None),
-    "plotting": ("spectral_contact.view.plotting", None),
-    "precise": ("spectral_contact.precise", None),
-    "reference": ("spectral_contact.precise", "reference"),
-    "studies": ("spectral_contact.studies", None),
-    "sweep": ("spectral_contact.sweeps", "sweep"),
-    "testing": ("spectral_contact.testing", None),
+    **{name: (name, None) for name in ("asperities", "benchmarks", "calibration", "closed_forms")},
+    **{name: (name, None) for name in ("gold", "paper", "precise", "studies", "testing")},
+    "PhysicalSolution": ("view.physical", "PhysicalSolution"),
+    "compare": ("studies", "compare"),
+    "explore": ("view.explorer", "explore"),
+    "fit": ("calibration", "fit"),
+    "plotting": ("view.plotting", None),
+    "reference": ("precise", "reference"),
+    "sweep": ("sweeps", "sweep"),
 }
 
 
@@ -130,7 +123,7 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     module, inner = _LAZY[name]
-    found = import_module(module)
+    found = import_module(f"{__name__}.{module}")
     globals()[name] = found = found if inner is None else getattr(found, inner)
     return found
 

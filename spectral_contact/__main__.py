@@ -87,6 +87,9 @@ def _run(argv: Sequence[str]) -> int:
 class _Parser(argparse.ArgumentParser):
     """A parser whose complaint is one line, and suggests an option for one that is unknown."""
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(allow_abbrev=False, **options)
+
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:
@@ -103,7 +106,6 @@ def _parser() -> _Parser:
     parser = _Parser(
         prog=PROGRAM,
         description="Contact of a rigid flat punch with a rough elastic half-space.",
-        allow_abbrev=False,
     )
     version = f"{PROGRAM} {VERSION}"
     parser.add_argument("--version", action="version", version=version)
@@ -113,7 +115,6 @@ def _parser() -> _Parser:
         help="solve one scene",
         description="Solve one scene; print quantities, error estimates, zones, plan and work.",
         epilog="Exit status: 0 solved, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
-        allow_abbrev=False,
     )
     add_any_scene(command)
     _add_request(command)
@@ -177,7 +178,6 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Solve one scene; print the largest stresses and the energies, store and plot "
         "stress and displacement below the surface.",
         epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
-        allow_abbrev=False,
     )
     add_any_scene(command)
     cli_inside.add_options(command)
@@ -192,7 +192,6 @@ def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
         "starts, and the true critical friction) and what it says in numbers. Each figure becomes "
         "a table (.csv) and a picture (.png). A run that was stopped goes on where it was.",
         epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
-        allow_abbrev=False,
     )
     command.add_argument("--output", metavar="FOLDER", required=True, help="made if need be")
     command.add_argument(
@@ -220,7 +219,6 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         "study",
         help="measure the errors and times of solvers",
         description="Measure errors against solutions to many digits, and times.",
-        allow_abbrev=False,
     )
     resumed = " A run that was stopped goes on from its --store."
     for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth,"):
@@ -242,7 +240,6 @@ def _kinds(
                 help=about,
                 description=f"{about.capitalize()}.{more}",
                 epilog=f"Exit status: 0 done,{status} 2 bad input or file, 130 interrupted.",
-                allow_abbrev=False,
             ),
         )
 
@@ -256,7 +253,6 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
         "was stopped goes on from its --store.",
         epilog="Exit status: 0 done, 2 bad input or file, 130 interrupted. Scenes that could not "
         "be solved are counted; the files say which and why.",
-        allow_abbrev=False,
     )
     cli_sweep.add_options(command)
     command.set_defaults(run=_sweep)
@@ -267,7 +263,6 @@ def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
         "benchmark",
         help="problems to test other codes against",
         description="Ten problems with numbers and fields to test other codes against.",
-        allow_abbrev=False,
     )
     for kind, command in _kinds(benchmark, cli_benchmark.KINDS):
         cli_benchmark.add_options(command, kind)
@@ -281,7 +276,6 @@ def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Serve a page with sliders on this machine alone, until Ctrl-C (needs the "
         "extra: explore). The scene is the one to begin with.",
         epilog="Exit status: 0 ended by Ctrl-C, 2 bad input or no free port.",
-        allow_abbrev=False,
     )
     add_any_scene(command)
     cli_explore.add_options(command)
@@ -296,7 +290,6 @@ def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
 
 
 def _solve(arguments: argparse.Namespace) -> None:
-    """Check everything that can be checked, solve, write the files and print the report."""
     shaped, scene = profile_given(arguments), any_scene(arguments)
     quantities = arguments.quantities
     if quantities is not None and "approach" in vars(arguments) and not shaped:
@@ -316,13 +309,11 @@ def _solve(arguments: argparse.Namespace) -> None:
 
 
 def _inside(arguments: argparse.Namespace) -> None:
-    """Solve, write the files and print the largest stresses and the energies."""
     _check_paths(arguments, cli_inside.OUTPUTS)
     print(cli_inside.run(arguments))
 
 
 def _paper(arguments: argparse.Namespace) -> None:
-    """Reproduce the paper's figures and print what was written."""
     made = reproduce(
         arguments.output, arguments.figures, rtol=arguments.rtol, pictures=not arguments.no_pictures
     )
@@ -330,7 +321,6 @@ def _paper(arguments: argparse.Namespace) -> None:
 
 
 def _study(arguments: argparse.Namespace) -> None:
-    """Run a study, write the files and print the tables."""
     _check_paths(arguments, cli_study.OUTPUTS)
     study = cli_study.run(arguments, cli_scene.scene(arguments))
     try:
@@ -340,7 +330,6 @@ def _study(arguments: argparse.Namespace) -> None:
 
 
 def _sweep(arguments: argparse.Namespace) -> None:
-    """Solve the grid, write the files and print what came of it."""
     _check_paths(arguments, cli_sweep.OUTPUTS)
     found = cli_sweep.run(arguments)
     try:

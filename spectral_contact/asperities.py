@@ -21,8 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.checks import positive, within
 from spectral_contact.inputs.choices import one_of
+from spectral_contact.inputs.physical import checked_poisson_ratio
 from spectral_contact.layers import CalculixExponential, GreenwoodWilliamson, Layer, PowerLaw
 
 __all__ = ["AsperityLayer", "greenwood_williamson"]
@@ -185,9 +186,7 @@ class AsperityLayer:
         SceneError
             If `share` is out of its range, or a pressure is out of that of the model.
         """
-        share = real(
-            "share", share, allowed="in (0, 1)", low=0.0, high=1.0, low_open=True, high_open=True
-        )
+        share = within("share", share, "in (0, 1)")
         low, high = (self.at(self.pressure * factor) for factor in (1.0 - share, 1.0 + share))
         alpha = self.normal_compliance
         return low.normal_compliance / alpha - 1.0, high.normal_compliance / alpha - 1.0
@@ -255,13 +254,11 @@ def greenwood_williamson(
         "hardness": (hardness, "[Pa]"),
     }
     given = {
-        name: real(name, value, allowed=f"finite and > 0 {unit}", low=0.0, low_open=True)
+        name: positive(name, value, unit)
         for name, (value, unit) in units.items()
         if value is not None or name != "hardness"
     }
-    nu = real(
-        "poisson_ratio", poisson_ratio, allowed="in (-1, 0.5]", low=-1.0, high=0.5, low_open=True
-    )
+    nu = checked_poisson_ratio(poisson_ratio)
     eta, tip, sigma = (given[name] for name in ("density", "tip_radius", "height_deviation"))
     bearing = math.pi * eta * tip * sigma
     stiffness = 2.0 * eta * _plane_modulus(given["youngs_modulus"], nu) * math.sqrt(tip * sigma)

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, fields
 from importlib import import_module
 from typing import Any, Final, Self
 
-from spectral_contact.errors import SceneError, SolutionFileError, shown
+from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.inputs.checks import flag, real
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.inputs.kinds import kind_tree
@@ -23,7 +23,7 @@ from spectral_contact.inputs.physical import (
     checked_poisson_ratio,
 )
 from spectral_contact.inputs.units import Measured, in_si
-from spectral_contact.io.documents import YOUNGER, key_complaint, left_out
+from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, left_out, reported
 from spectral_contact.layers import Layer
 from spectral_contact.layers.control import check_layer, in_own_units, layer_from
 from spectral_contact.profiles import Profile
@@ -313,7 +313,9 @@ class Scene:
         SceneError
             If a value is out of range.
         """
-        _check_schema(data)
+        with reported("scene", "not a scene"):
+            check_schema(data, "scene", _SCHEMA, _VERSION)
+        _check_keys(data, Scene, "", "schema", "version")
         values = {key: data[key] for key in _names(cls) if key in data}
         friction = values["friction"]
         if isinstance(friction, str) and friction == "inf":
@@ -391,17 +393,6 @@ def same_problem(one: Scene, other: Scene) -> bool:
 
 def _names(cls: Any) -> list[str]:
     return [one.name for one in fields(cls)]
-
-
-def _check_schema(data: Any) -> None:
-    schema = data.get("schema") if isinstance(data, Mapping) else None
-    if not isinstance(schema, str) or schema != _SCHEMA:  # an array would compare itself by element
-        raise SolutionFileError("scene", f'not a scene: its "schema" is not "{_SCHEMA}"')
-    version = data.get("version")
-    if type(version) is not int or version != _VERSION:
-        reason = f"version {shown(version)} is not known to this release, which reads {_VERSION}"
-        raise SolutionFileError("scene", reason)
-    _check_keys(data, Scene, "", "schema", "version")
 
 
 def _check_keys(data: Any, cls: Any, where: str, *more: str) -> None:

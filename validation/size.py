@@ -44,6 +44,30 @@ CAME_WITH = {
     ),
     "sensitivities": ("contact.zone_derivatives",),
 }
+#: The same of the rest of the library: packages and modules that there were not at commit 1534185,
+#: of which the goal of 23,000 lines is told, where 27,886 were. What joined a module of before, and
+#: what took the place of one, counts.
+CAME_ELSEWHERE = {
+    "profiles": (
+        *("profiles", "cli.profile", "closed_forms.indentation", "equations.gap", "fields.history"),
+        *("inputs.kinds", "precise.heights", "precise.indented", "precise.indented_smooth"),
+        *("precise.pressed", "sweeps.pressed", "view.history"),
+        *("solving.grown_fields", "solving.growth", "solving.growth_history", "solving.outside"),
+        *("solving.growth_panel", "solving.profile_run", "solving.stages", "solving.stretch"),
+        "solving.weights",
+    ),
+    "layers": (
+        *("layers", "cli.layer", "precise.layered", "precise.laws", "solving.layered"),
+        *("testing.layered", "view.law"),
+    ),
+    "sensitivities": ("solving.slopes", "studies.derivatives"),
+    "inside": ("interior", "cli.inside", "closed_forms.flat_punch", "view.inside"),
+    "indentation": ("calibration.indentation", "calibration.layered"),
+    "explorer": ("cli.explore", "view.explorer"),
+    "benchmarks": ("benchmarks", "cli.benchmark"),
+    "comparison": ("studies.comparison", "view.html"),
+    "units": ("inputs.units",),
+}
 
 
 @dataclass(frozen=True)
@@ -58,7 +82,8 @@ class Gate:
 GATES = (
     Gate("lines of the core, flat punches", 9_004, 6_500),
     Gate("lines of the core with all else", 12_069, 6_500),
-    Gate("lines in all", 48_249, 23_000),
+    Gate("lines in all, flat punches", 30_385, 23_000),
+    Gate("lines in all", 46_741, 23_000),
     Gate("float literals of the core, flat punches", 90, 90),
     Gate("float literals of the core with all else", 146, 90),
     Gate("functions above 15", 0, 0),
@@ -124,6 +149,17 @@ def core() -> list[Module]:
 def later() -> list[Module]:
     """Return those that came with what is more than a flat punch."""
     return [modules()[f"{NAME}.{name}"] for names in CAME_WITH.values() for name in names]
+
+
+def later_elsewhere() -> list[Module]:
+    """Return those of the rest of the library."""
+    names = tuple(f"{NAME}.{one}" for several in CAME_ELSEWHERE.values() for one in several)
+    assert modules().keys() >= set(names)
+    return [
+        one
+        for one in modules().values()
+        if f"{one.name}.".startswith(tuple(f"{n}." for n in names))
+    ]
 
 
 def tuned(module: Module) -> int:
@@ -275,6 +311,10 @@ def figures() -> dict[str, tuple[int, str]]:
         "lines of the core with all else": (
             sum(module.lines for module in core()),
             _listed(CORE, rooms),
+        ),
+        "lines in all, flat punches": (
+            rooms.total() - sum(module.lines for module in (*later(), *later_elsewhere())),
+            ", ".join(f"without {name}" for name in CAME_ELSEWHERE),
         ),
         "lines in all": (rooms.total(), _listed([room for room, _ in rooms.most_common(7)], rooms)),
         "float literals of the core, flat punches": (

@@ -7,7 +7,7 @@ import json
 import math
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -21,8 +21,6 @@ from spectral_contact.inputs.choices import names as known_names
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
-
-__all__ = ["VERSION", "Benchmark", "CheckNumber", "Recipe", "Stiffness", "export", "load", "names"]
 
 #: Version of the problems and their numbers, which is to be cited with the name of one.
 VERSION: Final = "1.0"
@@ -180,23 +178,18 @@ def load(name: str) -> Benchmark:
     """
     one_of("name", name, names())
     body = json.loads(_read(f"{name}.json"))
-    return Benchmark(
-        name,
-        body["title"],
-        body["version"],
-        Scene(**{**body["scene"], "friction": _friction(body["scene"]["friction"])}),
-        body["about"],
-        body["source"],
-        CheckNumber(**body["check"]),
-        body["tolerance"],
-        body["tolerance_of"],
-        tuple(CheckNumber(**one) for one in body["values"]),
-        tuple(
-            Stiffness(one["poisson_ratio"], float(one["friction"]), one["text"])
-            for one in body["stiffness"]
+    given: dict[str, Any] = {one.name: body[one.name] for one in fields(Benchmark)}
+    infinite = {"friction": math.inf} if body["scene"]["friction"] == "inf" else {}
+    parts = {
+        "scene": Scene(**{**body["scene"], **infinite}),
+        "check": CheckNumber(**body["check"]),
+        "values": tuple(CheckNumber(**one) for one in body["values"]),
+        "stiffness": tuple(
+            Stiffness(**{**one, "friction": float(one["friction"])}) for one in body["stiffness"]
         ),
-        tuple(Recipe(**one) for one in body["recipes"]),
-    )
+        "recipes": tuple(Recipe(**one) for one in body["recipes"]),
+    }
+    return Benchmark(**given | parts)
 
 
 def export(folder: str | os.PathLike[str], which: Iterable[str] | None = None) -> tuple[str, ...]:
@@ -252,7 +245,3 @@ def _sums() -> dict[str, str]:
 
 def _folder() -> Any:
     return resources.files("spectral_contact.benchmarks") / "data"
-
-
-def _friction(stored: str | float | None) -> float | None:
-    return math.inf if stored == "inf" else stored  # type: ignore[return-value]

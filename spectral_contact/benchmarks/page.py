@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 from spectral_contact.scene import Scene
 
 if TYPE_CHECKING:  # a benchmark writes its page when asked to
-    from spectral_contact.benchmarks.loader import Benchmark, CheckNumber, Stiffness
-
-__all__ = ["page"]
+    from spectral_contact.benchmarks.loader import Benchmark, Stiffness
 
 #: The instance in SI units: Young's modulus [Pa], radius [m], load [N].
 _E, _A, _P = 210e9, 10e-3, 1e3
@@ -50,7 +48,7 @@ def page(benchmark: Benchmark, figure: str | None = None, data: str = "") -> str
         *([f"![The fields]({figure})"] if figure else []),
         _fields(benchmark, data),
         "## In other codes",
-        _UNITS.format(modulus=_short(_modulus(benchmark.scene))),
+        _UNITS.format(modulus=_short(4.0 * (1.0 - benchmark.scene.poisson_ratio**2))),
         *(_recipe(one.code, one.tried, one.text) for one in benchmark.recipes),
         "## Source",
         f"{benchmark.source} Cite it as *spectral_contact benchmark {benchmark.name}, version "
@@ -142,12 +140,11 @@ def _numbers(benchmark: Benchmark) -> str:
     )
     if not benchmark.values:
         return first
-    rows = "\n".join(map(_number_row, benchmark.values))
+    rows = "\n".join(
+        f"| {_SHORT[one.quantity]}, {one.symbol} | {one.text} | {one.where} |"
+        for one in benchmark.values
+    )
     return f"{first}\n\nFurther numbers:\n\n| quantity | value | from |\n|---|---|---|\n{rows}"
-
-
-def _number_row(one: CheckNumber) -> str:
-    return f"| {_SHORT[one.quantity]}, {one.symbol} | {one.text} | {one.where} |"
 
 
 def _stiffness(values: tuple[Stiffness, ...]) -> str:
@@ -182,10 +179,6 @@ def _fields(benchmark: Benchmark, data: str) -> str:
 
 def _recipe(code: str, tried: bool, text: str) -> str:
     return f"**{code}** ({'tried' if tried else 'not tried: a starting point'}). {text}"
-
-
-def _modulus(scene: Scene) -> float:
-    return 4.0 * (1.0 - scene.poisson_ratio**2)
 
 
 def _short(number: float) -> str:

@@ -6,39 +6,30 @@ Fits of several layers are compared by an information criterion: which law do th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import count
 from typing import Any, Final, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spectral_contact.calibration.curve_fit import fit_indentation
-from spectral_contact.calibration.indentation import IndentationData, IndentationFit
-from spectral_contact.calibration.measurements import (
-    ApproachData,
-    Data,
-    PressureData,
-    StickRadiusData,
-)
-from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, check_settled
+from spectral_contact.calibration.indentation import CurveProblem, IndentationData, IndentationFit
+from spectral_contact.calibration.layered import LawProblem
+from spectral_contact.calibration.measurements import Data
+from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, least_squares_fit
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import real, whole
+from spectral_contact.fields import Array
+from spectral_contact.inputs.checks import whole, within
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["LawComparison", "compare_laws", "fit"]
-
-Array = NDArray[np.float64]
-Measurement = ApproachData | PressureData | StickRadiusData
-
 #: The range that is searched, within that of scenes.
 _COMPLIANCES = 1e-13, 1e13
 _FRICTIONS = 1e-6, 1e6
+#: What ends the search of a curve, of the tolerance of the solves.
+_SETTLED = 1e-2
 #: A parameter whose logarithm has a larger standard deviation is not determined.
 _LARGEST_ERROR = 10.0
 #: A law whose criterion is larger by more is ruled out: the other is twenty times as likely.
@@ -60,7 +51,7 @@ def fit(
 @overload
 def fit(
     scene: Scene,
-    data: Measurement | Sequence[Measurement],
+    data: Data | Sequence[Data],
     free: str | Sequence[str],
     *,
     rtol: float = 1e-10,
@@ -71,7 +62,7 @@ def fit(
 
 def fit(
     scene: Scene,
-    data: Measurement | Sequence[Measurement] | IndentationData,
+    data: Data | Sequence[Data] | IndentationData,
     free: str | Sequence[str],
     *,
     rtol: float = 1e-10,
@@ -128,12 +119,10 @@ def fit(
     chi square 0.2539 at 1 degrees of freedom, p = 0.61
     """
     instance("scene", scene, Scene)
-    rtol = real("rtol", rtol, allowed="in [1e-12, 1e-4]", low=1e-12, high=1e-4)
+    rtol = within("rtol", rtol, "in [1e-12, 1e-4]")
     most = whole("max_evaluations", max_evaluations, 1)
     if isinstance(data, IndentationData):
-        return fit_indentation(
-            scene, data, free, rtol=rtol, max_evaluations=most, progress=progress
-        )
+        return _fit_indentation(scene, data, free, rtol, most, progress)
     problem = _FitProblem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
@@ -173,31 +162,15 @@ class _FitProblem:
             count = f"at most {len(self.measured)} parameters, the number of values measured"
             raise SceneError("free", self.free, count)
 
-    def outcome(self, max_evaluations: int, tell: Callable[[str], None]) -> RoughnessFit:
-        from scipy.optimize import least_squares  # takes long to import
-
-        steps = count(1)
-
-        def residuals(x: Array) -> Array:
-            tell(f"evaluation {next(steps)}")
-            return self.residuals(x)
-
-        found = least_squares(
-            residuals,
-            np.zeros(len(self.free)),
-            jac=self.jacobian,
-            bounds=self._bounds(),
-            x_scale=1.0,
-            ftol=1e-10,
-            xtol=1e-9,
-            gtol=1e-10,
-            max_nfev=max_evaluations,
-        )
-        check_settled(found, max_evaluations)
+    def outcome(self, max_evaluations: int, tell: ProgressLine) -> RoughnessFit:
+        how = {"jac": self.jacobian, "bounds": self._bounds(), "x_scale": 1.0}
+        ends = {"ftol": 1e-10, "xtol": 1e-9, "gtol": 1e-10}
+        start = np.zeros(len(self.free))
+        found = least_squares_fit(self.residuals, start, max_evaluations, tell, **how, **ends)
         covariance = self._covariance(self.jacobian(found.x), found.x, found.active_mask)
         layer = self.layer(found.x)
         errors = np.sqrt(np.diag(covariance))
-        ends = np.cumsum([len(one.measured) for one in self.data])[:-1]
+        sets = np.cumsum([len(one.measured) for one in self.data])[:-1]
         return RoughnessFit(
             self._scene(layer),
             tuple(
@@ -205,7 +178,7 @@ class _FitProblem:
                 for name, error in zip(self.free, errors, strict=True)
             ),
             tuple(tuple(row) for row in covariance.tolist()),
-            tuple(tuple(part.tolist()) for part in np.split(found.fun, ends)),
+            tuple(tuple(part.tolist()) for part in np.split(found.fun, sets)),
             int(found.nfev),
         )
 
@@ -289,10 +262,10 @@ class _FitProblem:
         return Scene.from_physical(poisson_ratio=self.scene.poisson_ratio, **known)
 
 
-def _measurements(data: Measurement | Sequence[Measurement]) -> tuple[Measurement, ...]:
+def _measurements(data: Data | Sequence[Data]) -> tuple[Data, ...]:
     listed = tuple(data) if isinstance(data, (list, tuple)) else (data,)
     for one in listed:
-        if not isinstance(one, Measurement):
+        if not isinstance(one, Data):
             raise SceneError("data", one, "ApproachData, PressureData or StickRadiusData")
     if not listed:
         raise SceneError("data", data, "at least one set of data")
@@ -304,6 +277,35 @@ def _names(free: str | Sequence[str]) -> tuple[str, ...]:
     if not listed or len(set(listed)) < len(listed):
         raise SceneError("free", free, f"one or more of {', '.join(PARAMETERS)}, each once")
     return listed
+
+
+def _fit_indentation(
+    scene: Scene,
+    data: IndentationData,
+    free: str | Sequence[str],
+    rtol: float,
+    most: int,
+    progress: bool | None,
+) -> IndentationFit:
+    """Return the fit of a force-indentation curve, through a linear layer or any other."""
+    kind = CurveProblem if scene.layer is None else LawProblem
+    free = names("free", [free] if isinstance(free, str) else free, kind.parameters(scene))
+    problem = kind(scene, data, tuple(free), rtol)
+    limits, end = problem.bounds(), max(1e-12, _SETTLED * rtol)
+    with ProgressLine(progress) as tell:
+        tell("the first curve")
+        problem.look()
+        found = least_squares_fit(
+            lambda x: np.asarray(problem.at(tuple(x.tolist()))[0]),
+            problem.start,
+            most,
+            tell,
+            jac=lambda x: problem.at(tuple(x.tolist()))[1],
+            bounds=limits,
+            x_scale=problem.scale,
+            **dict.fromkeys(("ftol", "xtol", "gtol"), end),
+        )
+    return problem.outcome(found)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,25 +15,16 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import finite, reals
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
-
-__all__ = [
-    "INDENTATION_PARAMETERS",
-    "CurveProblem",
-    "IndentationData",
-    "IndentationFit",
-    "curve_load",
-]
-
-Array = NDArray[np.float64]
 
 #: What can be fitted: E* [Pa], alpha [m/Pa], and the depth at which the punch touches [m].
 INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", "zero_point")
@@ -171,7 +162,7 @@ class _CurveLoad(NamedTuple):
 
 
 def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> _CurveLoad:
-    """Return the load of an approach, over E', with its derivatives.
+    """Return the load of an approach, over E', with its derivatives, all to the tolerance.
 
     Parameters
     ----------
@@ -181,11 +172,6 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     layer : float
         ``alpha E'``, a length; if 0, the derivative by it is taken for 0.
     rtol : float
-
-    Raises
-    ------
-    ConvergenceError
-        If the tolerance is not met.
     """
     if approach <= 0.0:
         return _CurveLoad(0.0, 0.0, 0.0)
@@ -258,7 +244,6 @@ class CurveProblem:
 
     @staticmethod
     def _of_layer(scene: Scene) -> dict[str, float]:
-        """Return the numbers of the layer, in SI units."""
         assert scene.physical is not None
         return {"normal_compliance": scene.physical.normal_compliance}
 

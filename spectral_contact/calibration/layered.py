@@ -16,22 +16,18 @@ from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.calibration.indentation import CurveProblem
 from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError
+from spectral_contact.fields import Array
 from spectral_contact.layers import GreenwoodWilliamson, Layer
 from spectral_contact.layers.control import in_own_units
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.scene import Scene
 from spectral_contact.solving.layered import through_layer
-
-__all__ = ["LawProblem", "LayeredLoad", "layered_load"]
-
-Array = NDArray[np.float64]
 
 _MOST_UNKNOWNS: Final = 20_000
 #: Exponents between which is searched.
@@ -57,7 +53,7 @@ class LayeredLoad(NamedTuple):
 def layered_load(
     profile: Profile, layer: Layer, approach: float, rtol: float, *, near: float | None = None
 ) -> LayeredLoad:
-    """Return the load of an approach, over E', with its derivatives.
+    """Return the load of an approach, over E', with its derivatives, all to the tolerance.
 
     Parameters
     ----------
@@ -69,11 +65,6 @@ def layered_load(
     rtol : float
     near : float or None
         Where the radius of the contact may be.
-
-    Raises
-    ------
-    ConvergenceError
-        If the tolerance is not met.
     """
     names = (UNIT, *layer._rates(np.zeros(1)))
     if approach <= layer.start:

@@ -7,49 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
 from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import finite, real
+from spectral_contact.fields import Array
+from spectral_contact.inputs.checks import finite, positive
 from spectral_contact.inputs.choices import instance, one_of
-
-__all__ = ["ApproachData", "Data", "PressureData", "StickRadiusData"]
-
-Array = NDArray[np.float64]
-
-
-_ABOVE_ZERO: dict[str, Any] = {"allowed": "finite and > 0", "low": 0.0, "low_open": True}
-
-
-class Data(Protocol):
-    """Measured values with their standard deviations, and their theory."""
-
-    @property
-    def measured(self) -> tuple[float, ...]:
-        """The values."""
-
-    @property
-    def sigma(self) -> tuple[float, ...]:
-        """Their standard deviations."""
-
-    @property
-    def depends_on(self) -> frozenset[str]:
-        """The parameters that change the values."""
-
-    @property
-    def radius(self) -> tuple[float, ...] | None:
-        """Radii of the punches; None is the scene's."""
-
-    def predict(self, setting: Setting, layer: Layer) -> Array:
-        """Return what the theory says of the values."""
-
-    def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
-        """Return the derivative of `predict` by the logarithm of a parameter it depends on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,14 +268,12 @@ class StickRadiusData:
         return [(a, {**layer, "friction": f}) for a, f in each]
 
 
-def _check(setting: object, layer: object) -> None:
-    """Check what a prediction is asked for.
+#: Measured values with their standard deviations, and their theory.
+Data = ApproachData | PressureData | StickRadiusData
 
-    Raises
-    ------
-    SceneError
-        If it is no `Setting`, or no mapping of all `PARAMETERS`.
-    """
+
+def _check(setting: object, layer: object) -> None:
+    """Check that a prediction is asked for a `Setting`, and for a mapping of all `PARAMETERS`."""
     instance("setting", setting, Setting)
     if not isinstance(layer, Mapping) or not set(PARAMETERS) <= set(layer):
         raise SceneError("layer", layer, f"a mapping of {', '.join(PARAMETERS)}")
@@ -325,7 +291,6 @@ def _put(data: object, **values: object) -> None:
 
 
 def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
-    """Return one or more finite numbers as a tuple."""
     array = finite(name, values, one_will_do=True)
     if not array.size:
         raise SceneError(name, values, "at least one number")
@@ -333,15 +298,14 @@ def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
 
 
 def _positive(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
-    """Return one positive number, or `count` of them, as a tuple."""
     listed = _finite(name, values)
     if len(listed) not in (1, count):
         raise SceneError(name, values, f"one number, or {count} as the values measured are")
-    return tuple(real(name, value, **_ABOVE_ZERO) for value in listed)
+    return tuple(positive(name, value) for value in listed)
 
 
 def _one(name: str, value: object) -> tuple[float] | None:
-    return None if value is None else (real(name, value, **_ABOVE_ZERO),)
+    return None if value is None else (positive(name, value),)
 
 
 def _optional(name: str, values: ArrayLike | None, count: int) -> tuple[float, ...] | None:

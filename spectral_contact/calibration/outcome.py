@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
+from itertools import count
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.inputs.checks import real, whole
-from spectral_contact.io.documents import Refused, check_schema, key_complaint, reported
+from spectral_contact.fields import Array
+from spectral_contact.inputs.checks import real, whole, within
+from spectral_contact.io.documents import check_keys, check_schema, reported
 from spectral_contact.scene import Scene
-
-__all__ = ["FittedParameter", "RoughnessFit", "check_settled"]
+from spectral_contact.view.progress import ProgressLine
 
 _SCHEMA: Final = "spectral_contact.fit"
 _VERSION: Final = 1
@@ -46,15 +47,7 @@ class FittedParameter:
         """
         from scipy.special import ndtri  # takes long to import
 
-        share = real(
-            "confidence",
-            confidence,
-            allowed="in (0, 1)",
-            low=0.0,
-            high=1.0,
-            low_open=True,
-            high_open=True,
-        )
+        share = within("confidence", confidence, "in (0, 1)")
         factor = math.exp(float(ndtri(0.5 + 0.5 * share)) * self.relative_error)
         return self.value / factor, self.value * factor
 
@@ -115,7 +108,7 @@ class RoughnessFit:
         return float(chdtrc(freedom, self.chi_square)) if freedom else None
 
     @property
-    def correlation(self) -> NDArray[np.float64]:
+    def correlation(self) -> Array:
         """Correlations of the logarithms, shape (parameters, parameters)."""
         covariance = np.array(self.covariance)
         errors = np.sqrt(np.diag(covariance))
@@ -155,11 +148,7 @@ class RoughnessFit:
         with reported("fit", "not a fit"):
             document: dict[str, Any] = json.loads(text)
             check_schema(document, "fit", _SCHEMA, _VERSION)
-            complaint = key_complaint(
-                document, ("schema", "version", *(one.name for one in fields(cls)))
-            )
-            if complaint:
-                raise Refused(complaint)
+            check_keys("", document, ("schema", "version", *(one.name for one in fields(cls))))
             return cls(
                 Scene.from_dict(document["scene"]),
                 tuple(
@@ -176,10 +165,28 @@ def _numbers(values: list[object]) -> tuple[float, ...]:
     return tuple(real("number", value, allowed="finite") for value in values)
 
 
-def check_settled(found: Any, max_evaluations: int) -> None:
-    """Raise `ConvergenceError` if SciPy's least squares ended for lack of evaluations."""
+def least_squares_fit(
+    residuals: Callable[[Array], Array], start: Any, most: int, tell: ProgressLine, **how: Any
+) -> Any:
+    """Return what SciPy's least squares find; every evaluation is told.
+
+    Raises
+    ------
+    ConvergenceError
+        If they ended for lack of evaluations.
+    """
+    from scipy.optimize import least_squares  # takes long to import
+
+    steps = count(1)
+
+    def told(x: Array) -> Array:
+        tell(f"evaluation {next(steps)}")
+        return residuals(x)
+
+    found = least_squares(told, start, max_nfev=most, **how)
     if found.status == 0:
         raise ConvergenceError(
-            f"the fit has not settled after {max_evaluations} evaluations",
+            f"the fit has not settled after {most} evaluations",
             "start nearer to the answer, free fewer parameters, or raise max_evaluations.",
         )
+    return found

@@ -13,12 +13,12 @@ from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.zone_derivatives import radius_slopes
 from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
@@ -27,9 +27,6 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.slopes import SolutionSlopes
 from spectral_contact.threads import one_thread
 
-__all__ = ["PARAMETERS", "SLOPE_ERROR", "Layer", "Setting"]
-
-Array = NDArray[np.float64]
 #: Values of the parameters in the units of the scene; friction may be absent, as in a scene.
 Layer = Mapping[str, float | None]
 _Solver: TypeAlias = Callable[..., Solution]
@@ -79,19 +76,10 @@ class Setting:
         return cls(nu, stiffness, data.radius, data.load, rtol, solver)
 
     def solve(self, radius: float, layer: Layer, *quantities: str) -> Solution:
-        """Solve for a punch of this radius on a layer.
-
-        Raises
-        ------
-        SceneError
-            If the dimensionless compliances are out of the range that scenes have.
-        ConvergenceError
-            If the tolerance cannot be met; it names the scene.
-        """
+        """Solve for a punch of this radius on a layer; what does not converge names the scene."""
         return _solved(self.solver, self._scene(radius, layer), self.rtol, quantities)
 
     def _scene(self, radius: float, layer: Layer) -> Scene:
-        """Return the scene of a punch."""
         alpha, beta = (layer[name] for name in PARAMETERS[:2])
         assert alpha is not None
         assert beta is not None
@@ -121,13 +109,7 @@ class Setting:
         return np.broadcast_to(np.array(radius or (self.radius,)), count)
 
     def loads(self, load: tuple[float, ...] | None, count: int) -> Array:
-        """Return `count` loads [N]; None is the scene's.
-
-        Raises
-        ------
-        SceneError
-            If neither the data nor the scene have one.
-        """
+        """Return `count` loads [N]; None is that of the scene, which has to have one then."""
         if load is None and self.load is None:
             raise SceneError("load", None, "given, in the data or in the scene")
         return np.broadcast_to(np.array(load or (self.load,), dtype=float), count)

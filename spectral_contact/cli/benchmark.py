@@ -9,8 +9,6 @@ from spectral_contact import benchmarks
 from spectral_contact.inputs.choices import suggestion
 from spectral_contact.view.report import table
 
-__all__ = ["KINDS", "add_options", "run"]
-
 #: What can be done with benchmarks.
 KINDS: Final = {
     "list": "list the benchmarks and their check numbers",

@@ -9,8 +9,6 @@ from spectral_contact.cli.options import number, whole
 from spectral_contact.scene import Scene
 from spectral_contact.view.explorer.page import serve
 
-__all__ = ["add_options", "run"]
-
 
 def add_options(command: argparse.ArgumentParser) -> None:
     """Add the options of the page."""

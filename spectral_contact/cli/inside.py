@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.cli.options import UsageError, number, values
 from spectral_contact.cli.profile import any_scene
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.interior import Extreme, Inside
 from spectral_contact.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.io.documents import netcdf, read_file, replace_file, reported
@@ -20,12 +20,8 @@ from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
 from spectral_contact.view.report import table
 
-__all__ = ["OUTPUTS", "add_options", "run"]
-
 #: Suffixes of a stored table; a grid alone can be a dataset.
 OUTPUTS: Final = (".csv", ".npz", ".nc")
-
-Array = NDArray[np.float64]
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
@@ -56,13 +52,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """Solve, write the files that the options name, and return what there is to say.
-
-    Raises
-    ------
-    UsageError
-        If the options do not go together.
-    """
+    """Solve, write the files that the options name, and return what there is to say."""
     points = arguments.points
     if points is not None and (arguments.r or arguments.z):
         raise UsageError("--points is instead of --r and --z")
@@ -118,7 +108,6 @@ def _is_number(text: str) -> bool:
 
 
 def _summary(body: Inside, solution: Solution) -> str:
-    """Return the largest stresses and the energies as text."""
     cells: list[tuple[str, ...]] = [("", "largest", "at r", "at z", "error", "")]
     for name in ("von_mises", "max_shear", "surface_tension"):
         cells.append((name, *_said(body.largest(name))))

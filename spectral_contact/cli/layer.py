@@ -9,9 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from spectral_contact.cli.options import UsageError, number
+from spectral_contact.cli.options import UsageError, add_option, flag, measured
 from spectral_contact.errors import SceneError, SolutionFileError
-from spectral_contact.inputs.units import has_unit, in_si
+from spectral_contact.inputs.units import in_si
 from spectral_contact.layers import (
     CalculixExponential,
     Exponential,
@@ -20,8 +20,6 @@ from spectral_contact.layers import (
     PowerLaw,
     Table,
 )
-
-__all__ = ["LAW_NUMBERS", "add_layer", "law", "layer_given"]
 
 #: Laws by the name on the command line, with what they need and what they may have.
 _NAMED: Final[dict[str, tuple[Callable[..., Layer], tuple[str, ...], tuple[str, ...]]]] = {
@@ -66,22 +64,15 @@ def add_layer(
         "--layer", choices=_NAMED, default=argparse.SUPPRESS, help="the law (default: linear)"
     )
     for name, (_, meaning) in _NUMBERS.items():
-        kind = control or _measured
-        group.add_argument(
-            _flag(name), type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
-        )
+        add_option(group, _PREFIX + name, control or measured, meaning)
     group.add_argument(
         "--layer-heights",
         choices=("gaussian", "exponential"),
         default=argparse.SUPPRESS,
         help="of asperities: how their heights are distributed (default: gaussian)",
     )
-    group.add_argument(
-        "--layer-table",
-        metavar="FILE",
-        default=argparse.SUPPRESS,
-        help="of a table: a file of text with an overclosure and a pressure on each line",
-    )
+    of_table = "of a table: a file of text with an overclosure and a pressure on each line"
+    add_option(group, "layer_table", str, of_table, "FILE")
 
 
 def layer_given(given: Mapping[str, Any]) -> bool:
@@ -90,17 +81,7 @@ def layer_given(given: Mapping[str, Any]) -> bool:
 
 
 def law(given: Mapping[str, Any], si: bool) -> Layer | None:
-    """Return the law of the options, None without.
-
-    Raises
-    ------
-    UsageError
-        If options are missing, or belong to another law.
-    SceneError
-        If a value is out of range.
-    SolutionFileError
-        If a table cannot be read.
-    """
+    """Return the law of the options, None without; its parameters are called as the options are."""
     if not layer_given(given):
         return None
     if "layer" not in given:
@@ -108,10 +89,10 @@ def law(given: Mapping[str, Any], si: bool) -> Layer | None:
     named = given["layer"]
     kind, needed, possible = _NAMED[named]
     own = {name.removeprefix(_PREFIX): one for name, one in given.items() if _PREFIX in name}
-    missing = [_flag(name) for name in needed if name not in own]
+    missing = [flag(_PREFIX + name) for name in needed if name not in own]
     if missing:
         raise UsageError(f"--layer {named} needs {' and '.join(missing)}")
-    alien = [_flag(name) for name in own if name not in (*needed, *possible)]
+    alien = [flag(_PREFIX + name) for name in own if name not in (*needed, *possible)]
     if alien:
         raise UsageError(f"--layer {named} does not take {alien[0]}")
     if named == "table":
@@ -130,7 +111,7 @@ def _value(name: str, value: Any, si: bool) -> Any:
     unit = _NUMBERS[name][0]
     if not (si and unit):
         told = "must be a number without a unit" + ("" if si else ", without --youngs-modulus")
-        raise UsageError(f"{_flag(name)} {value}: {told}")
+        raise UsageError(f"{flag(_PREFIX + name)} {value}: {told}")
     return in_si(name, value, unit)
 
 
@@ -145,12 +126,3 @@ def _columns(path: str) -> Any:
     if rows.shape[1] != 2:
         raise SolutionFileError(path, f"no table of a layer: {rows.shape[1]} columns, not 2")
     return rows.T
-
-
-def _measured(text: str) -> float | str:
-    """Return a number, or text with a unit as it is."""
-    return text if has_unit(text) else number(text)
-
-
-def _flag(name: str) -> str:
-    return f"--{_PREFIX}{name}".replace("_", "-")

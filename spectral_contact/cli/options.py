@@ -1,18 +1,21 @@
-"""Values of options: what the text of the command line stands for."""
+"""Values of options: what the text of the command line stands for.
+
+Options that do not make a request are a `UsageError` throughout `cli`; values out of range are
+errors of the library.
+"""
 
 from __future__ import annotations
 
 import argparse
 import math
 import re
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 import numpy as np
 
 from spectral_contact.errors import SpectralContactError
-
-__all__ = ["UsageError", "friction", "joined", "number", "resolution", "values", "whole"]
+from spectral_contact.inputs.units import has_unit
 
 # Narrower than float() and int(), which take 1_000 and the digits of every script.
 _DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
@@ -22,6 +25,29 @@ _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 
 class UsageError(SpectralContactError):
     """The options do not make a request."""
+
+
+def add_option(
+    group: argparse._ActionsContainer,
+    name: str,
+    kind: Callable[[str], Any],
+    meaning: str,
+    metavar: str = "X",
+) -> None:
+    """Add the option of a parameter; where it is not given there is no attribute of it."""
+    group.add_argument(
+        flag(name), type=kind, metavar=metavar, default=argparse.SUPPRESS, help=meaning
+    )
+
+
+def flag(name: str) -> str:
+    """Return the option of a parameter."""
+    return "--" + name.replace("_", "-")
+
+
+def measured(text: str) -> float | str:
+    """Return a number, or text with a unit as it is."""
+    return text if has_unit(text) else number(text)
 
 
 def number(text: str) -> float:

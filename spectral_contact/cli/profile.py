@@ -7,20 +7,11 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from spectral_contact.cli.layer import add_layer, law, layer_given
-from spectral_contact.cli.options import UsageError, number
+from spectral_contact.cli.options import UsageError, add_option, flag, number
 from spectral_contact.cli.scene import add_physical, add_scene, scene, si_given
 from spectral_contact.inputs.units import in_si
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
-
-__all__ = [
-    "add_any_scene",
-    "add_profile",
-    "any_scene",
-    "in_si_units",
-    "profile_given",
-    "profile_scene",
-]
 
 #: Profiles that numbers describe, by the name on the command line.
 _NAMED: Final = {
@@ -34,10 +25,10 @@ _NAMED: Final = {
 }
 #: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
 _OWN: Final = {
-    "contact-radius": "contact radius: this, --load, --approach or --separation",
+    "contact_radius": "contact radius: this, --load, --approach or --separation",
     "separation": "at the deformed centre, under a layer with pressure at every gap",
-    "half-angle": "of a cone, between axis and side [rad]",
-    "flat-radius": "of the flat part",
+    "half_angle": "of a cone, between axis and side [rad]",
+    "flat_radius": "of the flat part",
     "coefficient": "of a power law",
     "exponent": "of a power law",
 }
@@ -81,16 +72,13 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
     )
     add_layer(command, None if control is number else control)
     for name, meaning in _OWN.items():
-        kind = control if name in ("contact-radius", "separation") else number
-        group.add_argument(
-            f"--{name}", type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
-        )
+        add_option(group, name, control if name in ALL_CONTROLS else number, meaning)
 
 
 def profile_given(arguments: argparse.Namespace) -> bool:
     """Return whether the scene has a profile, or at least an option of one or of a layer."""
-    own, given = {name.replace("-", "_") for name in _OWN}, vars(arguments)
-    return layer_given(given) or not {"profile", *own}.isdisjoint(given)
+    given = vars(arguments)
+    return layer_given(given) or not {"profile", *_OWN}.isdisjoint(given)
 
 
 def in_si_units(arguments: argparse.Namespace) -> bool:
@@ -101,15 +89,7 @@ def in_si_units(arguments: argparse.Namespace) -> bool:
 
 
 def profile_scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options.
-
-    Raises
-    ------
-    UsageError
-        If options are missing, or belong to another profile or to SI units.
-    SceneError
-        If a value is out of range.
-    """
+    """Return the scene of the options, which have to be complete, and of this profile."""
     given = vars(arguments)
     if "profile" not in given:
         told = "a layer" if layer_given(given) else "a profile"
@@ -140,8 +120,8 @@ def _check_si(given: dict[str, Any]) -> None:
     """Refuse what mixes SI with dimensionless numbers, be they given or defaults."""
     mixed = [name for name in _COMPLIANCES if name in given]
     if mixed:
-        raise UsageError(f"{_flag(mixed[0])} is dimensionless: use {_flag(mixed[0])}-si, in m/Pa")
-    missing = [_flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
+        raise UsageError(f"{flag(mixed[0])} is dimensionless: use {flag(mixed[0])}-si, in m/Pa")
+    missing = [flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
     if missing:
         raise UsageError(f"SI input needs {' and '.join(missing)}: there are no defaults for it")
 
@@ -153,27 +133,22 @@ def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:
         for name, unit in _SHARED.items()
         if name in given
     }
-    own = [name.replace("-", "_") for name in _OWN]
-    return {**values, **{name: given[name] for name in own if name in given}}
+    return {**values, **{name: given[name] for name in _OWN if name in given}}
 
 
 def _check_complete(profile: str, needed: tuple[str, ...], values: dict[str, float]) -> None:
     """Refuse what is missing, or of another profile."""
-    missing = [_flag(name) for name in needed if name not in values]
+    missing = [flag(name) for name in needed if name not in values]
     if missing:
         raise UsageError(f"--profile {profile} needs {' and '.join(missing)}")
-    alien = [_flag(name) for name in values if name not in (*needed, *ALL_CONTROLS)]
+    alien = [flag(name) for name in values if name not in (*needed, *ALL_CONTROLS)]
     if alien:
         raise UsageError(f"--profile {profile} does not take {alien[0]}")
     if len(values) != len(needed) + 1:
-        raise UsageError(f"--profile needs one of {', '.join(map(_flag, ALL_CONTROLS))}")
+        raise UsageError(f"--profile needs one of {', '.join(map(flag, ALL_CONTROLS))}")
 
 
 def _plain(name: str, value: object) -> float:
     if not isinstance(value, float):
-        raise UsageError(f"{_flag(name)} {value}: must be a number without a unit with --profile")
+        raise UsageError(f"{flag(name)} {value}: must be a number without a unit with --profile")
     return value
-
-
-def _flag(name: str) -> str:
-    return "--" + name.replace("_", "-")

@@ -5,20 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
-from spectral_contact.cli.options import UsageError, friction, number
+from spectral_contact.cli.options import UsageError, add_option, flag, friction, measured, number
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.units import has_unit
 from spectral_contact.scene import Scene
-
-__all__ = [
-    "add_coupling",
-    "add_physical",
-    "add_scene",
-    "defaults",
-    "in_options",
-    "scene",
-    "si_given",
-]
 
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
 _SI_COMPLIANCES: Final = ("normal_compliance_si", "tangential_compliance_si")
@@ -36,31 +25,19 @@ _SI_NEEDS: Final = ("youngs_modulus", "poisson_ratio", "radius", "friction")
 def add_scene(command: argparse.ArgumentParser) -> None:
     """Add the options of a dimensionless scene; what is not given is no attribute."""
     group = command.add_argument_group("scene")
-    group.add_argument(
-        "--poisson-ratio",
-        type=number,
-        metavar="NU",
-        default=argparse.SUPPRESS,
-        help="Poisson's ratio of the half-space, in (-1, 0.5] "
-        f"(default: {_DEFAULTS['poisson_ratio']})",
-    )
-    for option, symbol in (("normal", "alpha"), ("tangential", "beta")):
-        group.add_argument(
-            f"--{option}-compliance",
-            type=number,
-            metavar=symbol.upper(),
-            default=argparse.SUPPRESS,
-            help=f"{symbol}* = {symbol} E / (4 (1 - nu^2) a), 0 (smooth) or in [1e-14, 1e14] "
-            f"(default: {_DEFAULTS[f'{option}_compliance']})",
-        )
-    group.add_argument(
-        "--friction",
-        type=friction,
-        metavar="F",
-        default=argparse.SUPPRESS,
-        help="Coulomb coefficient >= 0; inf is full stick, none the frictionless problem "
-        f"(default: {_DEFAULTS['friction']})",
-    )
+    compliance = "{0}* = {0} E / (4 (1 - nu^2) a), 0 (smooth) or in [1e-14, 1e14]"
+    for name, kind, metavar, meaning in (
+        ("poisson_ratio", number, "NU", "Poisson's ratio of the half-space, in (-1, 0.5]"),
+        ("normal_compliance", number, "ALPHA", compliance.format("alpha")),
+        ("tangential_compliance", number, "BETA", compliance.format("beta")),
+        (
+            "friction",
+            friction,
+            "F",
+            "Coulomb coefficient >= 0; inf is full stick, none the frictionless problem",
+        ),
+    ):
+        add_option(group, name, kind, f"{meaning} (default: {_DEFAULTS[name]})", metavar)
     add_coupling(group)
 
 
@@ -90,9 +67,7 @@ def add_physical(command: argparse.ArgumentParser) -> None:
         ("normal-compliance-si", "ALPHA", "normal compliance of the roughness [m/Pa]"),
         ("tangential-compliance-si", "BETA", "tangential compliance of the roughness [m/Pa]"),
     ):
-        group.add_argument(
-            f"--{name}", type=_measured, metavar=metavar, default=argparse.SUPPRESS, help=meaning
-        )
+        add_option(group, name, measured, meaning, metavar)
 
 
 def si_given(arguments: argparse.Namespace) -> bool:
@@ -101,15 +76,7 @@ def si_given(arguments: argparse.Namespace) -> bool:
 
 
 def scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options.
-
-    Raises
-    ------
-    UsageError
-        If SI and dimensionless options are mixed, or SI options are missing.
-    SceneError
-        If a value is out of range.
-    """
+    """Return the scene of the options, SI or dimensionless; none may be missing or of the other."""
     given = vars(arguments)
     if not si_given(arguments):
         values = {name: given.get(name, default) for name, default in _DEFAULTS.items()}
@@ -125,13 +92,13 @@ def defaults(arguments: argparse.Namespace) -> list[str]:
     if not si_given(arguments):
         return []
     absent = [name for name in _SI_COMPLIANCES if name not in vars(arguments)]
-    return [f"{_flag(name)} was not given: 0, a smooth surface, by default" for name in absent]
+    return [f"{flag(name)} was not given: 0, a smooth surface, by default" for name in absent]
 
 
 def in_options(error: SceneError, si: bool) -> str:
     """Return the message with the parameter under the name that the command line gives it."""
     names = [
-        _flag(name + "_si" if si and name in _COMPLIANCES else name)
+        flag(name + "_si" if si and name in _COMPLIANCES else name)
         for name in error.parameter.split(", ")
     ]
     return ", ".join(names) + str(error).removeprefix(error.parameter)
@@ -143,23 +110,14 @@ def _check_si(arguments: argparse.Namespace) -> None:
     mixed = [name for name in _COMPLIANCES if name in given]
     if mixed:
         raise UsageError(
-            f"{_flag(mixed[0])} is dimensionless and cannot be mixed with SI input "
-            f"({_flag(next(name for name in _SI if name in given))}); "
-            f"use {_flag(mixed[0])}-si, in m/Pa"
+            f"{flag(mixed[0])} is dimensionless and cannot be mixed with SI input "
+            f"({flag(next(name for name in _SI if name in given))}); "
+            f"use {flag(mixed[0])}-si, in m/Pa"
         )
-    missing = [_flag(name) for name in _SI_NEEDS if name not in given]
+    missing = [flag(name) for name in _SI_NEEDS if name not in given]
     if missing:
         raise UsageError(
             f"SI input needs {' and '.join(missing)}: there are no defaults for a material"
         )
     if ("load" in given) == ("approach" in given):
         raise UsageError("SI input needs either --load or --approach, not both")
-
-
-def _measured(text: str) -> float | str:
-    """Return a number, or text with a unit as it is."""
-    return text if has_unit(text) else number(text)
-
-
-def _flag(name: str) -> str:
-    return "--" + name.replace("_", "-")

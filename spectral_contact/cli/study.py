@@ -16,8 +16,6 @@ from spectral_contact.studies.study import OwnSolver, convergence, work_precisio
 from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
 
-__all__ = ["KINDS", "OUTPUTS", "add_options", "run", "write"]
-
 #: The studies, and what they do.
 KINDS: Final = {
     "convergence": "error against unknowns and time of one solver",
@@ -86,13 +84,7 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
 
 
 def run(arguments: argparse.Namespace, scene: Scene) -> Study:
-    """Run the study that the options ask for.
-
-    Raises
-    ------
-    SpectralContactError
-        Whatever is wrong with the options.
-    """
+    """Run the study that the options ask for."""
     if arguments.plot is not None:
         plotting.require()
     if arguments.solver and os.getcwd() not in sys.path:
@@ -120,13 +112,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Study:
 
 
 def write(study: Study, arguments: argparse.Namespace) -> None:
-    """Write the files that the options name.
-
-    Raises
-    ------
-    SolutionFileError
-        If one cannot be written.
-    """
+    """Write the files that the options name."""
     if arguments.output is not None:
         study.save(arguments.output)
     if arguments.plot is not None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from spectral_contact.cli.layer import LAW_NUMBERS
-from spectral_contact.cli.options import UsageError, friction, number, values, whole
+from spectral_contact.cli.options import UsageError, add_option, friction, number, values, whole
 from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
 from spectral_contact.cli.scene import add_coupling
 from spectral_contact.inputs.checks import whole as checked_whole
@@ -25,8 +25,6 @@ from spectral_contact.view.report import table
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["OUTPUTS", "add_options", "run", "summary", "write"]
-
 #: Suffixes of a stored sweep.
 OUTPUTS: Final = (".nc", ".csv")
 _PARAMETERS: Final = {
@@ -41,22 +39,14 @@ def add_options(command: argparse.ArgumentParser) -> None:
     """Add what a sweep takes."""
     group = command.add_argument_group("scenes")
     for name, (default, meaning) in _PARAMETERS.items():
-        group.add_argument(
-            f"--{name.replace('_', '-')}",
-            type=_frictions if name == "friction" else values,
-            default=argparse.SUPPRESS,
-            metavar="VALUES",
-            help=f"{meaning} (default: {default})",
-        )
+        kind = _frictions if name == "friction" else values
+        add_option(group, name, kind, f"{meaning} (default: {default})", "VALUES")
     add_coupling(group)
     add_profile(command, values)
     group = command.add_argument_group("how far it is pressed in, and its size")
     about = {"load": "instead of --contact-radius", "approach": "the same", "radius": "of the tip"}
     for name, meaning in about.items():
-        kind = number if name == "radius" else values
-        group.add_argument(
-            f"--{name}", type=kind, metavar="X", default=argparse.SUPPRESS, help=meaning
-        )
+        add_option(group, name, number if name == "radius" else values, meaning)
     group = command.add_argument_group("request")
     group.add_argument("--rtol", type=number, default=1e-8, help="(default: %(default)s)")
     group.add_argument(
@@ -98,13 +88,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> xarray.Dataset:
-    """Run the sweep that the options ask for.
-
-    Raises
-    ------
-    SpectralContactError
-        Whatever is wrong with the options.
-    """
+    """Run the sweep that the options ask for."""
     if arguments.plot is not None:
         plotting.require()
     lists = {
@@ -131,7 +115,6 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
 
 
 def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
-    """Return the scene of the first values."""
     if profile_given(arguments):
         return profile_scene(argparse.Namespace(**vars(arguments) | first))
     alien = [name for name in ("radius", *ALL_CONTROLS) if name in arguments]
@@ -142,15 +125,7 @@ def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
 
 
 def write(dataset: xarray.Dataset, arguments: argparse.Namespace) -> None:
-    """Write the files that the options name.
-
-    Raises
-    ------
-    SolutionFileError
-        If one cannot be written.
-    SceneError
-        If what is to be plotted is no slice.
-    """
+    """Write the files that the options name."""
     output = arguments.output
     if output is not None:
         with reported(output, "cannot be written"):
@@ -175,7 +150,6 @@ def summary(dataset: xarray.Dataset) -> str:
 
 
 def _content(dataset: xarray.Dataset, suffix: str) -> bytes:
-    """Return what is in the file."""
     if suffix == ".csv":
         rows = dataset if dataset.sizes else dataset.expand_dims("scene")
         text: str = rows.to_dataframe().reset_index().to_csv(index=False)

@@ -21,14 +21,6 @@ from ._inputs import Array, Position, Values, check_poisson_ratio, position
 from ._quadrature import panel_rule
 from .smooth import smooth_pressure
 
-__all__ = [
-    "coupled_approach",
-    "coupled_pressure",
-    "coupled_shear",
-    "coupled_traction",
-    "oscillation_exponent",
-]
-
 
 def oscillation_exponent(poisson_ratio: float) -> float:
     """Return Mossakovskij's and Spence's θ = ln(3 − 4ν)/(2π).

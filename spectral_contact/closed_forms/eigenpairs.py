@@ -15,8 +15,6 @@ from scipy import special
 
 from ._inputs import Array, Position, Values, position, refusal
 
-__all__ = ["eigenfunction", "eigenfunction_image", "eigenvalue"]
-
 
 def eigenvalue(degree: int, order: int) -> float:
     """Return the eigenvalue λ of N (order 0) or T (order 1) that belongs to the degree l.

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._inputs import check_poisson_ratio, real_numbers, refusal
 
-__all__ = ["PunchDisplacement", "PunchStress", "flat_punch_displacement", "flat_punch_stress"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating[Any, Any]]
 

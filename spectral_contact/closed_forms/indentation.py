@@ -12,19 +12,6 @@ from numpy.typing import ArrayLike
 
 from ._inputs import Array, Values, check_positive, real_numbers, refusal
 
-__all__ = [
-    "SmoothContact",
-    "cone_contact",
-    "cone_pressure",
-    "parabola_contact",
-    "parabola_pressure",
-    "power_law_contact",
-    "rounded_flat_contact",
-    "sphere_contact",
-    "truncated_cone_contact",
-    "winkler_contact",
-]
-
 
 @dataclass(frozen=True)
 class SmoothContact:

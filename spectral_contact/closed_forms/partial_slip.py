@@ -17,8 +17,6 @@ from ._quadrature import panel_rule
 from ._stick_radius import StickRadius, stick_radius
 from .smooth import full_stick_shear, full_stick_traction, smooth_pressure
 
-__all__ = ["partial_slip_shear", "partial_slip_traction", "slip_displacement"]
-
 # Below this fraction of s, a radius is so small that what it adds is known to rounding.
 _TINY = 1e-9
 # R_J(1, m, m, p) of scipy is unreliable once m is very small; the other form cancels for m near 1.

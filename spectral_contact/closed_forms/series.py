@@ -13,13 +13,6 @@ from scipy import special
 
 from ._inputs import check_compliance, refusal
 
-__all__ = [
-    "approach_large_compliance",
-    "approach_small_compliance",
-    "edge_pressure_large_compliance",
-    "edge_pressure_small_compliance",
-]
-
 
 def approach_large_compliance(normal_compliance: float) -> float:
     """Return δ = α/π + 4/(3π²) + (37/36 − 7ζ(3)/8)/(π³α), for large α.

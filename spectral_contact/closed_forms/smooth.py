@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike
 
 from ._inputs import Values, kappa, position
 
-__all__ = ["full_stick_shear", "full_stick_traction", "smooth_approach", "smooth_pressure"]
-
 
 def smooth_approach() -> float:
     """Return the approach δ = 1/8 of a smooth punch without coupling.

@@ -30,8 +30,6 @@ from spectral_contact.equations.residuals import (
 )
 from spectral_contact.fields.series import DiskSeries, LogSeries, PressureField
 
-__all__ = ["CoupledTraction", "approach_bounds"]
-
 #: Relative rounding of the integrals, measured; the bounds are widened by it.
 _ROUNDING = 4e-15
 _POINTS = 28
@@ -74,10 +72,6 @@ def approach_bounds(
         ``p*``.
     coupled : CoupledTraction, optional
         With elastic coupling.
-
-    Returns
-    -------
-    lower, upper : float
     """
     assert pressure.series is not None
 

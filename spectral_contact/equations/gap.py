@@ -10,18 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import exactly_one, reals
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
-
-__all__ = ["OutsideRadii", "gap_outside", "outside_radii"]
-
-Array = NDArray[np.float64]
 
 #: Panels that shrink by this factor towards edge, breaks and centre; so many, with so many points:
 #: the last point next to a break is as far off as its rounding.
@@ -38,13 +35,7 @@ class OutsideRadii:
 
 
 def outside_radii(s: ArrayLike | None, beyond: ArrayLike | None) -> OutsideRadii:
-    """Return radii of at least 1, or distances of at least 0, whichever was given.
-
-    Raises
-    ------
-    SceneError
-        If both or neither are, or a value is another.
-    """
+    """Return radii of at least 1, or distances of at least 0, whichever was given."""
     exactly_one("s", s, "beyond", beyond)
     name, given, least = ("s", s, 1.0) if beyond is None else ("beyond", beyond, 0.0)
     allowed = f"finite and at least {least:.0f}"

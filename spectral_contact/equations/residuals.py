@@ -8,28 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
-from spectral_contact.inputs.checks import real, values_at
+from spectral_contact.inputs.checks import positive, real, values_at, within
 from spectral_contact.inputs.choices import function, listed
-
-__all__ = [
-    "approach_slope",
-    "load",
-    "normal_displacement",
-    "outer_displacement",
-    "shear_lift",
-    "tangential_displacement",
-]
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
-_FINITE: dict[str, Any] = {"allowed": "finite"}
 
 #: Step and reach of the tanh-sinh rule; the last points lie 1e-200 from the ends.
 _T = np.arange(-5.6, 5.6001, 1.0 / 32.0)
@@ -57,7 +47,7 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
         For an argument that is not as said, or values of the field that are no real numbers.
     """
     field = _field("pressure", pressure)
-    inside = real("inside", inside, allowed="in [0, 1)", low=0.0, high=1.0, high_open=True)
+    inside = within("inside", inside, "in [0, 1)")
     nodes = _NodesBetween.between({inside, 1.0, *(b for b in _cuts(breaks) if inside < b < 1.0)})
     return nodes.integral(lambda: field(nodes.d) * nodes.s)
 
@@ -65,15 +55,7 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
 def approach_slope(pressure: Field) -> float:
     """Return ``ddelta*/dalpha* = 2 pi int p**2 s ds``, by reciprocity of (3.5).
 
-    Parameters
-    ----------
-    pressure : callable
-        ``p*`` as a function of an array of distances from the edge.
-
-    Raises
-    ------
-    SceneError
-        As `load` does.
+    The pressure, and errors, are as of `load`.
     """
     return 2.0 * np.pi * load(lambda d: np.square(pressure(d)))
 
@@ -95,29 +77,17 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
     SceneError
         As of `load`.
     """
-    place, breaks = _place(from_edge), _cuts(breaks)
+    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
     return _potential(_field("pressure", pressure), normal_kernel, place, breaks)
 
 
 def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] = ()) -> float:
-    """Return ``N p`` outside the contact, where the surface moves as (3.5) says.
+    """Return ``N p`` so far beyond the edge, where the surface moves as (3.5) says.
 
-    Parameters
-    ----------
-    pressure : callable
-        ``p*`` as a function of an array of distances from the edge.
-    beyond : float
-        Distance from the edge, > 0.
-    breaks : sequence of float
-        Distances from the edge at which the field is not smooth.
-
-    Raises
-    ------
-    SceneError
-        As of `load`.
+    The pressure, its breaks, and errors are as of `load`.
     """
     field = _field("pressure", pressure)
-    past = real("beyond", beyond, allowed="finite and > 0", low=0.0, low_open=True)
+    past = positive("beyond", beyond)
     outside = 1.0 + past
 
     nodes = _NodesBetween.between({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
@@ -153,7 +123,8 @@ def tangential_displacement(
     SceneError
         As of `load`.
     """
-    place, breaks, coupling = _place(from_edge), _cuts(breaks), real("kappa", kappa, **_FINITE)
+    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
+    coupling = real("kappa", kappa, allowed="finite")
     outward = _potential(_field("traction", traction), tangential_kernel, place, breaks)
     inward = coupling * load(pressure, inside=place, breaks=breaks) / (1.0 - place)
     return outward, inward
@@ -164,24 +135,10 @@ def shear_lift(
 ) -> float:
     """Return ``kappa int_s^1 q deta``, by how much less the surface gives way under a traction.
 
-    Parameters
-    ----------
-    traction : callable
-        ``q*`` as a function of an array of distances from the edge.
-    kappa : float
-        ``(1 - 2 nu)/(4 (1 - nu))``.
-    from_edge : float
-        The field point, in (0, 1].
-    breaks : sequence of float
-        Distances from the edge at which the field is not smooth.
-
-    Raises
-    ------
-    SceneError
-        As of `load`.
+    The field point is in (0, 1]; else arguments are as of `tangential_displacement`.
     """
-    field, coupling = _field("traction", traction), real("kappa", kappa, **_FINITE)
-    place = real("from_edge", from_edge, allowed="in (0, 1]", low=0.0, high=1.0, low_open=True)
+    field, coupling = _field("traction", traction), real("kappa", kappa, allowed="finite")
+    place = within("from_edge", from_edge, "in (0, 1]")
     nodes = _NodesBetween.between({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
     return coupling * nodes.integral(lambda: field(nodes.d))
 
@@ -191,13 +148,8 @@ def _field(parameter: str, field: object) -> Field:
     return partial(values_at, parameter, function(parameter, field, "distances from the edge"))
 
 
-def _place(from_edge: object) -> float:
-    limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
-    return real("from_edge", from_edge, allowed="in (0, 1)", **limits)
-
-
 def _cuts(breaks: object) -> list[float]:
-    return [real("breaks", one, **_FINITE) for one in listed("breaks", breaks, "numbers")]
+    return [real("breaks", one, allowed="finite") for one in listed("breaks", breaks, "numbers")]
 
 
 class _NodesBetween(NamedTuple):

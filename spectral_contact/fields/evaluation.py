@@ -8,8 +8,6 @@ from typing import Any, Protocol, TypeAlias, overload
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["OverR", "OverS", "over_r", "over_s"]
-
 _Several: TypeAlias = Sequence[Any] | NDArray[Any]
 _One: TypeAlias = float | np.number[Any]
 _Values: TypeAlias = NDArray[np.float64]

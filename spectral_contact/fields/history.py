@@ -11,13 +11,12 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import reals
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 
 __all__ = ["ContactHistory"]
-
-Array = NDArray[np.float64]
 
 #: What a history knows, in the order of the columns of `errors`.
 _NAMES: Final = ("load", "approach", "total_shear", "stick_radius")

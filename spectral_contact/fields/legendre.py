@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["chebyshev_sums", "legendre_sum", "legendre_sums", "legendre_sums_between"]
-
 Array = NDArray[np.float64]
 
 

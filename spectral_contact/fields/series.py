@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.legendre import legendre_sum, legendre_sums
 from spectral_contact.fields.radius import CENTRE, EDGE, Radius
 
@@ -31,7 +31,6 @@ __all__ = [
     "central_value",
 ]
 
-Array = NDArray[np.float64]
 
 #: Legendre polynomials at -1, of more terms than any panel has.
 _AT_START: Array = np.where(np.arange(128) % 2, -1.0, 1.0)

@@ -20,13 +20,11 @@ from mpmath.ctx_mp import MPContext
 
 from spectral_contact.errors import shown
 from spectral_contact.inputs.choices import instance, one_of
-from spectral_contact.io.documents import Refused, check_schema, key_complaint, read_file, reported
+from spectral_contact.io.documents import Refused, check_keys, check_schema, read_file, reported
 from spectral_contact.layers.control import layer_from
 from spectral_contact.profiles.control import CONTROLS, profile_from
 from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem
-
-__all__ = ["GoldPoint", "GoldSolution", "GoldTable", "find", "load", "names", "table", "tables"]
 
 _SCHEMA: Final = "spectral_contact.gold"
 _VERSION: Final = 1
@@ -254,7 +252,7 @@ def _parsed(source: str, content: bytes) -> GoldTable:
 
 def _table(document: Any) -> GoldTable:
     check_schema(document, "gold table", _SCHEMA, _VERSION)
-    _check_keys("the table", document, _TABLE_KEYS)
+    check_keys("the table", document, _TABLE_KEYS)
     name, regime, script = (
         _text("the table", document, key) for key in ("table", "regime", "script")
     )
@@ -265,7 +263,7 @@ def _table(document: Any) -> GoldTable:
         coupled = isinstance(entry, dict) and "opening" in entry
         pressed = isinstance(entry, dict) and PROFILE_QUANTITIES[0] in entry
         more = ("opening",) * coupled + PROFILE_QUANTITIES * pressed
-        _check_keys(where, entry, (*_ENTRY_KEYS, *more))
+        check_keys(where, entry, (*_ENTRY_KEYS, *more))
         digits = entry["digits"]
         if type(digits) is not int or not _FEWEST_DIGITS <= digits <= _MOST_DIGITS:
             allowed = f"a whole number in [{_FEWEST_DIGITS}, {_MOST_DIGITS}]"
@@ -317,7 +315,7 @@ class _GoldEntry:
         layered = isinstance(body, dict) and "layer" in body
         more = ("coupling",) * coupled + ("profile", *CONTROLS) * self.pressed
         more += ("layer",) * layered
-        _check_keys(where, body, (*_PARAMETERS, *more))
+        check_keys(where, body, (*_PARAMETERS, *more))
         values: dict[str, Any] = {
             name: None
             if body[name] is None and name in ("friction", *CONTROLS)
@@ -340,7 +338,7 @@ class _GoldEntry:
         before = "0", "1"
         for i, zone in enumerate(_list(self.where, self.body, "zones")):
             where = f"{self.where}, zone {i + 1}"
-            _check_keys(where, zone, ("kind", *_SIDES))
+            check_keys(where, zone, ("kind", *_SIDES))
             if zone["kind"] not in ("stick", "slip"):
                 raise Refused(f'{where}: "kind" is {shown(zone["kind"])}, not stick or slip')
             numbers = [self._number(where, zone, side) for side in _SIDES]
@@ -357,7 +355,7 @@ class _GoldEntry:
         points: list[GoldPoint] = []
         for i, point in enumerate(_list(self.where, self.body, "points")):
             where = f"{self.where}, point {i + 1}"
-            _check_keys(where, point, ("from_edge", "pressure", "traction"))
+            check_keys(where, point, ("from_edge", "pressure", "traction"))
             from_edge = _double(f"{where}, from_edge", point["from_edge"])
             if not 0.0 <= from_edge < (points[-1].from_edge if points else 1.5) or from_edge > 1.0:
                 raise Refused(f'{where}: "from_edge" must fall from point to point, in [0, 1]')
@@ -367,7 +365,7 @@ class _GoldEntry:
 
     def _error(self) -> ErrorEstimates:
         where, body = f"{self.where}, error", self.body["error"]
-        _check_keys(where, body, (*_ERRORS, *PROFILE_QUANTITIES * self.pressed))
+        check_keys(where, body, (*_ERRORS, *PROFILE_QUANTITIES * self.pressed))
         for name, error in body.items():
             if name == "edge_ratio" and self.body[name] is None:
                 if error is not None:
@@ -393,7 +391,7 @@ class _GoldEntry:
 
 def _double(where: str, body: Any) -> float:
     """Return an input, whose hexadecimal and decimal forms must be of the same double."""
-    _check_keys(where, body, ("hex", "decimal"))
+    check_keys(where, body, ("hex", "decimal"))
     try:
         value = float.fromhex(body["hex"])
         same = float(body["decimal"]) == value
@@ -414,9 +412,3 @@ def _list(where: str, body: dict[str, Any], key: str) -> list[Any]:
     if not isinstance(body[key], list):
         raise Refused(f'{where}: "{key}" is {shown(body[key])}, and must be a list')
     return list(body[key])
-
-
-def _check_keys(where: str, body: Any, expected: tuple[str, ...]) -> None:
-    complaint = key_complaint(body, expected)
-    if complaint:
-        raise Refused(f"{where}: {complaint}")

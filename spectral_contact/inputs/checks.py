@@ -16,20 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 
-__all__ = [
-    "exactly_one",
-    "finite",
-    "flag",
-    "lengths",
-    "radii",
-    "real",
-    "reals",
-    "scalar",
-    "tolerance",
-    "values_at",
-    "whole",
-]
-
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
 
@@ -79,14 +65,21 @@ def real(
     return number + 0.0
 
 
-def whole(parameter: str, value: object, low: int) -> int:
-    """Return a whole number of at least ``low`` as a Python int.
+def within(parameter: str, value: object, interval: str) -> float:
+    """Return a real number of an interval that is written as an error has it: ``"in (0, 0.5]"``."""
+    low, high = map(float, interval[4:-1].split(", "))
+    opened = {"low_open": interval[3] == "(", "high_open": interval[-1] == ")"}
+    return real(parameter, value, allowed=interval, low=low, high=high, **opened)
 
-    Raises
-    ------
-    SceneError
-        If the value is not an integer by type (20.0 and True are not) or is below ``low``.
-    """
+
+def positive(parameter: str, value: object, unit: str = "") -> float:
+    """Return a finite real number above 0, of which the error has the unit."""
+    allowed = f"finite and > 0 {unit}".rstrip()
+    return real(parameter, value, allowed=allowed, low=0.0, low_open=True)
+
+
+def whole(parameter: str, value: object, low: int) -> int:
+    """Return a whole number of at least ``low`` as a Python int; 20.0 and True are none by type."""
     if isinstance(value, numbers.Integral) and not isinstance(value, _NOT_NUMBERS):
         number = int(value)
         if number >= low:
@@ -95,37 +88,19 @@ def whole(parameter: str, value: object, low: int) -> int:
 
 
 def tolerance(rtol: object) -> float:
-    """Return the relative tolerance as a Python float.
-
-    Raises
-    ------
-    SceneError
-        If it is not a real number in [1e-13, 1e-2].
-    """
-    return real("rtol", rtol, allowed="in [1e-13, 1e-2]", low=1e-13, high=1e-2)
+    """Return the relative tolerance, in [1e-13, 1e-2], as a Python float."""
+    return within("rtol", rtol, "in [1e-13, 1e-2]")
 
 
 def flag(parameter: str, value: object) -> bool:
-    """Return a truth value as a Python bool; nothing else will do, as "no" is true, too.
-
-    Raises
-    ------
-    SceneError
-        If it is neither a ``bool`` nor NumPy's.
-    """
+    """Return a truth value as a Python bool; nothing else will do, as "no" is true, too."""
     if not isinstance(value, (bool, np.bool_)):
         raise SceneError(parameter, value, "True or False")
     return bool(value)
 
 
 def exactly_one(first: str, first_value: object, second: str, second_value: object) -> None:
-    """Check that one of two parameters is given and the other is None.
-
-    Raises
-    ------
-    SceneError
-        If both or neither are given; it names both.
-    """
+    """Check that one of two parameters is given and the other is None; an error names both."""
     if (first_value is None) == (second_value is None):
         raise SceneError(
             f"{first}, {second}",
@@ -152,12 +127,6 @@ def radii(
     s, from_edge : ndarray of float64
         New arrays of the shape given (0-d for a scalar). What was given is unchanged, save that
         −0.0 becomes 0.0; the other is 1 minus it, correctly rounded.
-
-    Raises
-    ------
-    SceneError
-        If both or neither are given, if a value is not a real number (see the module's
-        description), or lies outside [0, 1]; it names the first such value.
     """
     exactly_one("s", s, "from_edge", from_edge)
     if from_edge is None:
@@ -173,18 +142,13 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
     Parameters
     ----------
     parameter : str
-        The name that an error bears.
+        The name that an error bears; it has the first value that lies outside.
     values : array_like
         Any shape.
     high : float
         The largest value allowed.
     unit : str
         That of the values, for the error.
-
-    Raises
-    ------
-    SceneError
-        If a value is no real number or masked, or lies outside; it names the first that does.
     """
     allowed = f"in [0, {repr(high).removesuffix('.0')}] {unit}".rstrip()
     array = reals(parameter, values, allowed, low=0.0, high=high)
@@ -211,7 +175,7 @@ def reals(
     parameter : str
         The name that an error bears.
     values : array_like
-        Any shape.
+        Any shape, not masked.
     allowed : str
         The interval in words, to follow "must be" in an error.
     low, high : float
@@ -219,11 +183,6 @@ def reals(
         (`fractions.Fraction`, mpmath's); of others the caller does it.
     anything : bool
         Whether these, too, may be infinite or NaN.
-
-    Raises
-    ------
-    SceneError
-        If a value is no real number or masked.
     """
     try:
         array = None if _becomes_a_number(values) else np.asarray(values)
@@ -254,14 +213,9 @@ def finite(parameter: str, values: Any, *, one_will_do: bool = False) -> NDArray
     parameter : str
         The name that an error bears.
     values : array_like
-        With one dimension.
+        With one dimension, not masked.
     one_will_do : bool
         Whether a number stands for a list of one.
-
-    Raises
-    ------
-    SceneError
-        If a value is no real number, not finite, or masked, or it is no list.
     """
     given = reals(parameter, values, "finite")
     if one_will_do and given.ndim == 0:
@@ -276,13 +230,7 @@ def finite(parameter: str, values: Any, *, one_will_do: bool = False) -> NDArray
 
 
 def scalar(parameter: str, value: object) -> float:
-    """Return a real number that something else has computed; it may be infinite or NaN.
-
-    Raises
-    ------
-    SceneError
-        If it is none, or several.
-    """
+    """Return one real number that something else has computed; it may be infinite or NaN."""
     number = reals(parameter, value, "one", anything=True)
     if number.ndim:
         raise SceneError(parameter, value, "one real number")
@@ -293,10 +241,7 @@ def scalar(parameter: str, value: object) -> float:
 def values_at(parameter: str, field: Callable[..., Any], places: NDArray[Any]) -> NDArray[Any]:
     """Return what a user's function says at many places, as doubles; they may be infinite or NaN.
 
-    Raises
-    ------
-    SceneError
-        If that is not one real number for each place, or one for all.
+    It is one real number for each place, or one for all.
     """
     values = reals(parameter, field(places), "for each place", anything=True)
     if values.shape not in ((), places.shape):

@@ -1,4 +1,7 @@
-"""Checks of what is no number: objects, lists, and names; a wrong name gets a suggestion."""
+"""Checks of what is no number: objects, lists, and names, as the library wants them.
+
+Anything else is a `SceneError` with the name of the parameter; a wrong name gets a suggestion.
+"""
 
 import difflib
 from collections.abc import Callable, Iterable, Mapping, Sized
@@ -6,19 +9,11 @@ from typing import Any, TypeVar
 
 from spectral_contact.errors import SceneError
 
-__all__ = ["function", "instance", "listed", "names", "one_of", "suggestion"]
-
 _T = TypeVar("_T")
 
 
 def instance(parameter: str, value: object, kind: type[_T]) -> _T:
-    """Return an object of a class.
-
-    Raises
-    ------
-    SceneError
-        If it is of another.
-    """
+    """Return an object of a class."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise SceneError(parameter, value, f"{article} {kind.__name__}")
@@ -26,34 +21,16 @@ def instance(parameter: str, value: object, kind: type[_T]) -> _T:
 
 
 def function(parameter: str, value: object, of: str) -> Callable[..., Any]:
-    """Return what can be called; ``of`` says with what, for the error.
-
-    Raises
-    ------
-    SceneError
-        If it cannot.
-    """
+    """Return what can be called; ``of`` says with what, for the error."""
     if not callable(value):
         raise SceneError(parameter, value, f"a callable of {of}")
     return value
 
 
 def listed(parameter: str, values: object, of: str) -> list[Any]:
-    """Return what has several values as a list; what has no length may have no end.
+    """Return what has several values as a list: no text and no mapping, nor what has no length.
 
-    Parameters
-    ----------
-    parameter : str
-        The name that an error bears.
-    values : iterable with a length
-        But no text, and no mapping.
-    of : str
-        Of what the list must be, for the error.
-
-    Raises
-    ------
-    SceneError
-        For anything else.
+    That may have no end. ``of`` says of what the list must be, for the error.
     """
     try:
         if isinstance(values, Sized) and not isinstance(values, (str, bytes, bytearray, Mapping)):
@@ -66,20 +43,7 @@ def listed(parameter: str, values: object, of: str) -> list[Any]:
 def one_of(parameter: str, value: object, known: Iterable[str], allowed: str = "") -> str:
     """Return a name if it is known; the error suggests the one that may have been meant.
 
-    Parameters
-    ----------
-    parameter : str
-        The name that an error bears.
-    value : object
-        What the user passed.
-    known : iterable of str
-    allowed : str
-        What the error says must be; by default it lists what is known.
-
-    Raises
-    ------
-    SceneError
-        If it is another, or no text.
+    It says what is ``allowed``; by default it lists what is known.
     """
     there = tuple(known)
     if not isinstance(value, str) or value not in there:
@@ -89,13 +53,7 @@ def one_of(parameter: str, value: object, known: Iterable[str], allowed: str = "
 
 
 def names(parameter: str, values: Any, known: Iterable[str]) -> tuple[str, ...]:
-    """Return a list of known names as a tuple.
-
-    Raises
-    ------
-    SceneError
-        If it is no list, or one of them is not known.
-    """
+    """Return a list of known names as a tuple."""
     if isinstance(values, str):
         raise SceneError(parameter, values, "a list of names, not one string")
     try:

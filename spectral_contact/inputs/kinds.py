@@ -8,8 +8,6 @@ from typing import Any, TypeVar
 
 from spectral_contact.errors import SceneError, shown
 
-__all__ = ["kind_from", "kind_tree"]
-
 T = TypeVar("T")
 
 
@@ -19,20 +17,9 @@ def kind_tree(known: Any) -> dict[str, Any]:
 
 
 def kind_from(name: str, tree: Any, kinds: Mapping[str, type[T]]) -> T:
-    """Return the object that `kind_tree` wrote.
+    """Return the object that `kind_tree` wrote; errors have the name of the parameter.
 
-    Parameters
-    ----------
-    name : str
-        Of the parameter, for an error.
-    tree : object
-    kinds : mapping
-        Classes by the name that they have in documents.
-
-    Raises
-    ------
-    SceneError
-        If it is none, or a parameter is out of range.
+    Kinds are classes by the name that they have in documents.
     """
     allowed = f"an object with one key, one of {', '.join(kinds)}, over its parameters"
     if not isinstance(tree, Mapping) or len(tree) != 1:

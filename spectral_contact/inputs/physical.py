@@ -11,9 +11,7 @@ from fractions import Fraction
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import exactly_one, real
-
-__all__ = ["LARGEST_COMPLIANCE", "SMALLEST_COMPLIANCE", "PhysicalData", "checked_poisson_ratio"]
+from spectral_contact.inputs.checks import exactly_one, positive, real, within
 
 #: What a dimensionless compliance may be, besides 0.
 SMALLEST_COMPLIANCE: Final = 1e-14
@@ -80,7 +78,7 @@ class PhysicalData:
         for name in ("youngs_modulus", *given, *(() if self.radius is None else ("radius",))):
             signed = name in ("approach", "separation") and self.layer is not None
             value = getattr(self, name)
-            value = real(name, value, allowed="finite") if signed else _positive(name, value)
+            value = real(name, value, allowed="finite") if signed else positive(name, value)
             object.__setattr__(self, name, value)
         for name in ("normal_compliance", "tangential_compliance"):
             value = getattr(self, name)
@@ -152,7 +150,7 @@ class PhysicalData:
         SceneError
             If an argument is out of range, or the load is beyond the normal doubles.
         """
-        approach_star = _positive("approach_star", approach_star)
+        approach_star = positive("approach_star", approach_star)
         compliance = _four_one_minus_square(nu)
         if self.approach is None:
             assert self.load is not None  # __post_init__ saw to it
@@ -173,7 +171,7 @@ class PhysicalData:
         SceneError
             If the load is out of range, or the scale is beyond the normal doubles.
         """
-        load = _positive("load", load)
+        load = positive("load", load)
         scale = Fraction(load) / self._length**2
         return _representable("load", load, "the pressure P/a²", "Pa", scale)
 
@@ -192,7 +190,7 @@ class PhysicalData:
         SceneError
             If an argument is out of range, or the scale is beyond the normal doubles.
         """
-        load = _positive("load", load)
+        load = positive("load", load)
         scale = _four_one_minus_square(nu) * Fraction(load) / self._stiffness()
         return _representable("load", load, "the displacement 4(1−ν²)P/(aE)", "m", scale)
 
@@ -216,11 +214,7 @@ def checked_poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
     SceneError
         If it is not a real number in (−1, 0.5].
     """
-    return real(name, value, allowed="in (-1, 0.5]", low=-1.0, high=0.5, low_open=True)
-
-
-def _positive(name: str, value: object) -> float:
-    return real(name, value, allowed="finite and > 0", low=0.0, low_open=True)
+    return within(name, value, "in (-1, 0.5]")
 
 
 def _four_one_minus_square(nu: object) -> Fraction:

@@ -13,8 +13,6 @@ from typing import Any, Final, Protocol
 
 from spectral_contact.errors import MissingDependencyError, SceneError, optional
 
-__all__ = ["Measured", "Quantity", "has_unit", "in_si"]
-
 
 class Quantity(Protocol):
     """What is used of a quantity of pint."""
@@ -48,18 +46,11 @@ def in_si(parameter: str, value: Any, unit: str) -> Any:
     Parameters
     ----------
     parameter : str
-        The name that an error bears.
+        The name that the `SceneError` of a unit bears that is none, or of another dimension.
     value : object
-        Text is converted exactly, a quantity by its own registry.
+        Text is converted exactly, if pint is installed; a quantity by its own registry.
     unit : str
         The SI unit.
-
-    Raises
-    ------
-    SceneError
-        If the unit is not known, or not one of that dimension.
-    MissingDependencyError
-        If text has a unit and pint is not installed.
     """
     pint = sys.modules.get("pint")
     is_quantity = pint is not None and isinstance(value, pint.Quantity)

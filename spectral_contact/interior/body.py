@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs import checks, choices
 from spectral_contact.interior import places
 from spectral_contact.interior.energies import energies
@@ -26,10 +27,6 @@ from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
     import xarray
-
-__all__ = ["Inside"]
-
-Array = NDArray[np.float64]
 
 #: At how many radii the largest traction is looked for.
 _LOOKS = 513

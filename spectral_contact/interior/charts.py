@@ -9,17 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, Radius
 from spectral_contact.interior.mesh import BodyPoints
-
-__all__ = ["Chart", "CoordinateLine", "Polar", "Toroidal", "around", "from_toroidal"]
-
-Array = NDArray[np.float64]
 
 #: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.
 _LINE, _NET = 241, (61, 41)
@@ -56,33 +51,6 @@ class CoordinateLine:
         return (x, other) if self.axis == 0 else (other, x)
 
 
-class Chart(Protocol):
-    """Two coordinates of the quarter plane.
-
-    Attributes
-    ----------
-    lines : tuple of CoordinateLine
-        Its boundaries.
-    net : tuple of ndarray
-        Values of the two coordinates inside.
-    """
-
-    lines: tuple[CoordinateLine, ...]
-    net: tuple[Array, Array]
-
-    def points(self, u: Array, v: Array) -> BodyPoints:
-        """Return the points of coordinates."""
-
-    def reflected(self, u: float, v: float) -> tuple[float, float]:
-        """Return coordinates mirrored at axis and surface until they are in range."""
-
-    def inside(self, u: float, v: float) -> bool:
-        """Return whether a place is off the boundaries of the chart."""
-
-    def share(self, u: float) -> float:
-        """Return what a unit of a coordinate is at most, over the distance from the edge."""
-
-
 def from_toroidal(tau: Array, sigma: Array) -> BodyPoints:
     """Return the points of coordinates; on the axis tau is 0, and at infinity both are."""
     q = -tau + 1j * sigma
@@ -94,6 +62,8 @@ def from_toroidal(tau: Array, sigma: Array) -> BodyPoints:
 
 class Toroidal:
     """E-folds towards the edge, and the angle between it and the opposite one.
+
+    Its `lines` are its boundaries, and its `net` values of the two coordinates inside.
 
     Parameters
     ----------
@@ -171,6 +141,10 @@ class Polar:
     def share(self, u: float) -> float:
         """Return what a unit of a coordinate is at most, over the distance from the edge."""
         return float(min(self._room * np.exp(-u) / self._place.from_edge, 1.0))
+
+
+#: Two coordinates of the quarter plane.
+Chart = Toroidal | Polar
 
 
 def around(boundaries: list[Radius], *, centre: bool) -> list[Chart]:

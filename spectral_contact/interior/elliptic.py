@@ -6,12 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-__all__ = ["Elliptic", "elliptic", "solid_angle"]
-
-Array = NDArray[np.float64]
+from spectral_contact.fields import Array
 
 #: Up to this parameter the series serves; beyond, the definitions lose little.
 _SMALL = 0.3

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.interior.mesh import BodyMesh, BodyPoints
 from spectral_contact.interior.results import Displacement, Energies
 from spectral_contact.view.progress import ProgressLine
@@ -16,9 +16,6 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["energies"]
-
-Array = NDArray[np.float64]
 Move = Callable[[BodyPoints], Displacement]
 
 #: A ring that carries less than this share changes no digit.
@@ -34,7 +31,8 @@ def energies(
 
     Under a flat punch the load grows in proportion, so that each is half of what the final
     tractions would do over the final displacements. Under a profile it does not; but without
-    friction that is still what body and layer store, and together it is the work of the load.
+    friction that is still what body and layer store, and together it is the work of the load. With
+    friction they are no functions of the final state, and refused.
 
     Parameters
     ----------
@@ -48,11 +46,6 @@ def energies(
         What an energy is multiplied by, as is the square of the contact radius of a profile.
     tell : ProgressLine
         Is told how far it is.
-
-    Raises
-    ------
-    NotComputedError
-        If a quantity was not asked for, or is no function of the final state.
     """
     external, doubt = _external(solution)
     parts, missing = _parts(solution, mesh, move, tell)

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 
+from spectral_contact.fields import Array
 from spectral_contact.interior.charts import Chart, CoordinateLine, around
 from spectral_contact.interior.mesh import AXIS, BodyPoints
 from spectral_contact.interior.places import boundaries, distance, pointed, singular
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from spectral_contact.fields.series import Radius
     from spectral_contact.solution import Solution
 
-__all__ = ["MEASURES", "largest"]
-
-Array = NDArray[np.float64]
 #: Stress at points, to a tolerance or to all digits.
 StressAt = Callable[[BodyPoints, float | None], Stress]
 
@@ -83,7 +80,6 @@ def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
 
 
 def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
-    """Return what was found with its errors."""
     here = stress(best.at, None)
     error = float(here.error[0] * here.norm[0] / best.value) if best.value else 0.0
     drop = 2.0 * best.value * max(error, 1e-15)
@@ -172,7 +168,6 @@ def _at_places(
 
 
 def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) -> _Found:
-    """Return the largest value on a line."""
     grid = line.grid
 
     def of(x: Array, rtol: float | None = None) -> Array:

@@ -7,30 +7,15 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import optional
+from spectral_contact.fields import Array
 
 if TYPE_CHECKING:
     import xarray
 
     from spectral_contact.interior.body import Inside
     from spectral_contact.solution import Solution
-
-__all__ = [
-    "QUANTITIES",
-    "UnitNames",
-    "Units",
-    "as_csv",
-    "as_npz",
-    "columns",
-    "dataset",
-    "own_units",
-    "si_units",
-    "unit_of",
-]
-
-Array = NDArray[np.float64]
 
 #: Columns of a table but for the places, and what they mean.
 QUANTITIES = {
@@ -124,27 +109,16 @@ def unit_of(name: str, units: UnitNames) -> str:
 
 
 def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Dataset:
-    """Return all columns over the grid of radii and depths.
-
-    Raises
-    ------
-    MissingDependencyError
-        If xarray is not installed.
-    """
+    """Return all columns over the grid of radii and depths, if xarray is installed."""
     made = optional("xarray", "sweep").Dataset
     found = columns(body, *np.meshgrid(r, z), rtol)
     units = body.unit_names
-    variables = {name: (("z", "r"), one, _about(name, units)) for name, one in found.items()}
-    axes = {
-        name: (name, one, {"long_name": about, "units": unit_of(name, units)})
-        for name, one, about in (("r", r, "distance from the axis"), ("z", z, "depth"))
-    }
+    about = {**QUANTITIES, "r": "distance from the axis", "z": "depth"}
+    said = {name: {"long_name": one, "units": unit_of(name, units)} for name, one in about.items()}
+    variables = {name: (("z", "r"), one, said[name]) for name, one in found.items()}
+    axes = {name: (name, one, said[name]) for name, one in (("r", r), ("z", z))}
     found_there: xarray.Dataset = made(variables, axes, {"title": "inside the body"})
     return found_there
-
-
-def _about(name: str, units: UnitNames) -> dict[str, Any]:
-    return {"long_name": QUANTITIES[name], "units": unit_of(name, units)}
 
 
 def as_csv(table: dict[str, Array], units: UnitNames) -> bytes:

@@ -9,12 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.interior.mesh import BodyMesh, BodyPoints, MeshNodes
 from spectral_contact.interior.rings import Geometry, geometry
 
-__all__ = ["Integrals", "Kernels", "integrate"]
-
-Array = NDArray[np.float64]
 Kernel = Callable[[Geometry, float], tuple[Array, ...]]
 Kernels = tuple[Kernel, ...]
 

@@ -15,24 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
 from spectral_contact.interior.tails import Panelled, Tails
 
-__all__ = [
-    "AXIS",
-    "FAST",
-    "TIGHT",
-    "BodyMesh",
-    "BodyPoints",
-    "Evaluator",
-    "Grading",
-    "MeshNodes",
-    "Rule",
-    "Shrinking",
-    "graded",
-]
-
-Array = NDArray[np.float64]
 Evaluator = Callable[[Array, Array], Array]
 
 #: What stands for the axis, where ``u_r / r`` is the limit.
@@ -171,7 +157,6 @@ class Grading(NamedTuple):
 
 
 def _between(inner: Radius, outer: Radius) -> float:
-    """Return how far apart two boundaries are."""
     high = outer.value > 0.5
     return inner.from_edge - outer.from_edge if high else outer.value - inner.value
 
@@ -321,7 +306,6 @@ class BodyMesh:
         )
 
     def _whole(self, outward: Array, chosen: NDArray[np.bool_]) -> MeshNodes:
-        """Return the rows of panels that are taken whole."""
         owner, panel = np.nonzero(chosen)
         ahead = outward[owner, self._own[panel], None] - self._away[panel]
         return MeshNodes(self._panel, owner, self._s[panel], ahead, *self._rings[:, panel])

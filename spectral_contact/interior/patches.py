@@ -16,13 +16,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.interior.charts import from_toroidal
 from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import BodyPoints
 
-__all__ = ["Direct", "Relative", "interpolate"]
-
-Array = NDArray[np.float64]
 Direct = Callable[[BodyPoints], Integrals]
 Relative = Callable[[BodyPoints, Array, Array], Array]
 

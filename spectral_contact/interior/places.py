@@ -7,15 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.interior.mesh import BodyPoints, Evaluator, Grading, graded
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
-
-__all__ = ["boundaries", "distance", "finite", "grading", "lost", "pointed", "singular", "within"]
-
-Array = NDArray[np.float64]
 
 #: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
 _BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115

@@ -6,11 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Displacement", "Energies", "Extreme", "Stress", "Surface"]
-
-Array = NDArray[np.float64]
+from spectral_contact.fields import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,21 +11,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipe
 
+from spectral_contact.fields import Array
 from spectral_contact.interior.elliptic import Elliptic, elliptic, solid_angle
-
-__all__ = [
-    "Geometry",
-    "geometry",
-    "normal_displacement",
-    "normal_stress",
-    "radial_displacement",
-    "radial_stress",
-]
-
-Array = NDArray[np.float64]
 
 _TWO_OVER_PI = 2.0 / np.pi
 _FEW_NODES, _FEW_WEIGHTS = np.polynomial.legendre.leggauss(4)

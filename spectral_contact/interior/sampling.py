@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.interior import rings
 from spectral_contact.interior.integrals import Integrals, integrate
 from spectral_contact.interior.mesh import (
@@ -21,10 +21,6 @@ from spectral_contact.interior.mesh import (
 )
 from spectral_contact.interior.patches import Relative, interpolate
 from spectral_contact.threads import cached_property
-
-__all__ = ["Sampler", "displacement_error", "stress_error", "stresses"]
-
-Array = NDArray[np.float64]
 
 #: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.
 _FAST_FROM = 1e-9

@@ -7,11 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
-__all__ = ["Panelled", "Tails"]
-
-Array = NDArray[np.float64]
+from spectral_contact.fields import Array
 
 
 class Panelled(NamedTuple):

@@ -15,21 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import shown
-from spectral_contact.io.documents import Refused, key_complaint
-
-__all__ = [
-    "Array",
-    "Arrays",
-    "Choice",
-    "Either",
-    "Float",
-    "Kind",
-    "Maybe",
-    "Plain",
-    "Record",
-    "Several",
-    "Values",
-]
+from spectral_contact.io.documents import Refused, check_keys
 
 #: Arrays by their place in the tree, in the order in which the tree names them.
 Arrays = dict[str, NDArray[np.float64]]
@@ -205,7 +191,7 @@ class Record:
     """
 
     def __init__(
-        self, tag: str, cls: type, /, later: dict[str, object] | None = None, **kinds: Kind
+        self, tag: str, cls: type, later: dict[str, object] | None = None, /, **kinds: Kind
     ) -> None:
         self.tag, self.cls, self.kinds, self.later = tag, cls, kinds, later or {}
         self.required = [key for key in kinds if key not in self.later]
@@ -227,9 +213,7 @@ class Record:
         tag, body = _tagged(tree, place, self.what)
         if tag != self.tag:
             raise _wrong(place, tree, self.what)
-        complaint = key_complaint(body, self.required, self.later)
-        if complaint:
-            raise Refused(f"{place or 'the solution'}, {self.tag}: {complaint}")
+        check_keys(f"{place or 'the solution'}, {self.tag}", body, self.required, self.later)
         prefix = f"{place}." if place else ""
         values = {
             key: kind.decode(body[key], prefix + key, arrays, used)

@@ -20,23 +20,6 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SolutionFileError, shown
 
-__all__ = [
-    "YOUNGER",
-    "Refused",
-    "append_file",
-    "check_schema",
-    "create_file",
-    "key_complaint",
-    "left_out",
-    "netcdf",
-    "npz_members",
-    "path_text",
-    "read_file",
-    "replace_file",
-    "reported",
-]
-
-
 #: Metadata of a dataclass field that came after the first release: documents leave it out where it
 #: has its default, so that old files are read, and what does not use it is written as ever.
 YOUNGER: Final = {"younger": True}
@@ -95,14 +78,17 @@ def key_complaint(data: Any, expected: Iterable[str], optional: Iterable[str] = 
     return f"keys are {'; '.join(complaints)}" if complaints else None
 
 
-def check_schema(document: Any, what: str, schema: str, version: int) -> None:
-    """Check that a document is of a schema and of the version that this release reads.
+def check_keys(
+    where: str, data: Any, expected: Iterable[str], optional: Iterable[str] = ()
+) -> None:
+    """Check that the keys of an object are those expected; else `Refused` says where it is."""
+    complaint = key_complaint(data, expected, optional)
+    if complaint:
+        raise Refused(f"{where}: {complaint}" if where else complaint)
 
-    Raises
-    ------
-    Refused
-        If it is not; `what` is what it was meant to be.
-    """
+
+def check_schema(document: Any, what: str, schema: str, version: int) -> None:
+    """Check that a document is what it was meant to be, of a version that this release reads."""
     found = document.get("schema") if isinstance(document, Mapping) else None
     if not isinstance(found, str) or found != schema:
         raise Refused(f'not a {what}: its "schema" is not "{schema}"')
@@ -112,26 +98,23 @@ def check_schema(document: Any, what: str, schema: str, version: int) -> None:
         raise Refused(f"version {shown(found)} {known}")
 
 
-def path_text(path: str | os.PathLike[str]) -> str:
-    """Return a path as text.
+def difference(theirs: Any, ours: Mapping[str, Any]) -> str:
+    """Return in what another object of JSON differs from this one."""
+    known = theirs if isinstance(theirs, dict) else {}
+    for name, value in ours.items():
+        if known.get(name) != value:
+            return f"{name} {shown(known.get(name))}, not {shown(value)}"
+    return "other members"
 
-    Raises
-    ------
-    SolutionFileError
-        If it is no path.
-    """
+
+def path_text(path: str | os.PathLike[str]) -> str:
+    """Return a path as text; `SolutionFileError` if it is none."""
     with reported(shown(path), "not a path"):
         return os.fsdecode(path)
 
 
 def read_file(path: str | os.PathLike[str]) -> tuple[str, bytes]:
-    """Return a path as text, and what is in the file.
-
-    Raises
-    ------
-    SolutionFileError
-        If it is no path, or cannot be read.
-    """
+    """Return a path as text, and what is in the file; `SolutionFileError` if it cannot be read."""
     source = path_text(path)
     with reported(source, "cannot be read"):
         return source, Path(source).read_bytes()
@@ -153,13 +136,8 @@ def npz_members(content: bytes) -> dict[str, NDArray[Any]]:
     """Return the arrays of a ``.npz`` file by name, without pickle.
 
     Memory stays in proportion to the file: sizes are checked as the directory declares them, before
-    anything is inflated, and no member is inflated beyond its own.
-
-    Raises
-    ------
-    Refused
-        If it would inflate out of all proportion, or is packed as NumPy packs nothing; what else
-        may be raised says that it is damaged.
+    anything is inflated, and no member is inflated beyond its own. `Refused` is what would inflate
+    out of all proportion, or is packed as NumPy packs nothing; other errors say that it is damaged.
     """
     with zipfile.ZipFile(BytesIO(content)) as archive:
         members = archive.infolist()
@@ -180,13 +158,7 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
 
 
 def replace_file(path: str, content: bytes) -> None:
-    """Write a file; it is complete or, after any failure, as it was before.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    """
+    """Write a file; it is complete or, after any failure, an `OSError`, as it was before."""
     target = Path(os.path.realpath(path))  # else a symbolic link would give way to a file
     if target.exists() and not os.access(target, os.W_OK):  # of which a replacement takes no notice
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
@@ -198,12 +170,7 @@ def replace_file(path: str, content: bytes) -> None:
 def create_file(path: str, content: bytes) -> None:
     """Write a file that is not there yet; it is complete or not there.
 
-    Raises
-    ------
-    FileExistsError
-        If it is there, be it that another process was faster.
-    OSError
-        If it cannot be written.
+    `FileExistsError` is raised if it is there, be it that another process was faster.
     """
     target = Path(path)
     with _beside(target, content) as temporary:
@@ -220,19 +187,8 @@ def append_file(path: str, content: bytes, size: int | None = None) -> None:
     """Add to the end of a file, which is made if need be; on disk before this returns.
 
     After a failure the file ends where it ended before, or, if not even that can be done, in a
-    part of the content: readers take an end that was cut short for nothing.
-
-    Parameters
-    ----------
-    path : str
-    content : bytes
-    size : int, optional
-        To which the file is cut first.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
+    part of the content: readers take an end that was cut short for nothing. It is cut to the size
+    first, if there is one.
     """
     # without a buffer, which would be written once more when the file is closed
     with Path(path).open("ab", buffering=0) as file:

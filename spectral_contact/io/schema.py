@@ -8,105 +8,72 @@ from __future__ import annotations
 
 from typing import Final
 
-from spectral_contact import layers
+from spectral_contact import layers, profiles, records
+from spectral_contact.fields import series
 from spectral_contact.fields.history import ContactHistory
-from spectral_contact.fields.series import (
-    AnnulusSeries,
-    DiskSeries,
-    EdgeWeight,
-    LogSeries,
-    PressureField,
-    Radius,
-    ZonalField,
-    ZonePiece,
-)
 from spectral_contact.io.codecs import (
     Array,
     Choice,
     Either,
     Float,
+    Kind,
     Maybe,
     Plain,
     Record,
     Several,
     Values,
 )
-from spectral_contact.profiles import (
-    Cone,
-    Flat,
-    Parabola,
-    PowerLaw,
-    RoundedFlat,
-    Sampled,
-    Sphere,
-    TruncatedCone,
-)
-from spectral_contact.records import (
-    PROFILE_QUANTITIES,
-    Ending,
-    ErrorEstimates,
-    Plan,
-    PlannedStep,
-    RefinementStep,
-    StepState,
-    StepWork,
-    Work,
-    Zone,
-)
+from spectral_contact.records import Ending, StepState
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 
-__all__ = ["CHOICES", "LAYERS", "PROFILES", "RECORDS", "SOLUTION"]
-
 _FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(str, "a text")
 _FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
-_MAYBE_FLOAT = Maybe(_FLOAT)
+_ROWS = Several(Several(_FLOAT))
+
+
+def _floats(names: str) -> dict[str, Kind]:
+    return dict.fromkeys(names.split(), _FLOAT)
+
+
+def _maybe_floats(names: str) -> dict[str, Kind]:
+    return dict.fromkeys(names.split(), Maybe(_FLOAT))
+
 
 #: Profiles of punches.
 PROFILES: Final = (
-    Record("Parabola", Parabola, radius=_FLOAT),
-    Record("Sphere", Sphere, radius=_FLOAT),
-    Record("PowerLaw", PowerLaw, coefficient=_FLOAT, exponent=_FLOAT),
-    Record("Cone", Cone, half_angle=_FLOAT),
-    Record("TruncatedCone", TruncatedCone, flat_radius=_FLOAT, half_angle=_FLOAT),
-    Record("Flat", Flat, radius=_FLOAT),
-    Record("RoundedFlat", RoundedFlat, flat_radius=_FLOAT, radius=_FLOAT),
-    Record(
-        "Sampled", Sampled, edges=Several(_FLOAT), slopes=Several(Several(_FLOAT)), rounded=_FLAG
-    ),
+    Record("Parabola", profiles.Parabola, radius=_FLOAT),
+    Record("Sphere", profiles.Sphere, radius=_FLOAT),
+    Record("PowerLaw", profiles.PowerLaw, **_floats("coefficient exponent")),
+    Record("Cone", profiles.Cone, half_angle=_FLOAT),
+    Record("TruncatedCone", profiles.TruncatedCone, **_floats("flat_radius half_angle")),
+    Record("Flat", profiles.Flat, radius=_FLOAT),
+    Record("RoundedFlat", profiles.RoundedFlat, **_floats("flat_radius radius")),
+    Record("Sampled", profiles.Sampled, edges=Several(_FLOAT), slopes=_ROWS, rounded=_FLAG),
 )
+_EXPONENTIAL = _floats("zero_pressure clearance")
+_ASPERITIES = _floats("density tip_radius height_deviation")
 #: Laws of layers.
 LAYERS: Final = (
     Record("Linear", layers.Linear, compliance=_FLOAT),
-    Record("PowerLaw", layers.PowerLaw, coefficient=_FLOAT, exponent=_FLOAT),
-    Record("Exponential", layers.Exponential, zero_pressure=_FLOAT, clearance=_FLOAT),
-    Record(
-        "CalculixExponential", layers.CalculixExponential, zero_pressure=_FLOAT, clearance=_FLOAT
-    ),
-    Record(
-        "GreenwoodWilliamson",
-        layers.GreenwoodWilliamson,
-        density=_FLOAT,
-        tip_radius=_FLOAT,
-        height_deviation=_FLOAT,
-        heights=_TEXT,
-    ),
+    Record("PowerLaw", layers.PowerLaw, **_floats("coefficient exponent")),
+    Record("Exponential", layers.Exponential, **_EXPONENTIAL),
+    Record("CalculixExponential", layers.CalculixExponential, **_EXPONENTIAL),
+    Record("GreenwoodWilliamson", layers.GreenwoodWilliamson, **_ASPERITIES, heights=_TEXT),
     Record("Table", layers.Table, overclosures=Several(_FLOAT), pressures=Several(_FLOAT)),
-    Record("Sampled", layers.Sampled, edges=Several(_FLOAT), series=Several(Several(_FLOAT))),
+    Record("Sampled", layers.Sampled, edges=Several(_FLOAT), series=_ROWS),
 )
+_LAYER, _PROFILE = Maybe(Either(*LAYERS)), Maybe(Either(*PROFILES))
 _PHYSICAL = Record(
     "PhysicalData",
     PhysicalData,
     dict.fromkeys(("contact_radius", "layer", "separation")),
     youngs_modulus=_FLOAT,
-    radius=_MAYBE_FLOAT,
-    load=_MAYBE_FLOAT,
-    approach=_MAYBE_FLOAT,
-    normal_compliance=_FLOAT,
-    tangential_compliance=_FLOAT,
-    contact_radius=_MAYBE_FLOAT,
-    layer=Maybe(Either(*LAYERS)),
-    separation=_MAYBE_FLOAT,
+    **_maybe_floats("radius load approach"),
+    **_floats("normal_compliance tangential_compliance"),
+    contact_radius=Maybe(_FLOAT),
+    layer=_LAYER,
+    separation=Maybe(_FLOAT),
 )
 _SCENE = Record(
     "Scene",
@@ -115,18 +82,14 @@ _SCENE = Record(
         "coupling": False,
         **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer", "separation")),
     },
-    poisson_ratio=_FLOAT,
-    normal_compliance=_FLOAT,
-    tangential_compliance=_FLOAT,
-    friction=_MAYBE_FLOAT,
+    **_floats("poisson_ratio normal_compliance tangential_compliance"),
+    friction=Maybe(_FLOAT),
     physical=Maybe(_PHYSICAL),
     coupling=_FLAG,
-    profile=Maybe(Either(*PROFILES)),
-    contact_radius=_MAYBE_FLOAT,
-    load=_MAYBE_FLOAT,
-    approach=_MAYBE_FLOAT,
-    layer=Maybe(Either(*LAYERS)),
-    separation=_MAYBE_FLOAT,
+    profile=_PROFILE,
+    **_maybe_floats("contact_radius load approach"),
+    layer=_LAYER,
+    separation=Maybe(_FLOAT),
 )
 _STATE = Choice(
     "StepState", RUN=StepState.RUN, CONDITIONAL=StepState.CONDITIONAL, SKIPPED=StepState.SKIPPED
@@ -138,53 +101,37 @@ _ENDING = Choice(
     ROUNDING=Ending.ROUNDING,
     ZONES=Ending.ZONES,
 )
-_PLANNED_STEP = Record("PlannedStep", PlannedStep, name=_TEXT, state=_STATE, reason=_TEXT)
+_PLANNED_STEP = Record("PlannedStep", records.PlannedStep, name=_TEXT, state=_STATE, reason=_TEXT)
 _PLAN = Record(
     "Plan",
-    Plan,
+    records.Plan,
     quantities=Several(_TEXT),
     steps=Several(_PLANNED_STEP),
     missing=Several(Several(_TEXT, 2)),
 )
 _ZONE = Record(
     "Zone",
-    Zone,
+    records.Zone,
     kind=Plain(str, '"stick" or "slip"', "stick", "slip"),
-    inner=_FLOAT,
-    outer=_FLOAT,
-    inner_from_edge=_FLOAT,
-    outer_from_edge=_FLOAT,
+    **_floats("inner outer inner_from_edge outer_from_edge"),
 )
 _ERRORS = Record(
     "ErrorEstimates",
-    ErrorEstimates,
-    dict.fromkeys(PROFILE_QUANTITIES),
-    approach=_MAYBE_FLOAT,
-    pressure=_MAYBE_FLOAT,
-    traction=_MAYBE_FLOAT,
-    slip=_MAYBE_FLOAT,
-    zones=_MAYBE_FLOAT,
-    stick_radius=_MAYBE_FLOAT,
-    total_shear=_MAYBE_FLOAT,
-    edge_ratio=_MAYBE_FLOAT,
-    critical_friction=_MAYBE_FLOAT,
-    violation=_MAYBE_FLOAT,
-    contact_radius=_MAYBE_FLOAT,
-    load=_MAYBE_FLOAT,
-    stiffness=_MAYBE_FLOAT,
-    indentation_work=_MAYBE_FLOAT,
+    records.ErrorEstimates,
+    dict.fromkeys(records.PROFILE_QUANTITIES),
+    **_maybe_floats("approach pressure traction slip zones stick_radius total_shear edge_ratio"),
+    **_maybe_floats("critical_friction violation contact_radius load stiffness indentation_work"),
 )
 _REFINEMENT = Record(
     "RefinementStep",
-    RefinementStep,
+    records.RefinementStep,
     unknowns=_INT,
     highest_degree=_INT,
-    error=_FLOAT,
-    seconds=_FLOAT,
+    **_floats("error seconds"),
 )
 _STEP_WORK = Record(
     "StepWork",
-    StepWork,
+    records.StepWork,
     name=_TEXT,
     unknowns=_INT,
     degrees=Several(_INT),
@@ -192,25 +139,25 @@ _STEP_WORK = Record(
     ending=_ENDING,
     seconds=_FLOAT,
 )
-_WORK = Record("Work", Work, steps=Several(_STEP_WORK))
-_RADIUS = Record("Radius", Radius, value=_FLOAT, from_edge=_FLOAT)
+_WORK = Record("Work", records.Work, steps=Several(_STEP_WORK))
+_RADIUS = Record("Radius", series.Radius, **_floats("value from_edge"))
 _LOG_SERIES = Record(
     "LogSeries",
-    LogSeries,
+    series.LogSeries,
     {"oscillation": 0.0, "logarithm": 0.0},
     coefficients=_TABLE,
     tail=_ROW,
-    width=_FLOAT,
-    power=_FLOAT,
+    **_floats("width power"),
     root_tail=_FLAG,
-    oscillation=_FLOAT,
-    logarithm=_FLOAT,
+    **_floats("oscillation logarithm"),
 )
-_WEIGHT = Record("EdgeWeight", EdgeWeight, amplitude=_FLOAT, shift=_FLOAT, logarithmic=_FLAG)
-_PRESSURE = Record("PressureField", PressureField, weight=Maybe(_WEIGHT), series=Maybe(_LOG_SERIES))
+_WEIGHT = Record("EdgeWeight", series.EdgeWeight, **_floats("amplitude shift"), logarithmic=_FLAG)
+_PRESSURE = Record(
+    "PressureField", series.PressureField, weight=Maybe(_WEIGHT), series=Maybe(_LOG_SERIES)
+)
 _DISK = Record(
     "DiskSeries",
-    DiskSeries,
+    series.DiskSeries,
     {"power": 1, "exponent": 0.0},
     outer=_RADIUS,
     series=Maybe(_LOG_SERIES),
@@ -220,7 +167,7 @@ _DISK = Record(
 )
 _ANNULUS = Record(
     "AnnulusSeries",
-    AnnulusSeries,
+    series.AnnulusSeries,
     inner=_RADIUS,
     outer=_RADIUS,
     toward_inner=_LOG_SERIES,
@@ -229,22 +176,18 @@ _ANNULUS = Record(
 )
 _PIECE = Record(
     "ZonePiece",
-    ZonePiece,
+    series.ZonePiece,
     outer=_RADIUS,
     field=Maybe(Either(_DISK, _ANNULUS, _PRESSURE)),
     factor=_FLOAT,
 )
-_ZONAL = Record("ZonalField", ZonalField, pieces=Several(_PIECE))
+_ZONAL = Record("ZonalField", series.ZonalField, pieces=Several(_PIECE))
 _TANGENTIAL = Maybe(Either(_ZONAL, _DISK))
 _HISTORY = Record(
     "ContactHistory",
     ContactHistory,
     ends=_ROW,
-    loads=_TABLE,
-    approaches=_TABLE,
-    shears=_TABLE,
-    sticks=_TABLE,
-    errors=_TABLE,
+    **dict.fromkeys(("loads", "approaches", "shears", "sticks", "errors"), _TABLE),
 )
 
 #: The root of the tree.
@@ -260,18 +203,10 @@ SOLUTION: Final = Record(
     ending=_ENDING,
     work=_WORK,
     values=Values(
-        approach=_FLOAT,
-        total_shear=_FLOAT,
-        edge_ratio=_FLOAT,
-        critical_friction=_FLOAT,
+        **_floats("approach total_shear edge_ratio critical_friction"),
         zones=Several(_ZONE),
-        stick_radius=_MAYBE_FLOAT,
-        opening=_MAYBE_FLOAT,
-        contact_radius=_FLOAT,
-        load=_FLOAT,
-        stiffness=_FLOAT,
-        indentation_work=_FLOAT,
-        domain_radius=_FLOAT,
+        **_maybe_floats("stick_radius opening"),
+        **_floats("contact_radius load stiffness indentation_work domain_radius"),
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,

@@ -24,8 +24,8 @@ from spectral_contact.errors import SolutionFileError
 from spectral_contact.io.codecs import Arrays
 from spectral_contact.io.documents import (
     Refused,
+    check_keys,
     check_schema,
-    key_complaint,
     npz_members,
     path_text,
     replace_file,
@@ -33,8 +33,6 @@ from spectral_contact.io.documents import (
 )
 from spectral_contact.io.schema import SOLUTION
 from spectral_contact.solution import Solution
-
-__all__ = ["comparable", "from_json", "load", "save", "to_json"]
 
 _SCHEMA: Final = "spectral_contact.solution"
 _VERSION: Final = 1
@@ -44,34 +42,14 @@ _INFINITIES: Final = ("inf", "-inf")
 
 
 def save(solution: Solution, path: str | os.PathLike[str]) -> None:
-    """Store a solution; the file is complete or, after any failure, as it was before.
-
-    Parameters
-    ----------
-    solution : Solution
-    path : str or os.PathLike
-        Ends in ``.npz`` or ``.json``, which chooses the format. A file there is replaced.
-
-    Raises
-    ------
-    SolutionFileError
-        For another suffix, a path that cannot be written, or a solution that holds NaN or
-        anything else that does not belong into one.
-    """
+    """Store a solution as `Solution.save` says."""
     source, suffix = _source(path)
     with reported(source, "cannot be written"):
         replace_file(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
 
 
 def load(path: str | os.PathLike[str]) -> Solution:
-    """Return the solution that `save` stored, equal bit for bit; its arrays are read-only.
-
-    Raises
-    ------
-    SolutionFileError
-        For another suffix, or a file that is not there, not ours, changed, damaged, or of another
-        version.
-    """
+    """Return the solution that `save` stored, as `Solution.load` says; its arrays are read-only."""
     source, suffix = _source(path)
     with reported(source, "cannot be read"):
         content = Path(source).read_bytes()
@@ -83,25 +61,13 @@ def load(path: str | os.PathLike[str]) -> Solution:
 
 
 def to_json(solution: Solution) -> str:
-    """Return the solution as one line of strict JSON, which is also what `save` writes.
-
-    Raises
-    ------
-    SolutionFileError
-        If the solution holds NaN or anything else that does not belong into one.
-    """
+    """Return the text that `Solution.to_json` does, which is also what `save` writes."""
     with reported("solution", "cannot be written as JSON"):
         return _json(solution)
 
 
 def from_json(text: str) -> Solution:
-    """Return the solution that `to_json` wrote, equal bit for bit; its arrays are read-only.
-
-    Raises
-    ------
-    SolutionFileError
-        If the text is not JSON, not a solution, changed, damaged, or of another version.
-    """
+    """Return the solution that `to_json` wrote; its arrays are read-only."""
     with reported("solution", "damaged, or not the JSON text of a solution"):
         return _unpack(json.loads(text), None)
 
@@ -146,7 +112,7 @@ def _json_array(array: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def _from_json_array(body: Any) -> NDArray[np.float64]:
-    _check_names("an array", body, ("shape", "data"))
+    check_keys("an array", body, ("shape", "data"))
     if any(type(x) is not float and x not in _INFINITIES for x in body["data"]):
         raise Refused("an array holds something else than doubles")
     return np.array([float(x) for x in body["data"]]).reshape(body["shape"])
@@ -177,7 +143,7 @@ def _unpack(document: Any, arrays: Arrays | None) -> Solution:
     check_schema(document, "solution", _SCHEMA, _VERSION)
     if arrays is None:
         arrays = {name: _from_json_array(body) for name, body in document.pop("arrays", {}).items()}
-    _check_names("the header", document, _MEMBERS)
+    check_keys("the header", document, _MEMBERS)
     tree, used = document["solution"], Arrays()
     solution: Solution = SOLUTION.decode(tree, "", arrays, used)
     if _checksum(tree, used) != document["sha256"] or used.keys() != arrays.keys():
@@ -191,9 +157,3 @@ def _checksum(tree: Any, arrays: Arrays) -> str:
     for array in arrays.values():
         digest.update(f"{array.shape}".encode() + array.astype("<f8").tobytes())
     return digest.hexdigest()
-
-
-def _check_names(what: str, body: Any, expected: tuple[str, ...]) -> None:
-    complaint = key_complaint(body, expected)
-    if complaint:
-        raise Refused(f"{what}: {complaint}")

@@ -17,14 +17,10 @@ from typing import Self
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.layers.base import Layer, positive
-
-__all__ = ["GreenwoodWilliamson"]
-
-Array = NDArray[np.float64]
 
 _HEIGHTS = "gaussian", "exponential"
 #: ``4/3 E*`` in E'.

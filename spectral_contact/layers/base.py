@@ -7,14 +7,11 @@ from math import inf
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import real, reals
-
-__all__ = ["Layer", "positive"]
-
-Array = NDArray[np.float64]
 
 #: Steps of bracketing and of bisection between neighbouring doubles.
 _STEPS = 2100

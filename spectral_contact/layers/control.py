@@ -15,8 +15,6 @@ from spectral_contact.layers.laws import CalculixExponential, Exponential, Linea
 from spectral_contact.layers.sampled import Sampled, Table
 from spectral_contact.profiles.shapes import Flat
 
-__all__ = ["KINDS", "check_layer", "endless", "in_own_units", "layer_from", "refuse_layer"]
-
 #: Layers by the name that they have in files.
 KINDS: Final[dict[str, type[Layer]]] = {
     one.__name__: one
@@ -33,18 +31,7 @@ KINDS: Final[dict[str, type[Layer]]] = {
 
 
 def check_layer(scene: Mapping[str, Any]) -> None:
-    """Check the layer of a scene, and that nothing else of it needs a linear one.
-
-    Parameters
-    ----------
-    scene : mapping
-        What a scene has, by name.
-
-    Raises
-    ------
-    SceneError
-        If it does, or the layer is no layer.
-    """
+    """Check a scene's layer, and that nothing else of the scene needs a linear one."""
     layer = scene["layer"]
     if layer is None:
         return
@@ -63,19 +50,7 @@ def check_layer(scene: Mapping[str, Any]) -> None:
 
 
 def in_own_units(law: Any, modulus: float) -> Layer:
-    """Return a law in Pa and m as one in E' and m.
-
-    Parameters
-    ----------
-    law : Layer
-    modulus : float
-        E' [Pa].
-
-    Raises
-    ------
-    SceneError
-        If it is no law, or a parameter leaves its range.
-    """
+    """Return a law in Pa and m as one in E' and m, where E' is the modulus [Pa]."""
     if type(law) not in KINDS.values():
         raise SceneError("layer", law, f"None or one of layers: {', '.join(KINDS)}")
     try:
@@ -113,24 +88,12 @@ def endless(scene: Any) -> bool:
 
 
 def refuse_layer(scene: Any, what: str) -> None:
-    """Refuse a scene with a layer on behalf of what knows linear layers only.
-
-    Raises
-    ------
-    SceneError
-        If it has one.
-    """
+    """Refuse a scene with a layer on behalf of what knows linear layers only."""
     if scene.layer is not None:
         told = f"one without layer: {what} knows linear layers only, as normal_compliance"
         raise SceneError("scene", scene, told)
 
 
 def layer_from(tree: Any) -> Layer:
-    """Return the layer that `kind_tree` wrote.
-
-    Raises
-    ------
-    SceneError
-        If it is none, or a parameter is out of range.
-    """
+    """Return the layer that `kind_tree` wrote."""
     return kind_from("layer", tree, KINDS)

@@ -7,13 +7,9 @@ from math import e, inf, log
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.layers.base import Layer, positive
-
-__all__ = ["CalculixExponential", "Exponential", "Linear", "PowerLaw"]
-
-Array = NDArray[np.float64]
 
 #: Below 1 the layer softens under pressure; beyond, it is as good as rigid at one overclosure.
 _EXPONENTS = 1.0, 10.0
@@ -46,7 +42,6 @@ class Linear(Layer):
         positive(self, "compliance")
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, compliance=self.compliance * unit)
 
     @property
@@ -91,7 +86,6 @@ class PowerLaw(Layer):
         positive(self, "exponent", *_EXPONENTS)
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, coefficient=self.coefficient / unit)
 
     @property
@@ -142,7 +136,6 @@ class Exponential(Layer):
         positive(self, "clearance")
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, zero_pressure=self.zero_pressure / unit)
 
     @property
@@ -210,7 +203,6 @@ class CalculixExponential(Layer):
         positive(self, "clearance")
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, zero_pressure=self.zero_pressure / unit)
 
     @property

@@ -10,16 +10,14 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import finite, values_at
 from spectral_contact.inputs.choices import function, listed
 from spectral_contact.layers.base import Layer
 
-__all__ = ["Sampled", "Table"]
-
-Array = NDArray[np.float64]
 Rows = tuple[tuple[float, ...], ...]
 
 #: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
@@ -35,7 +33,6 @@ _LEAST = 4
 
 
 def _checked(name: str, values: Any) -> tuple[float, ...]:
-    """Return numbers that increase."""
     found = finite(name, values)
     if not (np.diff(found) > 0.0).all():
         raise SceneError(name, values, "numbers that increase")
@@ -109,7 +106,6 @@ class _Pieces(Layer):
 
 @cache
 def _integrated(edges: tuple[float, ...], rows: Rows) -> _Series:
-    """Return the series with their derivatives and integrals."""
     slopes, energies, total = [], [], 0.0
     for (low, high), row in zip(pairwise(edges), rows, strict=True):
         half = (high - low) / 2.0
@@ -155,7 +151,6 @@ class Table(_Pieces):
         object.__setattr__(self, "pressures", p)
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, pressures=tuple(p / unit for p in self.pressures))
 
     @property
@@ -253,7 +248,6 @@ class Sampled(_Pieces):
         return law
 
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in another unit."""
         return replace(self, series=tuple(tuple(c / unit for c in row) for row in self.series))
 
     @property
@@ -264,7 +258,6 @@ class Sampled(_Pieces):
         return _integrated(self.edges, self.series)
 
     def _check(self) -> None:
-        """Refuse what does not increase from zero."""
         w = np.concatenate([np.linspace(*ends, _LOOKS) for ends in pairwise(self.edges)])
         local = np.linspace(-1.0, 1.0, _LOOKS)
         p = np.concatenate([chebyshev.chebval(local, row) for row in self.series])
@@ -287,7 +280,6 @@ class Sampled(_Pieces):
 def _fitted(
     pressure: Callable[[Array], ArrayLike], low: float, high: float, largest: float
 ) -> tuple[float, ...]:
-    """Return the Chebyshev series of a piece."""
     for degree in _DEGREES:
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("pressure", pressure, low + (high - low) * (1.0 + nodes) / 2.0)

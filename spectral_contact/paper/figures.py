@@ -6,17 +6,13 @@ from functools import cache, partial
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.inputs import checks, choices
 from spectral_contact.paper.onset import ASKED, SlipOnset, all_stuck, first_slip
 from spectral_contact.paper.tables import RADII, FigureData, PaperFigure
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
-
-__all__ = ["FIGURES", "figure_data", "paper_figure", "slip_onset"]
-
-Array = NDArray[np.float64]
 
 #: The figures that can be made: the paper's by their numbers, and the one that it lacks.
 FIGURES = ("2", "3", "4", "5", "6", "onset")

@@ -17,8 +17,6 @@ from spectral_contact.scene import Scene
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["ASKED", "SlipOnset", "all_stuck", "first_slip"]
-
 #: What has to be known of full stick.
 ASKED = ("pressure", "traction", "edge_ratio", "critical_friction")
 

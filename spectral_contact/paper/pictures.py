@@ -7,18 +7,14 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.paper.tables import FigureData
 from spectral_contact.view.figures import new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["check", "draw"]
-
-Array = NDArray[np.float64]
 
 #: Dashes of the curves of one family; dots are left to full stick, as in the paper.
 _DASHES: tuple[Any, ...] = (
@@ -36,34 +32,13 @@ _NAMED = (0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0)
 
 
 def check() -> None:
-    """Check, before the work, that pictures can be made.
-
-    Raises
-    ------
-    MissingDependencyError
-        If matplotlib is not installed.
-    """
+    """Check, before the work, that pictures can be made: matplotlib is there."""
     with style():
         pass
 
 
 def draw(data: FigureData) -> Figure:
-    """Draw a figure in the paper's layout.
-
-    Parameters
-    ----------
-    data : FigureData
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With a note of its parameters and the largest estimates of its errors.
-
-    Raises
-    ------
-    MissingDependencyError
-        If matplotlib is not installed.
-    """
+    """Draw a figure in the paper's layout, with a note of parameters and largest errors."""
     with style():
         columns = _COLUMNS.get(data.figure.name, 1)
         width = 5.2 if columns == 1 else 4.4 * columns

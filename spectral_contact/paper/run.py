@@ -19,8 +19,6 @@ from spectral_contact.paper.tables import FigureData, PaperFigure, complete_csv,
 from spectral_contact.view import plotting
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["Reproduced", "read_csv", "reproduce"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reproduced:
@@ -86,7 +84,8 @@ def reproduce(
     MissingDependencyError
         If pictures are wanted and matplotlib is not installed.
     """
-    wanted = _wanted(figures)
+    names = dict.fromkeys(choices.names("figures", figures, FIGURES))
+    wanted = [paper_figure(name) for name in names]
     rtol = checks.tolerance(rtol)
     if checks.flag("pictures", pictures):
         check()
@@ -105,7 +104,6 @@ def _reproduced(
     pictures: bool,
     progress: Callable[[str, float], None],
 ) -> Reproduced:
-    """Do what is asked, which is checked."""
     tell = _Steps(progress, 1 + sum(len(one.scenes) + 1 for one in wanted))
     made, files = [], []
     for figure in wanted:
@@ -160,11 +158,6 @@ def read_csv(path: str | os.PathLike[str], name: str, rtol: float = 1e-9) -> Fig
         if len(blocks) < len(figure.scenes):
             raise Refused(f"is not the whole figure {name} of this version at rtol = {rtol!r}")
     return FigureData(figure, rtol, np.concatenate(blocks))
-
-
-def _wanted(figures: Iterable[str]) -> list[PaperFigure]:
-    names = dict.fromkeys(choices.names("figures", figures, FIGURES))
-    return [paper_figure(name) for name in names]
 
 
 def _content(data: FigureData, kept: int) -> str:

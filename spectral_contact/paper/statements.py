@@ -9,16 +9,12 @@ from itertools import pairwise
 from math import ceil, inf, log10, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.inputs import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 
-__all__ = ["Statement", "statements", "statements_table"]
-
-Array = NDArray[np.float64]
 #: From nu, alpha*, beta* and f to a solution.
 _Solver = Callable[[float, float, float, float], Solution]
 

@@ -11,18 +11,15 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs import checks, choices
 from spectral_contact.io.documents import append_file, reported
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.view.radii import Radii
 
-__all__ = ["PARAMETERS", "RADII", "FigureData", "PaperFigure", "complete_csv", "whole_blocks"]
-
-Array = NDArray[np.float64]
 _EPS = float(np.finfo(float).eps)
 #: The columns that every table begins with; f is 0 without friction, and infinite in full stick.
 PARAMETERS = ("nu", "alpha", "beta", "f")
@@ -88,7 +85,8 @@ class PaperFigure:
     def keys_of(self, scene: Scene) -> Array:
         """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
         choices.instance("scene", scene, Scene)
-        parameters = _parameters(scene)
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        parameters = scene.poisson_ratio, *compliances, scene.friction or 0.0
         if not self.radial:
             return np.array([parameters])
         radii = np.column_stack([RADII.s, RADII.from_edge])
@@ -161,12 +159,6 @@ class FigureData:
         return float(errors[np.isfinite(errors)].max())
 
 
-def _parameters(scene: Scene) -> tuple[float, ...]:
-    friction = 0.0 if scene.friction is None else scene.friction
-    alpha, beta = scene.normal_compliance, scene.tangential_compliance
-    return scene.poisson_ratio, alpha, beta, friction
-
-
 def complete_csv(
     path: Path, figure: PaperFigure, rtol: float, tell: Callable[[], None]
 ) -> tuple[FigureData, int]:
@@ -189,11 +181,6 @@ def complete_csv(
     data : FigureData
     kept : int
         How many scenes were there already.
-
-    Raises
-    ------
-    SolutionFileError
-        If a file cannot be read or written.
     """
     partial = path.with_name(f"{path.name}.partial")
     with reported(str(path), "cannot be read"):

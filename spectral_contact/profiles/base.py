@@ -12,13 +12,10 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import lengths
-
-__all__ = ["Profile"]
-
-Array = NDArray[np.float64]
 
 #: Radii beyond have squares that overflow.
 _FAR = 1e100

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.checks import positive, real
 from spectral_contact.inputs.kinds import kind_from
 from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
 from spectral_contact.profiles.base import Profile
@@ -24,16 +24,6 @@ from spectral_contact.profiles.shapes import (
     Sphere,
     TruncatedCone,
 )
-
-__all__ = [
-    "ALL_CONTROLS",
-    "CONTROLS",
-    "KINDS",
-    "SHAPES",
-    "checked_controls",
-    "profile_from",
-    "refuse_profile",
-]
 
 #: What may be given of a contact under a profile, one of them.
 CONTROLS: Final = ("contact_radius", "load", "approach")
@@ -55,15 +45,7 @@ SHAPES: Final = {
 def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     """Return what is given of a contact, by name: one number with a profile, none without.
 
-    Parameters
-    ----------
-    scene : mapping
-        What a scene has, by name; the compliance is checked already.
-
-    Raises
-    ------
-    SceneError
-        If it is another number, or out of range.
+    The scene is a mapping of all that it has, the compliance checked already.
     """
     profile, compliance = scene["profile"], scene["normal_compliance"]
     values = {name: scene[name] for name in ALL_CONTROLS}
@@ -96,15 +78,13 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _pressed(name: str, value: Any, layer: Any) -> float:
-    """Return a load or an approach."""
     if name == "approach" and layer is not None:
         told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
         return real(name, value, allowed=told, low=layer.start, low_open=True)
-    return real(name, value, allowed="finite and > 0", low=0.0, low_open=True)
+    return positive(name, value)
 
 
 def _separated(value: Any, layer: Any) -> float:
-    """Return a separation."""
     if layer is None or not isinf(layer.start):
         told = "None: only a layer with pressure at every gap has one; give a load or an approach"
         raise SceneError("separation", value, told)
@@ -131,24 +111,12 @@ def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
 
 
 def refuse_profile(scene: Any, what: str) -> None:
-    """Refuse a scene with a profile on behalf of what knows flat punches only.
-
-    Raises
-    ------
-    SceneError
-        If it has one.
-    """
+    """Refuse a scene with a profile on behalf of what knows flat punches only."""
     if scene.profile is not None:
         told = f"one without a profile: {what} knows flat punches only"
         raise SceneError("scene", scene, told)
 
 
 def profile_from(tree: Any) -> Profile:
-    """Return the profile that `kind_tree` wrote.
-
-    Raises
-    ------
-    SceneError
-        If it is none, or a parameter is out of range.
-    """
+    """Return the profile that `kind_tree` wrote."""
     return kind_from("profile", tree, KINDS)

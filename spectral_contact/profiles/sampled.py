@@ -10,16 +10,14 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import finite, flag, real, values_at
+from spectral_contact.fields import Array
+from spectral_contact.inputs.checks import finite, flag, positive, values_at
 from spectral_contact.inputs.choices import function, listed
 from spectral_contact.profiles.base import Profile
 
-__all__ = ["Sampled"]
-
-Array = NDArray[np.float64]
 Rows = tuple[tuple[float, ...], ...]
 
 #: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
@@ -103,7 +101,7 @@ class Sampled(Profile):
         """
         function("height", height, "radii")
         function("slope", slope, "radii")
-        reach = real("reach", reach, allowed="finite and > 0", low=0.0, low_open=True)
+        reach = positive("reach", reach)
         edges = _increasing(
             "breaks", (0.0, *finite("breaks", listed("breaks", breaks, "radii")).tolist(), reach)
         )
@@ -197,12 +195,10 @@ class Sampled(Profile):
         return np.asarray(total)
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         t = np.asarray(t, dtype=float)
         return np.asarray(2.0 * t * self._mean(t))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         last = max((b for b in self.edges[:-1] if b < radius), default=0.0)
         inward = radius * y / (1.0 + t)
         # next to the edge it is the integral of the derivative
@@ -217,7 +213,6 @@ class Sampled(Profile):
         return fallen
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         t = np.asarray(t, dtype=float)
         mean, bent = self._means(t)
         rate = 2.0 * mean + 2.0 * t * bent
@@ -263,7 +258,6 @@ class Sampled(Profile):
                 bent[reached] += half * (w @ (chebyshev.chebval(local, slopes) * sine))
 
     def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
-        """Return the ends and the series of every piece."""
         ends = pairwise(self.edges)
         return [(pair, np.array(row)) for pair, row in zip(ends, self.slopes, strict=True)]
 
@@ -304,7 +298,6 @@ def _increasing(name: str, values: Any) -> tuple[float, ...]:
 def _fitted(
     slope: Callable[[Array], ArrayLike], low: float, high: float, largest: float
 ) -> tuple[float, ...]:
-    """Return the Chebyshev coefficients of a function on a piece."""
     for degree in _DEGREES:
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("slope", slope, low + (high - low) * (1.0 + nodes) / 2.0)

@@ -4,37 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import atan, gamma, log, pi, sqrt, tan
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spectral_contact.inputs.checks import real
+from spectral_contact.fields import Array
+from spectral_contact.inputs.checks import positive, real
 from spectral_contact.profiles.base import Profile
-
-__all__ = ["Cone", "Flat", "Parabola", "PowerLaw", "RoundedFlat", "Sphere", "TruncatedCone"]
-
-Array = NDArray[np.float64]
 
 #: Beyond, powers of ordinary lengths leave the range of doubles.
 _HIGHEST_POWER = 100.0
 
 
 def _positive(profile: object, name: str) -> None:
-    value = real(name, getattr(profile, name), allowed="finite and > 0", low=0.0, low_open=True)
-    object.__setattr__(profile, name, value)
+    object.__setattr__(profile, name, positive(name, getattr(profile, name)))
 
 
 def _half_angle(profile: object) -> None:
     allowed = "in (0, pi/2), in radians, between the axis and the side"
-    value = real(
-        "half_angle",
-        getattr(profile, "half_angle", None),
-        allowed=allowed,
-        low=0.0,
-        high=pi / 2.0,
-        low_open=True,
-        high_open=True,
-    )
+    limits: dict[str, Any] = {"low": 0.0, "high": pi / 2.0, "low_open": True, "high_open": True}
+    value = real("half_angle", getattr(profile, "half_angle", None), allowed=allowed, **limits)
     object.__setattr__(profile, "half_angle", value)
 
 
@@ -102,19 +91,15 @@ class Parabola(Profile):
         _positive(self, "radius")
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(r**2 / (2.0 * self.radius))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(2.0 * t**2 / self.radius)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         return np.asarray(4.0 * t / self.radius)
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         return np.asarray(2.0 * radius**2 / self.radius * y)
 
 
@@ -145,7 +130,6 @@ class Sphere(Profile):
 
     @property
     def _pole(self) -> float:
-        """Radius of the equator."""
         return self.radius
 
     def _height(self, r: Array) -> Array:
@@ -155,7 +139,6 @@ class Sphere(Profile):
         return np.asarray(r**2 / (self.radius + root))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(t * self._slope_of(t))
 
     def _slope_of(self, t: Array) -> Array:
@@ -163,12 +146,10 @@ class Sphere(Profile):
         return np.asarray(np.log1p(2.0 * t / (self.radius - t)))
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         whole = self.radius
         return np.asarray(self._slope_of(t) + 2.0 * t * whole / ((whole - t) * (whole + t)))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         a, whole, inward = radius, self.radius, radius * _inward(t, y)
         slope = log((whole + a) / (whole - a))
         steeper = np.log1p(2.0 * whole * inward / ((whole - a) * (whole + a * t)))
@@ -207,19 +188,15 @@ class PowerLaw(Profile):
         return self.exponent % 2.0 != 0.0
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(self.coefficient * r**self.exponent)
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(self._factor * t**self.exponent)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         return np.asarray(self._factor * self.exponent * t ** (self.exponent - 1.0))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         outer = np.minimum(y, 0.75)  # farther in y does not know the radius
         near = -np.expm1(self.exponent / 2.0 * np.log1p(-outer))
         left = np.where(t < 0.5, 1.0 - t**self.exponent, near)
@@ -257,19 +234,15 @@ class Cone(Profile):
         return True
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(r / tan(self.half_angle))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         return np.asarray(pi / tan(self.half_angle) * t)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         return np.full(np.shape(t), pi / tan(self.half_angle))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         return np.asarray(pi / tan(self.half_angle) * radius * _inward(t, y))
 
 
@@ -321,23 +294,19 @@ class TruncatedCone(_FlatEnded):
         _half_angle(self)
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) / tan(self.half_angle))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         angle = np.arctan2(self._outside(t), self.flat_radius)
         return np.asarray(2.0 / tan(self.half_angle) * t * angle)
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         root, b = np.sqrt(past), self.flat_radius
         outside = root > 0.0
         steep = np.arctan2(root, b) + b / np.where(outside, root, 1.0)
         return np.where(outside, 2.0 / tan(self.half_angle) * steep, 0.0)
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
         whole, less = self._roots(radius, y, past)
         angle = np.arctan(less * b / (b**2 + whole * (whole - less)))
@@ -370,21 +339,17 @@ class RoundedFlat(_FlatEnded):
         _positive(self, "radius")
 
     def _height(self, r: Array) -> Array:
-        """Return the height at radii."""
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) ** 2 / (2.0 * self.radius))
 
     def _transform(self, t: Array) -> Array:
-        """Return ``H`` at radii."""
         root = self._outside(t)
         return np.asarray(2.0 / self.radius * t * _risen(root, self.flat_radius))
 
     def _rate(self, t: Array, past: Array) -> Array:
-        """Return the derivative of ``H``."""
         root, b = np.sqrt(past), self.flat_radius
         return np.asarray(2.0 / self.radius * (2.0 * root - b * np.arctan2(root, b)))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return ``H(radius) - H(radius t)``."""
         b = self.flat_radius
         whole, less = self._roots(radius, y, past)
         # sqrt - b arctan(sqrt/b), and by how much it is less inside

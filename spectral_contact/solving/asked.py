@@ -9,8 +9,6 @@ from spectral_contact.inputs import checks
 from spectral_contact.inputs.choices import names
 from spectral_contact.records import PROFILE_QUANTITIES, QUANTITIES
 
-__all__ = ["asked_quantities", "checked_tolerance", "closer_tolerance"]
-
 #: Integral quantities, which may be asked for at 1e-13.
 _INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
 #: Everything, of a flat punch and under a profile.
@@ -23,13 +21,7 @@ _CLOSER, _LOOSE = 1e-3, 1e-11
 
 
 def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) -> frozenset[str]:
-    """Return what is asked for; everything is the default.
-
-    Raises
-    ------
-    SceneError
-        For a name that is no quantity.
-    """
+    """Return what is asked for, known names; everything is the default."""
     if quantities is None:
         return _ALL[shaped]
     known = (*PROFILE_QUANTITIES, *QUANTITIES) if shaped else QUANTITIES
@@ -37,13 +29,7 @@ def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) 
 
 
 def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
-    """Return the tolerance if these quantities can be solved to it.
-
-    Raises
-    ------
-    SceneError
-        If they cannot.
-    """
+    """Return the tolerance; `SceneError` if these quantities cannot be solved to it."""
     value = checks.tolerance(rtol)
     if value < _TIGHTEST and not _INTEGRAL.issuperset(quantities):
         raise SceneError(

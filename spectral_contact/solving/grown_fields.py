@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -33,10 +33,6 @@ from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
-
-__all__ = ["GrownField", "GrownFields", "opening"]
-
-Array = NDArray[np.float64]
 
 #: Width of the panels towards the ends of a part, and by how much a term gains there, which the
 #: other end decides; those to the centre go to where the history begins.
@@ -173,7 +169,6 @@ class GrownFields:
     def _sampled(
         self, values: Callable[[Array], Array], ends: list[Radius], *, power: int
     ) -> GrownField:
-        """Return the field with these values at logarithms of radii."""
         pieces, lost, largest = [], 0.0, 0.0
         for low, high in pairwise(ends):
             halves = []
@@ -226,7 +221,6 @@ def _logarithmic(series: LogSeries) -> LogSeries:
 
 
 def _largest_radii(family: Family) -> Array:
-    """Return the largest radius of every panel."""
     d = np.exp(-_WIDTH * np.arange(family.panels.panels))
     squares = family.boundary.square + family.reach * (d if family.sign > 0 else 0.0 * d)
     return np.asarray(np.sqrt(squares))

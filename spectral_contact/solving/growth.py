@@ -19,10 +19,10 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.solving.growth_panel import Panel, PowerCurve
 from spectral_contact.solving.stretch import RadiusStretch, chebyshev_value
 from spectral_contact.solving.weights import Weight, Weights
@@ -31,9 +31,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["Grower", "Growth", "Stage"]
-
-Array = NDArray[np.float64]
 #: Of a contact radius: the solution of a flat punch.
 Stage: TypeAlias = "Callable[[float], Solution]"
 
@@ -331,7 +328,7 @@ class Grower:
     end: float
 
     def grown(self, least: float, radius: float, load: float) -> Growth:
-        """Return the history of a contact.
+        """Return the history, if slip reaches the edge and the stick radius does not fall.
 
         Parameters
         ----------
@@ -339,11 +336,6 @@ class Grower:
             Where the load is negligible.
         radius, load : float
             Today's; the load is a measure only.
-
-        Raises
-        ------
-        NotComputedError
-            If slip does not reach the edge at some radius, or the stick radius falls.
         """
         today = math.log(radius)
         todo, panels = self._stretches(math.log(least), today)[::-1], []

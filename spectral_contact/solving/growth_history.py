@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import Panel
@@ -18,10 +18,6 @@ from spectral_contact.solving.stretch import (
     left_out,
 )
 from spectral_contact.spectral.jacobi import gauss_rule
-
-__all__ = ["history_of"]
-
-Array = NDArray[np.float64]
 
 #: Below the range of doubles.
 _TINY = 1e-300
@@ -148,5 +144,4 @@ def _carried(pieces: list[_HistoryPiece], logs: list[Array], begun: float) -> Ar
 
 
 def _worst(panel: Panel, name: str) -> float:
-    """Return the largest error of the flat punches of a panel."""
     return max(getattr(one.error, name) or 0.0 for one in panel.flats)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
 from spectral_contact.solving.stretch import (
     FieldTable,
@@ -25,10 +25,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
     from spectral_contact.solving.weights import Weights
-
-__all__ = ["Panel", "PowerCurve"]
-
-Array = NDArray[np.float64]
 
 #: Where the convergence of the fields over the radius is looked at, in the stuck disk.
 _LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
@@ -135,7 +131,7 @@ class Panel:
     @cached_property
     def stick(self) -> Array:
         """``ln c*`` of the stages."""
-        return np.array([math.log(_stick_radius(one).value) for one in self.flats])
+        return np.array([math.log(stick_radius(one).value) for one in self.flats])
 
     @cached_property
     def shears(self) -> Array:
@@ -182,7 +178,7 @@ class Panel:
         """
 
         def values(one: Solution, x: Array) -> Array:
-            c, d, inside = _stick_radius(one), np.exp(-x), np.sqrt(-np.expm1(-x))
+            c, d, inside = stick_radius(one), np.exp(-x), np.sqrt(-np.expm1(-x))
             found = _field(one, name, c.value * inside, c.from_edge + c.value * d / (1.0 + inside))
             return found / inside if name == "traction" else found
 
@@ -195,7 +191,7 @@ class Panel:
         """
 
         def values(one: Solution, x: Array) -> Array:
-            y = _stick_radius(one).rest / (1.0 + np.exp(x))
+            y = stick_radius(one).rest / (1.0 + np.exp(x))
             s = np.sqrt(1.0 - y)
             return _field(one, name, s, y / (1.0 + s))
 
@@ -280,7 +276,8 @@ class Panel:
         return field(t, np.tile(places, len(nodes))).reshape(-1, len(places))
 
 
-def _stick_radius(flat: Solution) -> Radius:
+def stick_radius(flat: Solution) -> Radius:
+    """Return where the central zone of a flat punch ends, its stick disk."""
     zone = flat.zones[0]
     return Radius(zone.outer, zone.outer_from_edge)
 

@@ -11,8 +11,6 @@ from spectral_contact.errors import SceneError
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Profile
 
-__all__ = ["through_layer"]
-
 #: Tolerance of a contact that is a first guess only.
 _ROUGH = 1e-4
 
@@ -36,6 +34,7 @@ def through_layer(
     Parameters
     ----------
     profile : Profile
+        Refused if it ends before the pressure does.
     layer : Layer
     tolerance : float
     max_unknowns : int
@@ -48,11 +47,6 @@ def through_layer(
         Where the radius may be.
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
-
-    Raises
-    ------
-    SceneError
-        If the profile ends before the pressure does.
     """
 
     def at(radius: float, tolerance: float, pointwise: bool) -> Contact:

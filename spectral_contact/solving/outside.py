@@ -15,19 +15,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.spectral.jacobi import gauss_rule, graded_rule, legendre_expansion_matrix
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
-
-__all__ = ["outside_displacement", "reached"]
-
-Array = NDArray[np.float64]
 
 #: Panels in ``-ln Y`` and their points; deeper the surface is at the edge.
 _PANELS, _WIDTH, _POINTS = 36, 2.0, 16

@@ -12,7 +12,6 @@ from spectral_contact.contact.contact_radius import Contact, find_radius, indent
 from spectral_contact.contact.indented import glance
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError, SceneError
-from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import (
@@ -39,8 +38,6 @@ if TYPE_CHECKING:
     from spectral_contact.solving.grown_fields import GrownFields
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import FlatPunches, Stages
-
-__all__ = ["ProfileRun"]
 
 #: Scenes that are extrapolated from, and how far in a logarithm.
 _POINTS, _FARTHEST = 4, 1.0
@@ -335,10 +332,11 @@ class ProfileRun(Run):
 
     def _superposed(self, growth: Growth, today: Solution) -> GrownFields:
         from spectral_contact.solving.grown_fields import GrownFields
+        from spectral_contact.solving.growth_panel import stick_radius
 
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         layer = min(compliances) / math.exp(growth.log_radius)
-        return GrownFields(growth, _stick_radius(today), layer, self.rtol)
+        return GrownFields(growth, stick_radius(today), layer, self.rtol)
 
     def _without_coupling(self) -> tuple[float, float]:
         """Return radius and load of normal contact: not far away, and a little more than needed."""
@@ -384,11 +382,6 @@ class ProfileRun(Run):
         # panels that are fine enough for the traction are for the slip
         names = ("pressure", "traction") if self.scene.couples else ("traction",)
         return (*names, "slip") if "slip" in asked else names
-
-
-def _stick_radius(today: Solution) -> Radius:
-    outer = today.zones[0]
-    return Radius(outer.outer, outer.outer_from_edge)
 
 
 class _RadiusPath:

@@ -8,16 +8,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+
+from spectral_contact.fields import Array
 
 if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
     from spectral_contact.spectral.parameters import Parameters
 
-__all__ = ["Place", "Shared", "StickPath", "ZonePath", "extrapolated", "place_of"]
-
 _T = TypeVar("_T")
-Array = NDArray[np.float64]
 Place: TypeAlias = tuple[float, float, float]
 
 #: Stick radii that another one is interpolated from.

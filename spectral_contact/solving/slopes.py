@@ -10,7 +10,6 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.contact.drive import Drive
@@ -19,15 +18,12 @@ from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.zone_derivatives import ZoneDerivatives, differentiated
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution, Zone
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
-
-__all__ = ["PARAMETERS", "SolutionSlopes", "kappa_slope"]
-
-Array = NDArray[np.float64]
 
 #: What can be differentiated by, and what the system calls it.
 PARAMETERS: Final = ("normal_compliance", "tangential_compliance", "friction", "poisson_ratio")

@@ -20,8 +20,6 @@ from spectral_contact.solving.growth import Grower
 from spectral_contact.solving.sharing import Shared, StickPath
 from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
 
-__all__ = ["FlatPunches", "Stages"]
-
 FlatPunches = Callable[[Scene, tuple[str, ...], float, Shared], Solution]
 
 #: What the flat punches of a history are solved for.

@@ -15,23 +15,10 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.threads import cached_property
-
-__all__ = [
-    "FieldTable",
-    "RadiusStretch",
-    "chebyshev_nodes",
-    "chebyshev_series",
-    "chebyshev_value",
-    "interpolation_weights",
-    "left_out",
-    "slope",
-]
-
-Array = NDArray[np.float64]
 
 #: Of 19 random contacts the loads under spheres were up to 1.5 times farther off than this says.
 _SAFETY = 3.0

@@ -18,13 +18,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles.base import Profile
 from spectral_contact.solving.outside import outside_displacement, reached
@@ -34,10 +34,6 @@ from spectral_contact.spectral.jacobi import gauss_rule, graded_rule
 if TYPE_CHECKING:
     from spectral_contact.contact.on_parts import Indentation
     from spectral_contact.solution import Solution
-
-__all__ = ["CoupledWeight", "NormalWeight", "SmoothWeight", "Weight", "Weights"]
-
-Array = NDArray[np.float64]
 
 #: Quadrature up to the radius in question, at which the kernel is singular, and far from it.
 _GRADED, _SMOOTH = (12, 24, 0.2), 20
@@ -73,19 +69,6 @@ class Weights:
     at_nodes: float = 0.0
 
 
-class Weight(Protocol):
-    """Where loads come from, panel by panel from the first touch on."""
-
-    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
-        """Return the weights of a panel, next to the last one kept."""
-
-    def keep(self) -> None:
-        """Take the panel that was looked at last as part of the history."""
-
-    def back(self, count: int) -> None:
-        """Forget all panels but the first ones."""
-
-
 class NormalWeight:
     """Loads and approaches of normal contact.
 
@@ -99,7 +82,7 @@ class NormalWeight:
         self._contact = contact
 
     def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
-        """Return the weights of a panel."""
+        """Return the weights of a panel, next to the last one kept."""
         contacts = [self._contact(b) for b in np.exp(stretch.logs).tolist()]
         loads, approaches = np.array([(one.load, one.approach) for one in contacts]).T
         known = max(max(one.load_error, one.approach_error) for one in contacts)
@@ -335,6 +318,10 @@ class CoupledWeight:
             at = self._breaks[np.maximum(last, 0)]
             past = np.where(last >= 0, np.exp(2.0 * at) * np.expm1(2.0 * (u - at)), 0.0)
         return np.asarray(b * self.profile._rate(b, past))
+
+
+#: Where loads come from, panel by panel from the first touch on.
+Weight = NormalWeight | SmoothWeight | CoupledWeight
 
 
 @cache

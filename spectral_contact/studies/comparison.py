@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs import checks
 from spectral_contact.inputs.choices import instance
 from spectral_contact.records import PROFILE_QUANTITIES
@@ -22,9 +23,6 @@ from spectral_contact.view.html import table_html
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table
 
-__all__ = ["Agreement", "Comparison", "compare"]
-
-Array = NDArray[np.float64]
 Numbers = Callable[..., Any] | ArrayLike
 
 _RTOL: Final = 1e-12
@@ -297,7 +295,6 @@ class _ComparedScene:
         )
 
     def _listed(self, name: str, given: ArrayLike, places: Array) -> Array:
-        """Return the values of a field at all places."""
         numbers = np.ravel(checks.reals(name, given, "for each radius", anything=True))
         if np.isnan(numbers).any():
             raise SceneError(name, np.nan, "a number at each radius")

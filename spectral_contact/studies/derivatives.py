@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.equations.residuals import approach_slope
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import radii
 from spectral_contact.inputs.choices import instance, names
 from spectral_contact.layers.control import refuse_layer
@@ -29,8 +30,6 @@ from spectral_contact.view.progress import ProgressLine
 from spectral_contact.view.report import table
 
 __all__ = ["PARAMETERS", "Derivative", "FieldDerivative", "Sensitivity", "sensitivity"]
-
-Array = NDArray[np.float64]
 
 #: What can be differentiated.
 QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
@@ -201,7 +200,6 @@ class _Slopes:
         return found
 
     def _derivative(self, quantity: str, name: str) -> Derivative:
-        """Return one of them."""
         scene = self.scene
         if quantity == "approach" and not scene.couples:
             return self._approach(name)
@@ -295,7 +293,6 @@ class _Slopes:
         return found
 
     def _pressure(self, name: str) -> FieldDerivative:
-        """Return that of the pressure."""
         scene = self.scene
         if not scene.couples and name != "normal_compliance":
             return self._constant(0.0)
@@ -305,7 +302,6 @@ class _Slopes:
         return self._constant(*known) if known else self._compared("pressure", name)
 
     def _traction(self, name: str) -> FieldDerivative:
-        """Return that of the traction."""
         assert self.places is not None
         scene = self.scene
         if self.friction == 0.0 and name == "friction":

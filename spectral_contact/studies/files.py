@@ -14,8 +14,8 @@ from typing import Any, Final
 from spectral_contact.errors import SolutionFileError, shown
 from spectral_contact.io.documents import (
     Refused,
+    check_keys,
     check_schema,
-    key_complaint,
     path_text,
     read_file,
     replace_file,
@@ -28,8 +28,6 @@ from spectral_contact.studies.results import Convergence, Point, Study, WorkPrec
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
 from spectral_contact.view.report import scene_text
 
-__all__ = ["SUFFIXES", "load", "point_from_row", "point_row", "save"]
-
 #: What `save` knows.
 SUFFIXES: Final = (".json", ".csv")
 _SCHEMA: Final = "spectral_contact.study"
@@ -38,27 +36,10 @@ _KINDS: Final[dict[str, type[Study]]] = {
     "convergence": Convergence,
     "work-precision": WorkPrecision,
 }
-_POINT: Final = (
-    "solver",
-    "scene",
-    "resolution",
-    "unknowns",
-    "refinements",
-    "errors",
-    "estimates",
-    "times",
-    "failure",
-)
 
 
 def save(study: Study, path: str | os.PathLike[str]) -> None:
-    """Store a study; the suffix, one of `SUFFIXES`, decides the format.
-
-    Raises
-    ------
-    SolutionFileError
-        For another suffix, or a path that cannot be written.
-    """
+    """Store a study as its ``save`` says; the suffix is one of `SUFFIXES`."""
     source = path_text(path)
     suffix = Path(source).suffix.lower()
     if suffix not in SUFFIXES:
@@ -103,16 +84,8 @@ def _number(value: float) -> float | str:
 
 
 def point_from_row(row: Any) -> Point:
-    """Return the point that `point_row` wrote.
-
-    Raises
-    ------
-    Refused
-        If keys are missing or unknown; what else may be raised says that the row is damaged.
-    """
-    complaint = key_complaint(row, _POINT)
-    if complaint:
-        raise Refused(f"a point: {complaint}")
+    """Return the point that `point_row` wrote; whatever is raised says that the row is damaged."""
+    check_keys("a point", row, (one.name for one in fields(Point)))
     values = dict(row, scene=Scene.from_dict(row["scene"]))
     for name in ("errors", "estimates"):
         values[name] = {key: float(value) for key, value in row[name].items()}
@@ -127,21 +100,21 @@ def point_from_row(row: Any) -> Point:
 def _json(study: Study) -> str:
     [kind] = [name for name, cls in _KINDS.items() if isinstance(study, cls)]
     body: dict[str, Any] = {"schema": _SCHEMA, "version": _VERSION, "study": kind}
-    for name in (one.name for one in fields(study)):
-        value = getattr(study, name)
-        if name == "points":
-            value = [point_row(point) for point in value]
-        elif name == "scenes":
-            value = [scene.to_dict() for scene in value]
-        elif name == "scene":
-            value = value.to_dict()
-        elif name in ("stopwatch", "machine") and value is not None:
-            value = asdict(value)
-        body[name] = value
+    body |= {one.name: _encoded(getattr(study, one.name)) for one in fields(study)}
     if isinstance(study, Convergence):
         rates = study.rates.items()
         body["rates"] = {name: None if rate is None else _rate(rate) for name, rate in rates}
     return json.dumps(body, indent=1, allow_nan=False) + "\n"
+
+
+def _encoded(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_encoded(one) for one in value]
+    if isinstance(value, Point):
+        return point_row(value)
+    if isinstance(value, Scene):
+        return value.to_dict()
+    return asdict(value) if isinstance(value, (Stopwatch, Machine)) else value
 
 
 def _rate(rate: Rate) -> dict[str, Any]:
@@ -157,9 +130,7 @@ def _study(body: Any) -> Study:
     cls = _KINDS[body["study"]]
     derived = ("rates",) if cls is Convergence else ()  # from the points, for other readers
     names = tuple(one.name for one in fields(cls))
-    complaint = key_complaint(body, ("schema", "version", "study", *names, *derived))
-    if complaint:
-        raise Refused(complaint)
+    check_keys("", body, ("schema", "version", "study", *names, *derived))
     values = {name: body[name] for name in names}
     for name, value in values.items():
         if name == "points":

@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import finite, real, reals
+from spectral_contact.fields import Array
+from spectral_contact.inputs.checks import finite, real, reals, within
 from spectral_contact.inputs.choices import listed
-
-__all__ = ["Line", "Rate", "fit_line", "fit_rate"]
-
-Array = NDArray[np.float64]
 
 #: Errors this small are rounding, whatever they are.
 _ROUNDING = 10.0 * 2.0**-52
@@ -159,7 +156,7 @@ def fit_line(x: ArrayLike, y: ArrayLike, confidence: float = 0.95) -> Line:
     # scipy.special takes long to import, and errors without a rate need none of it
     from scipy.special import stdtrit
 
-    share = _confidence(confidence)
+    share = within("confidence", confidence, "in (0, 1)")
     abscissae, values = finite("x", x), finite("y", y)
     if len(abscissae) != len(values) or len(values) < _FEWEST:
         raise SceneError("x, y", (x, y), f"two lists of the same length, at least {_FEWEST}")
@@ -230,7 +227,7 @@ def fit_rate(
     >>> print(fit_rate([4, 8, 12, 16, 20, 24], [1e-2, 1e-5, 1e-8, 1e-11, 3e-13, 4e-13]).used)
     (0, 1, 2, 3)
     """
-    share = _confidence(confidence)
+    share = within("confidence", confidence, "in (0, 1)")
     least = real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True)
     counts = _optional("unknowns", unknowns, _MOST)
     found = _optional("errors", errors, math.inf)
@@ -259,11 +256,6 @@ def fit_rate(
         {name: one.residual for name, one in lines.items()},
         line.intercept,
     )
-
-
-def _confidence(value: object) -> float:
-    limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
-    return real("confidence", value, allowed="in (0, 1)", **limits)
 
 
 def _optional(parameter: str, values: object, high: float) -> list[float | None]:

@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Machine", "this_machine"]
-
 
 @dataclass(frozen=True, slots=True)
 class Machine:

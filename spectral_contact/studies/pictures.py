@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["drawn"]
-
 _SYMBOLS = {
     "approach": r"approach $\delta^*$",
     "edge_pressure": "edge pressure $p^*(1)$",

@@ -16,8 +16,6 @@ from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.timing import Stopwatch, Times
 
-__all__ = ["QUANTITIES", "Convergence", "Point", "Study", "WorkPrecision"]
-
 #: What a study can look at.
 QUANTITIES = ("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius")
 

@@ -11,8 +11,6 @@ from spectral_contact.errors import SceneError
 from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
 
-__all__ = ["Solver", "named_solver", "solver_name"]
-
 #: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.
 Solver = Callable[[Scene, Any], Any]
 

@@ -15,16 +15,15 @@ from spectral_contact.errors import shown
 from spectral_contact.io.documents import (
     Refused,
     append_file,
+    check_keys,
     check_schema,
-    key_complaint,
+    difference,
     path_text,
     reported,
 )
 from spectral_contact.scene import Scene
 from spectral_contact.studies.files import point_from_row, point_row
 from spectral_contact.studies.results import Point
-
-__all__ = ["StudyStore"]
 
 _SCHEMA: Final = "spectral_contact.study.point"
 _VERSION: Final = 1
@@ -37,20 +36,17 @@ _OTHER: Final = "use another store for another study"
 class StudyStore:
     """The points of one study; without a path they are kept in memory alone.
 
+    A file that is no store, damaged, or of another study or version is refused.
+
     Parameters
     ----------
     path : str or os.PathLike or None
         The file; it is made if it is not there.
     study : dict
-        What makes it this study, as an object of JSON; points of another study are refused.
+        What makes it this study, as an object of JSON.
     cases : dict
         What belongs to it: the name of a solver and a scene, and what the scene's truth is as an
         object of JSON.
-
-    Raises
-    ------
-    SolutionFileError
-        If the file is no store, damaged, of another study or version, or cannot be read.
     """
 
     def __init__(
@@ -78,14 +74,13 @@ class StudyStore:
             append_file(self._source, b"", len(content) - len(cut) if cut else None)
 
     def _take(self, line: bytes) -> None:
-        """Keep the point of a line."""
         row = json.loads(line.decode())
         check_schema(row, "store of a study", _SCHEMA, _VERSION)
-        complaint = key_complaint(row, _MEMBERS)
-        if complaint:
-            raise Refused(complaint)
+        check_keys("", row, _MEMBERS)
         if row["study"] != self._study:
-            raise Refused(f"it is of a study with {self._difference(row['study'])}")
+            raise Refused(
+                f"it is of a study with {difference(row['study'], self._study)}: {_OTHER}"
+            )
         point = point_from_row(row["point"])
         case = point.solver, point.scene
         if case not in self._cases:
@@ -95,27 +90,12 @@ class StudyStore:
             raise Refused(f"it is of another truth, {shown(row['truth'])}: {_OTHER}")
         self._points[point.solver, point.scene, point.resolution] = point
 
-    def _difference(self, other: Any) -> str:
-        """Return in what another study differs from this one."""
-        theirs = other if isinstance(other, dict) else {}
-        for name, value in self._study.items():
-            if theirs.get(name) != value:
-                found = f"{name} {shown(theirs.get(name))}, not {shown(value)}"
-                return f"{found}: {_OTHER}"
-        return f"other members: {_OTHER}"
-
     def get(self, solver: str, scene: Scene, resolution: float) -> Point | None:
         """Return a point, None if it is not there yet."""
         return self._points.get((solver, scene, resolution))
 
     def add(self, point: Point) -> None:
-        """Keep a point, on disk before this returns.
-
-        Raises
-        ------
-        SolutionFileError
-            If it cannot be written.
-        """
+        """Keep a point, on disk before this returns."""
         if self._source is not None:
             truth = self._cases[point.solver, point.scene]
             members = (_SCHEMA, _VERSION, self._study, truth, point_row(point))

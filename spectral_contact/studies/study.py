@@ -23,8 +23,6 @@ from spectral_contact.studies.timing import Stopwatch, Times, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["OwnSolver", "convergence", "truth_of", "work_precision"]
-
 _STOPWATCH: Final = Stopwatch()
 _OF_SCENES: Final = "a scene and a resolution"
 #: Digits of a reference that is the truth.
@@ -339,7 +337,10 @@ class _Study:
         except Exception as error:  # a user's solver may raise anything
             failure = _said(error)
         else:
-            self._check_complete(case, [name for name in wanted if name not in errors], errors)
+            lacking = [name for name in wanted if name not in errors]
+            if lacking and (self._asked or not errors):
+                allowed = f"one whose solutions have {' or '.join(lacking)}"
+                raise SceneError("solver", case.name, allowed)
             times, failure = self._timed(case, resolution)
         unknowns = _counted(solution, "unknowns")
         if unknowns is None and isinstance(resolution, int):
@@ -355,12 +356,6 @@ class _Study:
             times,
             failure,
         )
-
-    def _check_complete(self, case: _Case, lacking: list[str], errors: dict[str, float]) -> None:
-        """Refuse a solver that has not what was asked for, or nothing."""
-        if lacking and (self._asked or not errors):
-            allowed = f"one whose solutions have {' or '.join(lacking)}"
-            raise SceneError("solver", case.name, allowed)
 
     def _timed(self, case: _Case, resolution: float) -> tuple[Times | None, str]:
         """Return the times that are asked for, and what went wrong."""

@@ -9,8 +9,6 @@ from spectral_contact.studies.results import Convergence, Point, Study, WorkPrec
 from spectral_contact.studies.timing import Timing
 from spectral_contact.view.report import scene_text, table
 
-__all__ = ["text_of"]
-
 
 def text_of(study: Study) -> str:
     """Return what is printed of a study."""
@@ -18,7 +16,6 @@ def text_of(study: Study) -> str:
 
 
 def _convergence(study: Convergence) -> str:
-    """Return the points, the rates, and how the times were taken."""
     timed = study.stopwatch is not None
     heading = ["resolution", "unknowns", *(name.replace("_", " ") for name in study.quantities)]
     if timed:

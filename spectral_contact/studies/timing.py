@@ -28,8 +28,6 @@ from spectral_contact.threads import THREADS, look_for_blas, one_thread
 if TYPE_CHECKING:
     from spectral_contact.scene import Scene
 
-__all__ = ["Stopwatch", "Times", "Timing", "repeated", "times_of"]
-
 _START = (
     "import sys; sys.path[:] = {path!r}; from spectral_contact.studies.worker import main; main()"
 )
@@ -137,19 +135,7 @@ def repeated(
 def times_of(
     solver: Callable[[Scene, Any], Any], scene: Scene, resolution: float, stopwatch: Stopwatch
 ) -> Times:
-    """Time a solve in fresh processes, or, if that cannot be, in this one, which is warmed up.
-
-    Parameters
-    ----------
-    solver : callable
-    scene : Scene
-    resolution : float
-    stopwatch : Stopwatch
-
-    Returns
-    -------
-    Times
-    """
+    """Time a solve in fresh processes, or, if that cannot be, in this one, which is warmed up."""
     try:
         first = _fresh((scene, solver, resolution, stopwatch, []))
         again = scene, solver, resolution, None, first["imported"]

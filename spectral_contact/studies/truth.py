@@ -8,18 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import scalar
 from spectral_contact.inputs.choices import names
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.studies.results import QUANTITIES
 from spectral_contact.testing.checks import field_of
-
-__all__ = ["PLACES", "Truth", "chosen", "estimate_of", "given_truth"]
-
-Array = NDArray[np.float64]
 
 _SCALARS = ("approach", "total_shear", "stick_radius")
 _FIELDS = ("pressure", "traction")
@@ -146,13 +142,7 @@ def estimate_of(solution: Any, name: str) -> float | None:
 
 
 def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:
-    """Return the quantities of a study: those asked for, or all of which some truth is known.
-
-    Raises
-    ------
-    SceneError
-        For a name that is unknown, or of which a truth says nothing.
-    """
+    """Return a study's quantities: those asked for, or all of which some truth is known."""
     if quantities is None:
         return tuple(q for q in QUANTITIES if any(q in truth.quantities for truth in truths))
     given = [quantities] if isinstance(quantities, str) else quantities
@@ -188,7 +178,6 @@ def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
 
 
 def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:
-    """Return the points and the fields there."""
     fields = {}
     listed = getattr(truth, "points", None)
     if listed:

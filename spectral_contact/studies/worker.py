@@ -12,8 +12,6 @@ from time import perf_counter
 
 from spectral_contact.studies.timing import repeated
 
-__all__ = ["main"]
-
 
 def main() -> None:
     """Time the first solve of this process, and more of them if a stopwatch is given.

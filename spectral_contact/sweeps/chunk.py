@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from spectral_contact.solving.solver import Continuation
     from spectral_contact.solving.uncoupled_run import FrictionOf
 
-__all__ = ["outcomes", "solve_chunk"]
-
 _LOG = logging.getLogger(__name__)
 
 #: Chunks that wait for a worker at any time; more would only hold memory.
@@ -57,9 +55,9 @@ def solve_chunk(
     if request.shared:
         work.rows.put(np.arange(len(columns)), served(columns, request))
     for line in lines(columns, work.rows.left, request):
-        work.rows.put(line, between(columns[line], request, _OnLine(work, line)))
+        work.rows.put(line, between(columns[line], request, OnLine(work, line)))
     for curve in indentation_curves(columns, work.rows.left, request):
-        work.rows.put(curve, along(columns[curve], request, _OnLine(work, curve)))
+        work.rows.put(curve, along(columns[curve], request, OnLine(work, curve)))
     for i in work.rows.left.tolist():
         work.solve(i)
     return work.rows.outcome()
@@ -91,15 +89,15 @@ class _Chunk:
         return solution
 
 
-class _OnLine:
-    """Solves what a line or a curve asks for."""
+class OnLine:
+    """Solves what a line or a curve asks for; None for what did not converge."""
 
     def __init__(self, work: _Chunk, line: Indices) -> None:
         self._work, self._line = work, line.tolist()
         self._first = work.columns.scene(self._line[0])
 
     def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
-        """Solve a scene."""
+        """Solve a scene of the line, with more quantities."""
         return self._work.with_more(self._line[i], more)
 
     def of_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
@@ -112,7 +110,7 @@ class _OnLine:
         return solution if solution.ending is Ending.CONVERGED else None
 
     def at_radius(self, logit: float) -> FrictionOf | None:
-        """Solve for the friction that a radius has."""
+        """Solve for the friction with which the first scene has one disk of this radius."""
         try:
             return self._work.path.given_radius(self._first, logit)
         except Exception:  # the scenes are left to `solve`

@@ -9,11 +9,8 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["LEAST", "WORTH", "Curves", "Placed", "nodes_needed"]
-
-Array = NDArray[np.float64]
+from spectral_contact.fields import Array
 
 #: From so many scenes on some can be spared.
 LEAST: Final = 24

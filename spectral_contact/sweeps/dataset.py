@@ -19,8 +19,6 @@ from spectral_contact.view.radii import graded_radii
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Collected", "assembled", "needed", "of_solution"]
-
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
     "poisson_ratio": ("Poisson's ratio ν", "1"),
@@ -102,13 +100,7 @@ class Collected:
 
 
 def needed() -> Any:
-    """Return xarray.
-
-    Raises
-    ------
-    MissingDependencyError
-        If it is not installed.
-    """
+    """Return xarray."""
     return optional("xarray", "sweep")
 
 
@@ -197,7 +189,6 @@ def _briefs(parameters: SweepParameters, part: str) -> list[str]:
 
 
 def _about(name: str, shaped: bool = False) -> dict[str, str]:
-    """Return the attributes of a variable."""
     meanings = {**_MEANINGS, **_WITH_PROFILE} if shaped else _MEANINGS
     quantity = name.removesuffix("_error")
     if quantity != name:

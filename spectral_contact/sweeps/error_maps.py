@@ -17,12 +17,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
 from spectral_contact.contact.resolution import ROUNDING, TRACTION_ROUNDING
+from spectral_contact.fields import Array
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.sweeps.spectra import NormalSpectrum, StickSpectrum
-
-__all__ = ["CertifiedNormal", "CertifiedStick", "certified_normal", "certified_stick"]
-
-Array = NDArray[np.float64]
 
 #: Least and largest logarithm of a compliance, and lattice points in a decade.
 _LEAST, _LARGEST, _DENSITY = -14, 14, 2

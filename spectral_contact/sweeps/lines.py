@@ -12,23 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.fields import Array
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, Placed, nodes_needed
 from spectral_contact.sweeps.parameters import Columns, Indices
 from spectral_contact.sweeps.request import SCALARS, Request, Served
 
 if TYPE_CHECKING:
-    from spectral_contact.solving.uncoupled_run import FrictionOf
-
-__all__ = ["Solver", "between", "lines"]
-
-Array = NDArray[np.float64]
+    from spectral_contact.sweeps.chunk import OnLine
 
 #: What is proportional to kappa at the same ``f/kappa``.
 _AS_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})
@@ -49,17 +45,7 @@ def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices
             yield line
 
 
-class Solver(Protocol):
-    """What solves the scenes of a line."""
-
-    def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
-        """Return the solution of a scene of the line, with more quantities, if it converged."""
-
-    def at_radius(self, logit: float) -> FrictionOf | None:
-        """Return the friction with which the first scene has one disk of this radius, if any."""
-
-
-def between(columns: Columns, request: Request, solver: Solver) -> Served:
+def between(columns: Columns, request: Request, solver: OnLine) -> Served:
     """Return what is known of the scenes of a line from a few that are solved.
 
     Parameters
@@ -68,7 +54,7 @@ def between(columns: Columns, request: Request, solver: Solver) -> Served:
         The scenes, by rising ``f/kappa``.
     request : Request
         For numbers alone.
-    solver : Solver
+    solver : OnLine
     """
     kappa, friction = columns.kappa, columns.values[3]
     ratio = friction / kappa
@@ -125,7 +111,7 @@ class _Ends:
     solution: Solution
 
 
-def _ends(count: int, solver: Solver) -> _Ends | None:
+def _ends(count: int, solver: OnLine) -> _Ends | None:
     """Return between which scenes there is one stick disk, if it is at the first and many more."""
     alone: dict[int, Solution] = {}
 

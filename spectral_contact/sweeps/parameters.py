@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import reals
 from spectral_contact.inputs.choices import one_of
 from spectral_contact.inputs.kinds import kind_tree
@@ -20,19 +21,6 @@ from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 
-__all__ = [
-    "PARAMETERS",
-    "Columns",
-    "Indices",
-    "SceneForm",
-    "SweepParameters",
-    "alone",
-    "changed",
-    "grid",
-    "listed",
-]
-
-Array = NDArray[np.float64]
 #: Numbers of scenes.
 Indices = NDArray[np.intp]
 
@@ -219,14 +207,9 @@ def grid(
     base : Scene
         Has the parameters that are not given.
     axes : mapping of str to array_like
-        Values of parameters, out of `PARAMETERS`; None for one that does not vary.
+        Values of parameters, out of `PARAMETERS` and in their ranges; None for what does not vary.
     law : mapping of str to array_like, optional
         The same of parameters of the layer's law.
-
-    Raises
-    ------
-    SceneError
-        For values that are no list of numbers in the range of the parameter.
     """
     given = {
         name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None
@@ -245,13 +228,7 @@ def grid(
 
 
 def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> SweepParameters:
-    """Return the scenes of a list, with changes to all of them.
-
-    Raises
-    ------
-    SceneError
-        If it is empty, or something in it is no scene.
-    """
+    """Return the scenes of a list, at least one, with changes to all of them."""
     rows: list[tuple[float, ...]] = []
     forms: list[SceneForm] = []
     for number, scene in enumerate(scenes):
@@ -274,13 +251,7 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """Return a changed scene, in which a load takes the place of an approach, and so on.
-
-    Raises
-    ------
-    SceneError
-        If a value is out of its range.
-    """
+    """Return a changed scene, in which a load takes the place of an approach, and so on."""
     dropped = dict.fromkeys(ALL_CONTROLS if any(changes.get(name) for name in ALL_CONTROLS) else ())
     return replace(scene, **{**dropped, **changes})
 
@@ -337,7 +308,6 @@ def _axis(base: Scene, name: str, values: Any) -> Array:
 
 
 def _numbers(name: str, values: Any) -> Array:
-    """Return a list of numbers."""
     array = np.asarray(reals(name, values, "a list of real numbers") + 0.0, dtype=np.float64)
     if array.ndim != 1 or array.size == 0:
         raise SceneError(name, values, "a list of at least one number")

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_slice", "varying"]
-
 #: The parameters in the symbols of all other figures.
 _SYMBOLS: Final = {
     "poisson_ratio": r"$\nu$",

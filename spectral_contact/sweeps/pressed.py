@@ -9,23 +9,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.contact_radius import RadiusScale
 from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.fields import Array
 from spectral_contact.profiles import Profile
 from spectral_contact.solution import PROFILE_QUANTITIES, Solution
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, nodes_needed
 from spectral_contact.sweeps.parameters import PARAMETERS, Columns, Indices
 from spectral_contact.sweeps.request import Request, Served
 
-__all__ = ["CURVED", "PressedSolver", "along", "indentation_curves", "pressed_alone"]
-
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+if TYPE_CHECKING:
+    from spectral_contact.sweeps.chunk import OnLine
 
 #: The functions of the radius that are interpolated.
 CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
@@ -59,17 +60,7 @@ def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Ite
                 yield np.array(group)[np.argsort(columns.values[k, group], kind="stable")]
 
 
-class PressedSolver(Protocol):
-    """What solves the scenes of a curve."""
-
-    def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
-        """Return the solution of a scene, with more quantities, if it converged."""
-
-    def of_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
-        """Return that of the first scene with this contact radius instead."""
-
-
-def along(columns: Columns, request: Request, solver: PressedSolver) -> Served:
+def along(columns: Columns, request: Request, solver: OnLine) -> Served:
     """Return what is known of the scenes of a curve from a few radii that are solved.
 
     Parameters
@@ -78,7 +69,7 @@ def along(columns: Columns, request: Request, solver: PressedSolver) -> Served:
         The scenes, by rising load or approach.
     request : Request
         For numbers alone.
-    solver : PressedSolver
+    solver : OnLine
     """
     size, mask = len(columns), np.zeros(len(columns), dtype=bool)
     given = next(name for name, k in _GIVEN.items() if not np.isnan(columns.values[k, 0]))
@@ -138,7 +129,7 @@ class _PressedCurve:
         """What is interpolated, what is given first."""
         return self.given, *(one for one in CURVED if one != self.given)
 
-    def grow(self, solver: PressedSolver) -> bool:
+    def grow(self, solver: OnLine) -> bool:
         """Solve at one radius more; return whether that went well."""
         one = solver.of_radius(self.scale.radius(self.curves.next()), CURVED)
         if one is None:

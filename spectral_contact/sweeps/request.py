@@ -10,26 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs import checks
 from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, Solution
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
 
 if TYPE_CHECKING:
     from spectral_contact.sweeps.parameters import Indices
-
-__all__ = [
-    "ENDINGS",
-    "FIELDS",
-    "SCALARS",
-    "Outcome",
-    "Request",
-    "Rows",
-    "Served",
-    "outcome_of",
-    "requested",
-]
-
-Array = NDArray[np.float64]
 
 #: Quantities that are a number for each scene: what a sweep asks for by default.
 SCALARS: Final = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")

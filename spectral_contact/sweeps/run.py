@@ -40,8 +40,6 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["sweep"]
-
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
 #: Frictions, times Poisson's ratios, that make no chunk of their own any more.
@@ -187,7 +185,6 @@ def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
 def _parameters(
     scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
 ) -> SweepParameters:
-    """Return the scenes that are meant."""
     alone: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
     }

@@ -7,13 +7,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.sweeps.error_maps import certified_normal, certified_stick
 from spectral_contact.sweeps.parameters import Columns
 from spectral_contact.sweeps.request import Request, Served
 
-__all__ = ["eligible", "served"]
-
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _NORMAL: Final = frozenset({"approach", "pressure"})

@@ -19,14 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH
+from spectral_contact.fields import Array
 from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.jacobi import legendre_rows
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
 
-__all__ = ["NormalSpectrum", "StickSpectrum"]
-
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 #: To ``x = 48``: 16 beyond the layer of the least compliance, where p - p(1) has fallen to 1e-7

@@ -24,6 +24,7 @@ from spectral_contact.io.documents import (
     Refused,
     check_schema,
     create_file,
+    difference,
     key_complaint,
     path_text,
     read_file,
@@ -31,8 +32,6 @@ from spectral_contact.io.documents import (
     reported,
 )
 from spectral_contact.sweeps.request import Outcome
-
-__all__ = ["Store"]
 
 _SCHEMA: Final = "spectral_contact.sweep"
 _CHUNK_SCHEMA: Final = "spectral_contact.sweep.chunk"
@@ -49,17 +48,14 @@ _SUM: Final = "sha256"
 class Store:
     """The chunks of one sweep.
 
+    A folder that is no store, or of another sweep or version, is refused.
+
     Parameters
     ----------
     path : str or os.PathLike
         The folder; it is made if it is not there.
     sweep : dict
-        What makes it this sweep, as an object of JSON; chunks of another sweep are refused.
-
-    Raises
-    ------
-    SolutionFileError
-        If the folder is no store, of another sweep or version, or cannot be read or written.
+        What makes it this sweep, as an object of JSON.
     """
 
     def __init__(self, path: str | os.PathLike[str], sweep: dict[str, Any]) -> None:
@@ -77,7 +73,10 @@ class Store:
             document = json.loads(content.decode())
             check_schema(document, "store of a sweep", _SCHEMA, _VERSION)
             if document.get("sweep") != sweep:
-                raise Refused(f"it is of a sweep with {_difference(document.get('sweep'), sweep)}")
+                told = difference(document.get("sweep"), sweep)
+                if told.startswith("scenes "):  # a digest says nothing to anybody
+                    told = "other scenes"
+                raise Refused(f"it is of a sweep with {told}: {_OTHER}")
 
     def _begin(self, manifest: Path, sweep: dict[str, Any]) -> None:
         """Say of which sweep this store is, unless another process has just done so."""
@@ -92,24 +91,12 @@ class Store:
         return self._folder / f"{number:06d}.npz"
 
     def has(self, number: int) -> bool:
-        """Whether a chunk is there.
-
-        Raises
-        ------
-        SolutionFileError
-            If the store cannot be read.
-        """
+        """Whether a chunk is there."""
         with reported(self._source, "cannot be read"):
             return self._file(number).exists()
 
     def put(self, number: int, outcome: Outcome) -> None:
-        """Keep a chunk, on disk before this returns.
-
-        Raises
-        ------
-        SolutionFileError
-            If it cannot be written; the store is as it was before.
-        """
+        """Keep a chunk, on disk before this returns; a failure leaves the store as it was."""
         messages = {str(i): text for i, text in outcome.messages.items()}
         members = {**outcome.values, _ENDINGS: outcome.endings}
         values = (_CHUNK_SCHEMA, _VERSION, self._sweep, number, messages)
@@ -122,13 +109,7 @@ class Store:
             replace_file(str(self._file(number)), content.getvalue())
 
     def get(self, number: int) -> Outcome:
-        """Return a chunk.
-
-        Raises
-        ------
-        SolutionFileError
-            If its file is damaged, was changed, or is not this chunk of this sweep.
-        """
+        """Return a chunk; a file that is damaged, changed, or not this chunk is refused."""
         source, content = read_file(self._file(number))
         with reported(source, f"damaged: {_AGAIN}"):
             values = _members(content)
@@ -148,7 +129,6 @@ class Store:
 
 
 def _members(content: bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a file."""
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         if sum(one.file_size for one in archive.infolist()) > len(content):
             raise ValueError("it was compressed")  # which a store does not: it may be endless
@@ -157,19 +137,7 @@ def _members(content: bytes) -> dict[str, NDArray[Any]]:
 
 
 def _digest(header: dict[str, Any], members: dict[str, NDArray[Any]]) -> str:
-    """Return a checksum of everything that a chunk says."""
     digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
     for name, array in sorted(members.items()):
         digest.update(f"{name} {array.dtype.str} {array.shape}".encode() + array.tobytes())
     return digest.hexdigest()
-
-
-def _difference(theirs: Any, ours: dict[str, Any]) -> str:
-    """Return in what another sweep differs from this one."""
-    known = theirs if isinstance(theirs, dict) else {}
-    for name, value in ours.items():
-        if known.get(name) != value:
-            if name == "scenes":  # a digest says nothing to anybody
-                return f"other scenes: {_OTHER}"
-            return f"{name} {shown(known.get(name))}, not {shown(value)}: {_OTHER}"
-    return f"other members: {_OTHER}"

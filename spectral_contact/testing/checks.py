@@ -9,7 +9,6 @@ from math import inf, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.equations.residuals import (
     load,
@@ -19,15 +18,13 @@ from spectral_contact.equations.residuals import (
     tangential_displacement,
 )
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import flag, real, scalar, values_at
+from spectral_contact.fields import Array
+from spectral_contact.inputs.checks import flag, real, scalar, values_at, within
 from spectral_contact.inputs.choices import instance, listed
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.testing.layered import LayerConditions
 
-__all__ = ["Check", "CheckReport", "by_distance", "check_solution", "field_of"]
-
-Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
 #: What the quadrature and rounding leave of a residual, measured on solutions right to 1e-13.
@@ -146,11 +143,8 @@ def check_solution(
     """
     instance("scene", scene, Scene)
     flag("strict", strict)
-    rtol = real("rtol", rtol, allowed="in (0, 0.5]", low=0.0, high=0.5, low_open=True)
-    cuts = [
-        real("breaks", b, allowed="in (0, 1)", low=0.0, high=1.0, low_open=True, high_open=True)
-        for b in listed("breaks", breaks, "numbers")
-    ]
+    rtol = within("rtol", rtol, "in (0, 0.5]")
+    cuts = [within("breaks", b, "in (0, 1)") for b in listed("breaks", breaks, "numbers")]
     zones = listed("solution.zones", getattr(solution, "zones", ()), "zones")
     ends = [scalar("solution.zones", getattr(zone, "outer_from_edge", None)) for zone in zones]
     cuts += [end for end in ends if 0.0 < end < 1.0]
@@ -167,7 +161,6 @@ def check_solution(
 def _all_checks(
     solution: Any, scene: Scene, pressure: Field, rtol: float, cuts: list[float]
 ) -> list[Check]:
-    """Return the checks of a scene."""
     traction = None if scene.friction is None else field_of(solution, "traction")
     if scene.profile is not None:
         return _Indented(solution, scene, rtol, cuts).checks(pressure, traction)
@@ -364,7 +357,6 @@ class _Indented:
         return checks if traction is None else checks + self._friction(pressure, traction)
 
     def _outside(self, pressure: Field, approach: float, size: float, mean: float) -> Check:
-        """Return the check of the gap."""
         room = min(self.profile.reach / self.radius - 1.0, 1.0)
         beyond = np.array([d * room for d in _PLACES])
         moved = np.array([outer_displacement(pressure, float(d), self.cuts) for d in beyond])

@@ -6,15 +6,11 @@ from math import isinf
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spectral_contact.fields import Array
 from spectral_contact.layers import Layer
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
-
-__all__ = ["LayerConditions"]
-
-Array = NDArray[np.float64]
 
 #: Where between the edge and the centre a steep law may turn from contact to gap.
 _CUTS: Final = tuple(k / 30.0 for k in range(1, 30))

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from spectral_contact.errors import MissingDependencyError, SceneError
-from spectral_contact.inputs.checks import real
+from spectral_contact.inputs.checks import within
 from spectral_contact.inputs.choices import instance
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
@@ -46,9 +46,8 @@ def powers_of_ten(low: float, high: float) -> SearchStrategy[float]:
     SceneError
         If the exponents are not real numbers in [-300, 300], or not in their order.
     """
-    limits: dict[str, Any] = {"low": -300.0, "high": 300.0}
-    lowest = real("low", low, allowed="in [-300, 300]", **limits)
-    highest = real("high", high, allowed="in [-300, 300]", **limits)
+    lowest = within("low", low, "in [-300, 300]")
+    highest = within("high", high, "in [-300, 300]")
     if lowest > highest:
         raise SceneError("low, high", (low, high), "in their order")
     return st.floats(lowest, highest).map(lambda exponent: 10.0**exponent)

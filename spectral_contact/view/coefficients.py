@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_coefficients"]
-
 
 def plot_coefficients(solution: Solution) -> Figure:
     """Plot the decay of the Legendre coefficients on every panel, a plot for each series.

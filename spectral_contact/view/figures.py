@@ -23,21 +23,6 @@ from spectral_contact.scene import Scene
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "BLACK",
-    "BLUE",
-    "FORMATS",
-    "GREEN",
-    "SLIP_GREY",
-    "VERMILION",
-    "math_number",
-    "new_figure",
-    "require",
-    "save",
-    "scene_title",
-    "style",
-]
-
 #: Suffixes that `save` knows.
 FORMATS = (".png", ".pdf", ".svg")
 
@@ -62,13 +47,7 @@ _STYLE = {
 
 
 def require() -> Any:
-    """Return matplotlib; called before the work, which its absence would cost.
-
-    Raises
-    ------
-    MissingDependencyError
-        If it is not installed.
-    """
+    """Return matplotlib; called before the work, which its absence would cost."""
     return optional("matplotlib", "plot")
 
 
@@ -141,13 +120,7 @@ def style() -> Iterator[None]:
 
 
 def scene_title(scene: Scene) -> str:
-    """Return the parameters of a scene in the symbols of the theory, as a title of a figure.
-
-    Raises
-    ------
-    SceneError
-        If it is no Scene.
-    """
+    """Return the parameters of a scene in the symbols of the theory, as a title of a figure."""
     instance("scene", scene, Scene)
     friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
     if scene.friction == np.inf:

@@ -22,8 +22,6 @@ from spectral_contact.view.figures import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot_history"]
-
 #: Contact radii that are drawn, from this share of today's on.
 _LEAST, _POINTS = 1e-3, 300
 

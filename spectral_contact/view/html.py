@@ -13,16 +13,6 @@ from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.view.report import quantity_cells, si_cells, zone_cells
 
-__all__ = [
-    "of_gold",
-    "of_gold_table",
-    "of_plan",
-    "of_scene",
-    "of_solution",
-    "table_html",
-    "zones_svg",
-]
-
 #: Symbol, and unit of the SI data, of what makes a scene.
 _SYMBOLS: Final = {
     "poisson_ratio": ("Poisson's ratio", "ν", ""),

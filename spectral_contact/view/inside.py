@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.inputs import checks, choices
 from spectral_contact.interior import Inside
@@ -15,10 +14,6 @@ from spectral_contact.view.figures import BLACK, SLIP_GREY, VERMILION, new_figur
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["plot_inside"]
-
-Array = NDArray[np.float64]
 
 _POINTS = 161
 _LEVELS = 24

@@ -7,10 +7,10 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.choices import instance
 from spectral_contact.solution import Solution
 from spectral_contact.view.figures import (
@@ -27,10 +27,6 @@ from spectral_contact.view.radii import graded_radii
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["plot_law"]
-
-Array = NDArray[np.float64]
 
 #: How far beyond the largest pressure the law is drawn, and how far down without a start.
 _BEYOND, _LEAST = 1.3, 1e-4

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from spectral_contact.studies.derivatives import Sensitivity
     from spectral_contact.view.physical import PhysicalSolution
 
-__all__ = ["Output", "above"]
-
 
 def above(module: str) -> Any:
     """Return a module that knows solutions, by name: an import would go up the layers."""

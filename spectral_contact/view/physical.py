@@ -15,8 +15,6 @@ from spectral_contact.interior.grids import Units, si_units
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 
-__all__ = ["PhysicalSolution"]
-
 
 @dataclass(frozen=True, slots=True)
 class PhysicalSolution:

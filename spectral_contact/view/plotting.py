@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.choices import instance
 from spectral_contact.solution import ErrorEstimates, Plan, Solution
 from spectral_contact.view.coefficients import plot_coefficients
@@ -62,7 +62,6 @@ __all__ = [
     "style",
 ]
 
-Array = NDArray[np.float64]
 
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 

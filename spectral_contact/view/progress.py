@@ -11,8 +11,6 @@ from typing import Any, Self
 from spectral_contact.errors import MissingDependencyError
 from spectral_contact.inputs.checks import flag
 
-__all__ = ["ProgressLine", "silent"]
-
 
 class ProgressLine:
     """A bar, the share that is done, the time so far and the present step; by tqdm.

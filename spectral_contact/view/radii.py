@@ -7,16 +7,13 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
 from spectral_contact.inputs.checks import values_at, whole
 from spectral_contact.inputs.choices import function, instance
 from spectral_contact.solution import Solution, Zone
 
-__all__ = ["Radii", "bulk_limits", "from_zero", "graded_radii", "known_zones", "layer_depth"]
-
-Array = NDArray[np.float64]
 _MOST: Final = 10_000_000
 
 

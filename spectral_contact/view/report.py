@@ -21,17 +21,6 @@ from spectral_contact.view.radii import graded_radii
 if TYPE_CHECKING:
     from spectral_contact.view.physical import PhysicalSolution
 
-__all__ = [
-    "FIELDS",
-    "quantity_cells",
-    "report",
-    "scene_text",
-    "si_cells",
-    "table",
-    "write_csv",
-    "zone_cells",
-]
-
 #: Quantities that are functions of the radius: the columns of a table.
 FIELDS = ("pressure", "traction", "slip")
 _UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"
@@ -56,11 +45,13 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     if remarks:
         parts.append("\n".join(["remarks", *map(_indented, remarks)]))
     if "zones" in solution.plan.quantities:
-        parts.append(_zone_table(solution))
+        none = "zones\n  none: without friction there is neither stick nor slip"
+        parts.append(table(zone_cells(solution)) if solution.zones else none)
     parts += [f"plan\n{_indented(str(solution.plan))}", _work_table(solution)]
     if solution.less_certain:
         parts.append(_less_certain(solution))
-    verdict = "yes" if solution.converged else f"no. {_capitalised(solution.ending.value)}"
+    why = solution.ending.value
+    verdict = "yes" if solution.converged else f"no. {why[:1].upper()}{why[1:]}"
     parts.append(f"converged: {verdict}")
     return "\n\n".join(parts)
 
@@ -77,15 +68,7 @@ def _less_certain(solution: Solution) -> str:
 
 
 def write_csv(solution: Solution, path: str | os.PathLike[str]) -> None:
-    """Write the fields over graded radii; the scalars and the zones are comments.
-
-    Raises
-    ------
-    NotComputedError
-        If no field was asked for.
-    SolutionFileError
-        If the path cannot be written.
-    """
+    """Write the fields over graded radii; the scalars and the zones are comments."""
     path, columns = path_text(path), _csv_columns(solution)
     lines = [f"# {line}" for line in _csv_comments(solution)]
     lines.append(",".join(columns))
@@ -130,7 +113,6 @@ class _Row:
 
 
 def _rows(solution: Solution) -> list[_Row]:
-    """Return the dimensionless scalars of a solution."""
     rows = _scalars(solution, solution, {})
     if solution.values.get("opening") is not None:
         rows.append(_Row("contact would open within", solution.opening, "", None))
@@ -260,12 +242,6 @@ def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     return cells
 
 
-def _zone_table(solution: Solution) -> str:
-    if not solution.zones:
-        return "zones\n  none: without friction there is neither stick nor slip"
-    return table(zone_cells(solution))
-
-
 def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
     """Return the table of the zones; only its heading if there are none."""
     zones, estimate = solution.zones, solution.error.zones
@@ -301,10 +277,6 @@ def table(cells: Sequence[tuple[str, ...]]) -> str:
         padded = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
         lines.append("   ".join(padded).rstrip())
     return "\n".join(lines)
-
-
-def _capitalised(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _indented(text: str) -> str:

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -23,17 +24,16 @@ def dotted(path):
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def is_public(path):
-    return not any(part.startswith("_") for part in path.relative_to(PACKAGE).with_suffix("").parts)
-
-
 NAMES = {dotted(path): path for path in SOURCES}
-#: Rooms whose modules list nothing: users do not import from them; underscores mark the private.
-INNER = "spectral_contact.contact.", "spectral_contact.spectral."
+API = (REPOSITORY / "docs" / "api.md").read_text(encoding="utf-8")
+#: What users import from: packages, modules at the root, and those of docs/api.md. The others list
+#: nothing: underscores mark the private.
 PUBLIC = [
     name
     for name, path in NAMES.items()
-    if (is_public(path) and not name.startswith(INNER)) or path.name == "__init__.py"
+    if path.name == "__init__.py"
+    or (path.parent == PACKAGE and path.name[0] != "_")
+    or re.search(rf":: {re.escape(name)}\b", API)
 ]
 
 

@@ -8,18 +8,14 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.errors import SpectralContactError
+from spectral_contact.fields import Array
 from spectral_contact.solution import Solution
 from spectral_contact.view.explorer.state import Texts, code_of, rtol_of, scene_of
 from spectral_contact.view.html import table_html, zones_svg
 from spectral_contact.view.radii import bulk_limits, graded_radii, known_zones, layer_depth
 from spectral_contact.view.report import quantity_cells
-
-__all__ = ["Look", "look_at"]
-
-Array = NDArray[np.float64]
 
 _RADII = 240
 

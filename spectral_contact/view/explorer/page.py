@@ -16,8 +16,6 @@ from spectral_contact.view.explorer.look import Look, look_at
 from spectral_contact.view.explorer.state import query_of, texts_from, texts_of
 from spectral_contact.view.explorer.widgets import Controls, Figures, grid
 
-__all__ = ["ADDRESS", "Page", "explore", "serve"]
-
 #: The loopback address: nobody else on the network reaches the page.
 ADDRESS: Final = "127.0.0.1"
 _COMPLAINT: Final = {

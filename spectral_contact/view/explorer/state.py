@@ -19,20 +19,6 @@ from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.solving.asked import checked_tolerance
 
-__all__ = [
-    "FLAT",
-    "KNOBS",
-    "RTOL",
-    "Knob",
-    "Texts",
-    "code_of",
-    "query_of",
-    "rtol_of",
-    "scene_of",
-    "texts_from",
-    "texts_of",
-]
-
 Texts = Mapping[str, str]
 
 #: The tolerance that nobody set.
@@ -102,13 +88,8 @@ _YES_NO: Final = {"true": True, "false": False}
 def texts_of(scene: Scene | None, rtol: float | None = None) -> dict[str, str]:
     """Return the state that shows a scene; None is the one to start with.
 
-    Of a scene in SI units it is the dimensionless one.
-
-    Raises
-    ------
-    SceneError
-        If it is no scene, has a layer, or its profile is one that numbers do not describe; for a
-        tolerance out of range.
+    Of a scene in SI units it is the dimensionless one. A layer is refused, and so is a profile that
+    numbers do not describe.
     """
     told = {} if rtol is None else {"rtol": _text(checked_tolerance(rtol, _FIELDS))}
     if scene is None:
@@ -129,12 +110,8 @@ def texts_of(scene: Scene | None, rtol: float | None = None) -> dict[str, str]:
 def texts_from(query: str) -> dict[str, str]:
     """Return the state that a link describes; what it leaves out is as at the start.
 
-    Numbers are not looked at: what is refused of them can be mended in the page.
-
-    Raises
-    ------
-    SceneError
-        For a name that is not known, and for a choice that there is not.
+    Names and choices have to be known. Numbers are not looked at: what is refused of them can be
+    mended in the page.
     """
     told = dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))
     for name in told:
@@ -152,13 +129,7 @@ def query_of(texts: Texts) -> str:
 
 
 def scene_of(texts: Texts) -> Scene:
-    """Return the scene of a state.
-
-    Raises
-    ------
-    SceneError
-        As `Scene` does, and the profile; for text that is no number, too.
-    """
+    """Return the scene of a state; what is none, text that is no number too, is a `SceneError`."""
     values: dict[str, Any] = {name: _number(texts[name]) for name in FLAT if name in texts}
     if "coupling" in texts:
         values["coupling"] = _YES_NO[one_of("coupling", texts["coupling"], _YES_NO)]
@@ -171,13 +142,7 @@ def scene_of(texts: Texts) -> Scene:
 
 
 def code_of(texts: Texts) -> str:
-    """Return Python lines that solve the scene of a state.
-
-    Raises
-    ------
-    SceneError
-        If there is none.
-    """
+    """Return Python lines that solve the scene of a state."""
     scene = scene_of(texts)
     given = [
         f"    {one.name}={getattr(scene, one.name)!r},"

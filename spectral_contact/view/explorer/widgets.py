@@ -14,8 +14,6 @@ from spectral_contact.view.figures import BLACK, BLUE, GREEN, SLIP_GREY, VERMILI
 if TYPE_CHECKING:
     from spectral_contact.view.explorer.look import Look
 
-__all__ = ["Controls", "Figures", "grid"]
-
 _HINT: Final = (
     "Type what the sliders do not reach: a compliance of 0 is a smooth surface, friction "
     "<code>inf</code> full stick, <code>none</code> no friction. Under a profile friction is not "
