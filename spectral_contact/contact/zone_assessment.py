@@ -224,6 +224,8 @@ class Assessment:
     def shifts(self) -> Array:
         """How far the boundaries may be off, as logits."""
         logits = self.problem.logits
+        if not len(logits):
+            return np.zeros(0)
         shifts = self.inverse @ self.missed + float(np.finfo(float).eps) * np.abs(logits)
         # slopes change within the width of a zone, that of a narrow one next to the onset of slip
         gaps = np.concatenate([[inf], np.diff(logits), [inf]])
