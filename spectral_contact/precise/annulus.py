@@ -160,9 +160,7 @@ class Blocks:
     def interpolated(self, weights: Ints, local: Ints) -> Ints:
         """Contract a rule for every node with the polynomials through the nodes of a cell."""
         f = self.fixed
-        basis = f.legendre(local, self.points - 1)
-        rows = [f.dot(w, b) for w, b in zip(weights, basis, strict=True)]
-        return np.asarray(f.dot(np.array(rows), self.expand))
+        return np.asarray(f.dot(f.moments(weights, local, self.points - 1), self.expand))
 
 
 class AnnulusMesh:
@@ -335,5 +333,5 @@ class PreciseAnnulusSeries:
             else:
                 end = mesh.inner_end if c == 0 else mesh.outer_end
                 local = 2 * f.sqrt(f.over(odds[rows], end)) - f.one
-            values[rows] = f.dot(f.legendre(local, self.table.shape[1] - 1), self.table[c])
+            values[rows] = f.series(local, self.table[c])
         return values

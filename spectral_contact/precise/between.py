@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.precise.annulus import AnnulusMesh
-from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.precise.fixed import Ints
 
 __all__ = ["Between"]
 
@@ -39,12 +39,13 @@ class Between:
     def __init__(
         self, inner: AnnulusMesh, outer: AnnulusMesh, widths: tuple[Any, Any], gap: Any
     ) -> None:
-        f = self._fixed = inner.fixed
         # each in cells from the gap outward; t^2 and z to either side of it
-        self._first = _Cells(inner.reflected, widths[0], 0)
-        self._second = _Cells(outer, widths[1], gap)
-        self._down = _Sums(f, self._first, self._second, None)
-        self._up = _Sums(f, self._second, self._first, self._down)
+        first, second = _Cells(inner.reflected, widths[0], 0), _Cells(outer, widths[1], gap)
+        near = _near(first, second)
+        ends = _AboutEnd(first, second), _AboutEnd(second, first)
+        self._down = _Sums(first, second, near, ends)
+        turned = {(s, t): block.T for (t, s), block in near.items()}
+        self._up = _Sums(second, first, turned, ends[::-1])
 
     def half_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int psi dz / sqrt(z - t^2)`` over the outer annulus, of values there."""
@@ -70,99 +71,103 @@ class _Cells:
     """
 
     def __init__(self, mesh: AnnulusMesh, width: Any, gap: Any) -> None:
-        f = mesh.fixed
+        f = self.fixed = mesh.fixed
         self.mesh, self.width, self.gap, self.end = mesh, width, gap, gap + width
         self.distance = gap + f.times(width, mesh.above)
-        self.rest = f.times(width, mesh.below)
+        rest = f.times(width, mesh.below)
         self.masses = f.times(width, mesh.weights) // 2
-        self.low, self.high = self.distance.min(axis=1), self.distance.max(axis=1)
         limit = f.times(f.of(_RATIO), self.end)
-        self.count = int(np.sum(self.rest.max(axis=1) > limit))
+        count = self.count = int(np.sum(rest.max(axis=1) > limit))
+        graded = self.distance[:count]
+        self.low, self.high = graded.min(axis=1), graded.max(axis=1)
+        self.terms = ceil((mesh.blocks.digits + 6) / -log(_RATIO, 10.0)) + 1
+        #: powers of distances over the largest in the cell, and of the least over them
+        self.rise = self.powers(f.over(graded, self.high[:, None]))
+        self.fall = self.powers(f.over(self.low[:, None], graded))
+        #: those about the far end, and the roots of the distances
+        self.about_end = self.powers(f.over(rest[count:], self.end))
+        self.roots = f.inverse_root(graded)
 
-
-class _Sums:
-    """``sum of masses * values / sqrt(distance + distance)`` over sources at targets."""
-
-    def __init__(self, f: Fixed, targets: _Cells, sources: _Cells, back: _Sums | None) -> None:
-        self._fixed, self._targets, self._sources = f, targets, sources
-        neighbours = targets.gap == sources.gap == 0
-        self._tail = _tail(targets, sources) if neighbours else None
-        low, high = sources.low[: sources.count], sources.high[: sources.count]
-        self._range = [
-            (int(np.sum(high <= nearer)), int(np.sum(low < farther)))
-            for nearer, farther in zip(
-                f.times(f.of(_RATIO), targets.low[: targets.count]),
-                f.over(targets.high[: targets.count], f.of(_RATIO)),
-                strict=True,
-            )
-        ]
-        self._near: dict[tuple[int, int], Ints] = {}
-        for t, (first, last) in enumerate(self._range):
-            for s in range(first, last):
-                self._near[t, s] = (
-                    back._near[s, t].T
-                    if back is not None
-                    else self._inverse_root(targets.distance[t][:, None] + sources.distance[s])
-                )
-        terms = ceil((targets.mesh.blocks.digits + 6) / -log(_RATIO, 10.0)) + 1
-        binomials = [f.one]
-        for j in range(1, terms):
-            binomials.append(binomials[-1] * (2 * j - 1) // (2 * j))
-        self._binomials = np.array(binomials)
-        self._alternating = self._binomials * (1 - 2 * (np.arange(terms) % 2)).astype(object)
-        self._expand_near()
-        self._expand_ends()
-
-    def _inverse_root(self, values: Ints) -> Ints:
-        f = self._fixed
-        return np.asarray(f.over(f.one, f.sqrt(values)))
-
-    def _powers(self, ratio: Ints) -> Ints:
+    def powers(self, ratio: Ints) -> Ints:
         """Return the powers of ratios, shape ``ratio.shape + (terms,)``."""
-        f, powers = self._fixed, [0 * ratio + self._fixed.one]
-        for _ in self._binomials[1:]:
+        f = self.fixed
+        powers = [0 * ratio + f.one]
+        for _ in range(1, self.terms):
             powers.append(f.times(powers[-1], ratio))
         return np.stack(powers, axis=-1)
 
-    def _expand_near(self) -> None:
-        """Prepare the series between cells of different distance from the gap."""
-        f, targets, sources, count = self._fixed, self._targets, self._sources, self._sources.count
-        distance, low, high = sources.distance[:count], sources.low[:count], sources.high[:count]
-        self._inner_sources = self._powers(f.over(distance, high[:, None]))
-        self._outer_sources = self._powers(f.over(low[:, None], distance))
-        self._outer_masses = f.times(sources.masses[:count], self._inverse_root(distance))
-        self._rise = self._powers(f.over(high[:-1], high[1:]))
-        self._fall = self._powers(f.over(low[:-1], low[1:]))
-        self._roots = self._inverse_root(targets.distance[: targets.count])
-        self._inner_targets, self._outer_targets = {}, {}
-        for t, (first, last) in enumerate(self._range):
-            at = targets.distance[t]
-            if first:
-                self._inner_targets[t] = self._powers(f.over(high[first - 1], at))
-            if last < count:
-                self._outer_targets[t] = self._powers(f.over(at, low[last]))
 
-    def _expand_ends(self) -> None:
-        """Prepare the series about the far ends."""
-        f, targets, sources = self._fixed, self._targets, self._sources
-        end = sources.end + targets.distance
-        self._end_sources = self._powers(f.over(sources.rest[sources.count :], sources.end))
-        self._end_targets = self._powers(f.over(sources.end, end))
-        self._end_roots = self._inverse_root(end)
-        near = sources.distance[: sources.count] + targets.end
-        self._seen = self._powers(f.over(targets.end, near))
-        self._seen_masses = f.times(sources.masses[: sources.count], self._inverse_root(near))
-        self._seeing = self._powers(f.over(targets.rest[targets.count :], targets.end))
+class _AboutEnd:
+    """At the nodes of targets: powers and root of the series about the far end of sources."""
+
+    def __init__(self, targets: _Cells, sources: _Cells) -> None:
+        f, distance = targets.fixed, sources.end + targets.distance
+        self.powers = targets.powers(f.over(sources.end, distance))
+        self.roots = f.inverse_root(distance)
+
+
+def _near(targets: _Cells, sources: _Cells) -> dict[tuple[int, int], Ints]:
+    """Return the kernel from cell to cell, of those of like distances from the gap."""
+    f, found = targets.fixed, {}
+    farthest = f.over(targets.high, f.of(_RATIO))
+    for t, nearest in enumerate(f.times(f.of(_RATIO), targets.low)):
+        for s in range(int(np.sum(sources.high <= nearest)), sources.count):
+            if sources.low[s] >= farthest[t]:
+                break
+            found[t, s] = f.inverse_root(targets.distance[t][:, None] + sources.distance[s])
+    return found
+
+
+class _Sums:
+    """``sum of masses * values / sqrt(distance + distance)`` over sources at targets.
+
+    Parameters
+    ----------
+    targets, sources : _Cells
+    near : dict
+        The kernel from cells to cells of like distances.
+    ends : tuple of _AboutEnd
+        Of the sources' at the targets, and the other way round.
+    """
+
+    def __init__(
+        self,
+        targets: _Cells,
+        sources: _Cells,
+        near: dict[tuple[int, int], Ints],
+        ends: tuple[_AboutEnd, _AboutEnd],
+    ) -> None:
+        f = self._fixed = targets.fixed
+        self._targets, self._sources, self._near = targets, sources, near
+        self._end, self._seen = ends
+        neighbours = targets.gap == sources.gap == 0
+        self._tail = _tail(targets, sources) if neighbours else None
+        binomials = [f.one]
+        for j in range(1, sources.terms):
+            binomials.append(binomials[-1] * (2 * j - 1) // (2 * j))
+        self._binomials = np.array(binomials)
+        self._alternating = self._binomials * (1 - 2 * (np.arange(sources.terms) % 2)).astype(
+            object
+        )
+        high, low = sources.high, sources.low
+        self._rise = sources.powers(f.over(high[:-1], high[1:]))
+        self._fall = sources.powers(f.over(low[:-1], low[1:]))
+        self._outer_masses = f.times(sources.masses[: sources.count], sources.roots)
+        self._seen_masses = f.times(
+            sources.masses[: sources.count], self._seen.roots[: sources.count]
+        )
 
     def __call__(self, values: Ints) -> Ints:
         """Return the sums."""
         f, sources, near = self._fixed, self._sources, self._targets.count
-        masses = f.times(values, sources.masses)
-        ends = f.dot(masses[sources.count :].ravel(), self._flat(self._end_sources))
-        result = f.times(self._end_roots, f.dot(self._end_targets, f.times(self._binomials, ends)))
+        far = f.times(values, sources.masses)[sources.count :]
+        ends = f.dot(far.ravel(), self._flat(sources.about_end))
+        about = f.dot(self._end.powers, f.times(self._binomials, ends))
+        result = f.times(self._end.roots, about)
         own = values[: sources.count]
-        seen = f.dot(f.times(own, self._seen_masses).ravel(), self._flat(self._seen))
-        result[near:] += f.dot(self._seeing, f.times(self._binomials, seen))
+        powers = self._seen.powers[: sources.count]
+        seen = f.dot(f.times(own, self._seen_masses).ravel(), self._flat(powers))
+        result[near:] += f.dot(self._targets.about_end, f.times(self._binomials, seen))
         result[:near] += self._graded(own)
         return np.asarray(result)
 
@@ -172,28 +177,33 @@ class _Sums:
 
     def _graded(self, values: Ints) -> Ints:
         """Return the sums over cells that are taken one by one, at cells that are."""
-        f, count = self._fixed, len(values)
-        masses = f.times(values, self._sources.masses[:count])
+        f, targets, sources, count = self._fixed, self._targets, self._sources, len(values)
+        masses = f.times(values, sources.masses[:count])
         outer = f.times(values, self._outer_masses)
         below, above = [], []  # sums over cells up to each, and from each on
         for s in range(count):
-            below.append(f.dot(masses[s], self._inner_sources[s]))
+            below.append(f.dot(masses[s], sources.rise[s]))
             if s:
                 below[s] = below[s] + f.times(self._rise[s - 1], below[s - 1])
         for s in reversed(range(count)):
-            above.append(f.dot(outer[s], self._outer_sources[s]))
+            above.append(f.dot(outer[s], sources.fall[s]))
             if s < count - 1:
                 above[-1] = above[-1] + f.times(self._fall[s], above[-2])
         above.reverse()
-        result = 0 * self._roots
-        for t, (first, last) in enumerate(self._range):
-            if t in self._inner_targets:
-                terms = f.times(self._alternating, below[first - 1])
-                result[t] += f.times(self._roots[t], f.dot(self._inner_targets[t], terms))
-            if t in self._outer_targets:
-                terms = f.times(self._alternating, above[last])
-                result[t] += f.dot(self._outer_targets[t], terms)
-            for s in range(first, last):
+        result = 0 * targets.roots
+        for t in range(targets.count):
+            own = [s for s in range(count) if (t, s) in self._near]
+            first = own[0] if own else int(np.sum(sources.high <= targets.low[t]))
+            last = own[-1] + 1 if own else first
+            if first:
+                apart = sources.powers(f.over(sources.high[first - 1], targets.low[t]))
+                terms = f.times(self._alternating, apart, below[first - 1])
+                result[t] += f.times(targets.roots[t], f.dot(targets.fall[t], terms))
+            if last < count:
+                apart = sources.powers(f.over(targets.high[t], sources.low[last]))
+                terms = f.times(self._alternating, apart, above[last])
+                result[t] += f.dot(targets.rise[t], terms)
+            for s in own:
                 if s == t == 0 and self._tail is not None:
                     result[t] += f.dot(self._tail, values[s])
                 else:

@@ -85,7 +85,7 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
     first, second = (_on_mesh(number, tell) for number in (1, 2))
     run = lawful(scene, digits + _SOLUTION[0], _SOLUTION[1], layout, first)
     tell("", 0.55)
-    check = solved(scene, digits + _CHECK[0], _CHECK[1], run.layout, second)
+    check = solved(scene, digits + _CHECK[0], _CHECK[1], run.layout, second, run)
     tell("comparison", 0.95)
     error, worst = _compare(run, check)
     run.fixed.mp.dps = digits + 3

@@ -141,7 +141,7 @@ def _own(normal: Disk, tangential: Disk) -> Ints:
         deeper = start + f.times(h - start, f.one + g) // 2
         values = f.times(w, h - start, f.exp(-f.times(lead, deeper))) // 2
         local = 2 * f.over(deeper, h) - f.one
-        within.append(f.dot(values, f.legendre(local, tangential.panels.degree)))
+        within.append(f.moments(values, local, tangential.panels.degree))
     return np.asarray(f.dot(f.times(basis, weights[:, None]).T, np.array(within)))
 
 

@@ -112,7 +112,7 @@ class PreciseSeries:
                 local, series = 2 * f.over(d[rows], end) - f.one, self.tail
             else:
                 local, series = 2 * f.over(x[rows] - int(j) * h, h) - f.one, self.table[j]
-            values[rows] = f.dot(f.legendre(local, len(series) - 1), series)
+            values[rows] = f.series(local, series)
         return values.reshape(shape)
 
     @property
@@ -249,10 +249,8 @@ class Disk:
         for k in range(2):
             u, weights, fall = self.root_rule(lower, upper)
             values = f.times(fall if self.panels.power == 0.0 else f.sqrt(fall), weights)
-            basis = f.legendre(
-                f.one - 2 * f.over(to_end[:, None] + k * h - u, h), self.panels.degree
-            )
-            blocks.append(np.array([f.dot(v, m) for v, m in zip(values, basis, strict=True)]))
+            local = f.one - 2 * f.over(to_end[:, None] + k * h - u, h)
+            blocks.append(f.moments(values, local, self.panels.degree))
             lower, upper = upper, upper + h
         return blocks
 
@@ -282,8 +280,7 @@ class Disk:
             sine = f.map(f.mp.sin, f.times(phi, f.one + g) // 2)
             source = f.times(d[:, None], sine, sine)
             values = f.times(phi, w) // 2
-        basis = f.legendre(2 * f.over(source, end) - f.one, TAIL_TERMS - 1)
-        return np.array([f.dot(v, m) for v, m in zip(values, basis, strict=True)])
+        return f.moments(values, 2 * f.over(source, end) - f.one, TAIL_TERMS - 1)
 
     def half_integral(self, coefficients: Ints) -> Ints:
         """Return the half-integral at the nodes."""

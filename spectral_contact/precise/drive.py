@@ -122,14 +122,14 @@ class RoughDrive(PreciseDrive):
             low, high = max(start, j * h), (j + 1) * h
             x = low + f.times(high - low, f.one + g) // 2
             local = 2 * f.over(x - j * h, h) - f.one
-            p = f.dot(f.legendre(local, self._disk.panels.degree), table[j])
+            p = f.series(local, table[j])
             y.append(f.exp(-x))
             weights.append(f.times(w, high - low, y[-1], p) // 4)
         g, w = f.gauss(TAIL_TERMS + 2)
         end = min(f.exp(-len(table) * h), top)
         y.append(f.times(end, f.one + g) // 2)
         local = 2 * f.over(y[-1], f.exp(-len(table) * h)) - f.one
-        weights.append(f.times(w, end, f.dot(f.legendre(local, TAIL_TERMS - 1), tail)) // 4)
+        weights.append(f.times(w, end, f.series(local, tail)) // 4)
         return np.concatenate(y), np.concatenate(weights)
 
     def load_inside(self, y: Ints) -> Ints:
@@ -146,8 +146,7 @@ class RoughDrive(PreciseDrive):
         points = len(series.tail)
         g, w = f.gauss(points)
         v = (f.one + g) // 2
-        basis = f.legendre(2 * f.times(v[:, None], v) - f.one, points - 1)
-        tail = np.array([f.dot(w // 2, b) for b in basis])
+        tail = f.moments(w // 2, 2 * f.times(v[:, None], v) - f.one, points - 1)
         whole = f.dot(w // 2, f.legendre(g, points - 1))
         mean = f.dot(whole, series.tail)
         tail = f.dot(f.expansion(points), f.dot(tail, series.tail))
@@ -158,8 +157,7 @@ class RoughDrive(PreciseDrive):
         lower = np.concatenate([[0 * h], start])[:, None]
         x = lower + f.times(h - lower, f.one + g) // 2
         weights = f.times(w, h - lower, f.exp(lower - x)) // 2
-        basis = f.legendre(2 * f.over(x, h) - f.one, terms - 1)
-        matrix = np.array([f.dot(v, b) for v, b in zip(weights, basis, strict=True)])
+        matrix = f.moments(weights, 2 * f.over(x, h) - f.one, terms - 1)
         fall = f.exp(lower[:, 0] - h)
         table = np.empty((count, samples), dtype=object)
         for j in reversed(range(count)):
@@ -222,8 +220,8 @@ class RoughDrive(PreciseDrive):
             u, weights, _ = self._disk.root_rule(lower, upper)
             offset = from_start[:, None] + k * h - u
             values = f.times(f.exp(-offset // 2), weights)
-            basis = f.legendre(2 * f.over(offset, h) - f.one, self._disk.panels.degree)
-            blocks.append(np.array([f.dot(v, m) for v, m in zip(values, basis, strict=True)]))
+            local = 2 * f.over(offset, h) - f.one
+            blocks.append(f.moments(values, local, self._disk.panels.degree))
             lower, upper = upper, upper + h
         return blocks
 
@@ -240,6 +238,5 @@ class RoughDrive(PreciseDrive):
         span = f.sqrt(end - d)[:, None]
         source = f.times(span, f.one + g) // 2
         source = d[:, None] + f.times(source, source)
-        basis = f.legendre(2 * f.over(source, end) - f.one, TAIL_TERMS - 1)
-        values = f.dot(basis, tail)
+        values = f.series(2 * f.over(source, end) - f.one, tail)
         return np.asarray(f.times(values, f.times(span, w) // 2).sum(axis=1))

@@ -47,12 +47,15 @@ class Fixed:
         self.mp.prec = bits + 16
         isqrt = math.isqrt if libmp.MPZ is int else libmp.isqrt
         self._root = np.frompyfunc(lambda v: isqrt(v << bits), 1, 1)
+        cube = self.one**3
+        self._inverse_root = np.frompyfunc(lambda v: isqrt(cube // v), 1, 1)
         exp = libmp.libelefun.exp_fixed
         self._exp = np.frompyfunc(lambda v: exp(v << 16, bits + 16) >> 16, 1, 1)
         self._of = np.frompyfunc(self._convert, 1, 1)
         self._number = np.frompyfunc(self._floating, 1, 1)
         self._float = np.frompyfunc(lambda v: float(self._floating(v)), 1, 1)
         self.gauss = lru_cache(maxsize=None)(self._gauss)
+        self._chebyshev = lru_cache(maxsize=None)(self._chebyshev_of)
 
     def _convert(self, value: Any) -> Any:
         return libmp.to_fixed(self.mp.mpf(value)._mpf_, self.bits)
@@ -92,6 +95,10 @@ class Fixed:
         """Return the square root."""
         return self._root(a)
 
+    def inverse_root(self, a: Any) -> Any:
+        """Return the inverse of the square root."""
+        return self._inverse_root(a)
+
     def dot(self, a: Ints, b: Ints) -> Any:
         """Return the matrix product."""
         return (a @ b) >> self.bits
@@ -110,6 +117,37 @@ class Fixed:
             rise = (2 * k + 1) * self.times(x, values[..., k]) - k * values[..., k - 1]
             values[..., k + 1] = rise // (k + 1)
         return values
+
+    def series(self, x: Ints, coefficients: Ints) -> Ints:
+        """Return the values of a Legendre series at `x`, of any shape."""
+        chebyshev = self.dot(self._chebyshev(len(coefficients)), coefficients)
+        ahead = beyond = 0 * x
+        for c in chebyshev[:0:-1]:
+            ahead, beyond = ((x * ahead) >> (self.bits - 1)) - beyond + c, ahead
+        return np.asarray(self.times(x, ahead) - beyond + chebyshev[0])
+
+    def moments(self, weights: Ints, x: Ints, degree: int) -> Ints:
+        """Return the sums over the last axis of weights and Legendre polynomials at `x`.
+
+        Those of Chebyshev take half the operations, and Legendre's are sums of few of them.
+        """
+        before, last, found = 0 * x + self.one, x, []
+        for _ in range(degree + 1):
+            found.append((weights * before).sum(axis=-1) >> self.bits)
+            before, last = last, ((x * last) >> (self.bits - 1)) - before
+        return np.asarray(self.dot(np.stack(found, axis=-1), self._chebyshev(degree + 1)))
+
+    def _chebyshev_of(self, count: int) -> Ints:
+        """Return Legendre polynomials as columns of coefficients of Chebyshev's."""
+        binomials = [self.one]  # of 2j over j, over 4**j
+        for j in range(1, count):
+            binomials.append(binomials[-1] * (2 * j - 1) // (2 * j))
+        matrix = np.zeros((count, count), dtype=object)
+        for n in range(count):
+            for k in range(n % 2, n + 1, 2):
+                both = self.times(binomials[(n - k) // 2], binomials[(n + k) // 2])
+                matrix[k, n] = 2 * both if k else both
+        return matrix
 
     def _gauss(self, points: int) -> tuple[Ints, Ints]:
         """Return nodes and weights of the Gauss-Legendre rule on [-1, 1]."""

@@ -34,11 +34,14 @@ class PreciseOneDisk:
     traction : PreciseSeries
         ``q / (s/c)`` in ``1 - s^2/c^2``.
     total_shear : int
+    slope : mpf
+        Derivative by the logit of what is zero at the right radius.
     """
 
     logit: Any
     traction: PreciseSeries
     total_shear: Any
+    slope: Any
 
 
 class _PreciseSlipSource:
@@ -155,6 +158,7 @@ def solve_one_disk(
     friction: Any,
     logit: Any,
     tell: Callable[[str], None] = silent,
+    slope: Any = None,
 ) -> PreciseOneDisk:
     """Solve partial slip with one stick disk.
 
@@ -168,6 +172,8 @@ def solve_one_disk(
         A good guess of ``ln(c^2 / (1 - c^2))``.
     tell : callable
         Is told every trial.
+    slope : mpf, optional
+        As of `PreciseOneDisk`, from another mesh.
 
     Raises
     ------
@@ -176,18 +182,17 @@ def solve_one_disk(
     """
     mp = drive.fixed.mp
     goal = mp.mpf(10) ** -(disk.mesh.digits + 2)
-    tell("stick radius, trial 1")
-    first = _PreciseTrial(drive, disk, beta, friction, logit)
-    step = mp.mpf(10) ** -13
-    for number in range(2, _MOST_TRIALS + 2):
+    before, step = None, mp.mpf(10) ** -13
+    for number in range(1, _MOST_TRIALS + 2):
         tell(f"stick radius, trial {number}")
-        second = _PreciseTrial(drive, disk, beta, friction, first.logit + step)
-        if second.mismatch == first.mismatch:
-            return second.outcome()
-        step *= -second.mismatch / (second.mismatch - first.mismatch)
-        first = second
-        if abs(step) <= goal:
-            return second.outcome()
+        trial = _PreciseTrial(drive, disk, beta, friction, mp.mpf(logit))
+        if before is not None and trial.mismatch != before:
+            slope = (trial.mismatch - before) / step
+        if slope is not None:
+            step = -trial.mismatch / mp.mpf(slope)
+            if abs(step) <= goal:
+                return trial.outcome(slope)
+        before, logit = trial.mismatch, trial.logit + step
     raise ConvergenceError("the stick radius does not settle", "ask for fewer digits")
 
 
@@ -219,11 +224,11 @@ class _PreciseTrial:
         target = self._drive.target(self.rest + e) - f.times(self._friction, self._source(e))
         return disk.solve(self._compliance, target, tangential=True)
 
-    def outcome(self) -> PreciseOneDisk:
+    def outcome(self, slope: Any) -> PreciseOneDisk:
         """Return the solution at this radius."""
         f, disk = self._drive.fixed, self._disk
         outside = f.times(self._friction, self._drive.outside(self.rest)[1].sum())
         shear = f.times(self.square, disk.shear(self._coefficients))
         shear += f.times(2 * f.of(f.mp.pi), outside)
         traction = disk.series(self._coefficients)
-        return PreciseOneDisk(self.logit, traction, shear)
+        return PreciseOneDisk(self.logit, traction, shear, slope)

@@ -41,6 +41,8 @@ class PreciseRun:
         The zones, roughly. None leaves the tangential problem out.
     tell : callable
         Is told every step.
+    near : PreciseRun, optional
+        On the same zones and another mesh: where to begin. No digit of it enters.
     held : bool
         Leave their boundaries where they are.
     """
@@ -55,11 +57,12 @@ class PreciseRun:
         width: float,
         layout: PreciseLayout | None,
         tell: Callable[[str], None] = silent,
+        near: PreciseRun | None = None,
         *,
         held: bool = False,
     ) -> None:
         self.scene, self.digits, self._width = scene, digits, width
-        self.layout, self._held, self._tell = layout, held, tell
+        self.layout, self._held, self._tell, self._near = layout, held, tell, near
         alpha, beta = scene.normal_compliance, scene.tangential_compliance
         self._layer = _layer(alpha)
         self._rate, self._power = (0.5 if alpha == 0.0 and self._one_disk else 1.0), 0.0
@@ -183,10 +186,12 @@ class PreciseRun:
         disk = self._disk(self._stick_layer, self._rate, self._power)
         if rim.from_edge == 0.0:
             unit = disk.solve(beta, self.drive.target(disk.d), tangential=True)
-            return PreciseOneDisk(f.mp.inf, disk.series(unit), disk.shear(unit))
-        mp = f.mp
+            return PreciseOneDisk(f.mp.inf, disk.series(unit), disk.shear(unit), None)
+        mp, slope = f.mp, None
         logit = 2 * mp.log(mp.mpf(rim.value)) - mp.log(mp.mpf(rim.from_edge) * (1 + rim.value))
-        return solve_one_disk(self.drive, disk, beta, self._friction, logit, self._tell)
+        if self._near is not None:
+            logit, slope = self._near.disk.logit, self._near.disk.slope
+        return solve_one_disk(self.drive, disk, beta, self._friction, logit, self._tell, slope)
 
     @cached_property
     def _problem(self) -> ZoneProblem:
@@ -201,7 +206,8 @@ class PreciseRun:
     def annuli(self) -> Zones:
         """The zones if there are others, for ``kappa = 1``."""
         assert self.layout is not None
-        return solve_zones(self._problem, self.layout.radii, self._tell, held=self._held)
+        near = None if self._near is None else self._near.annuli
+        return solve_zones(self._problem, self.layout.radii, self._tell, held=self._held, near=near)
 
     @property
     def logits(self) -> tuple[Any, ...]:

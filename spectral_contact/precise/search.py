@@ -28,13 +28,15 @@ def solved(
     width: float,
     layout: PreciseLayout | None,
     tell: Callable[[str], None] = silent,
+    near: PreciseRun | PreciseCoupledRun | None = None,
     *,
     held: bool = False,
 ) -> PreciseRun | PreciseCoupledRun:
     """Return the solution on one mesh and these zones, the friction law aside."""
     if scene.couples:
         return PreciseCoupledRun(scene, digits, width, tell)
-    run = PreciseRun(scene, digits, width, layout, tell, held=held)
+    assert not isinstance(near, PreciseCoupledRun)
+    run = PreciseRun(scene, digits, width, layout, tell, near, held=held)
     _ = run.approach, run.total_shear
     return run
 

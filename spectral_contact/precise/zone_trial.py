@@ -99,12 +99,15 @@ class Zones:
         ``q / s`` in every zone that sticks.
     total_shear : int
     unknowns : int
+    slopes : ndarray or None
+        Derivatives by the logits of the jumps at the boundaries, the tractions following.
     """
 
     logits: tuple[Any, ...]
     tractions: tuple[PreciseAnnulusSeries | None, ...]
     total_shear: Any
     unknowns: int
+    slopes: Array | None
 
 
 def panel_points(digits: int, width: float) -> int:
@@ -199,6 +202,7 @@ class ZoneTrial:
         self.y = [r + f.times(w, m.below) for (m, w), r in zip(zones, self.rests[1:], strict=True)]
         self.slip = {k: state * self.bound(k) for k, state in enumerate(problem.states) if state}
         self.last = problem.sticking[-1] if last is None else last
+        self._loads: dict[int, Ints] = {}
 
     def bound(self, zone: int) -> Ints:
         """Return ``f p / (kappa s)`` at the nodes of a zone, what ``|q| / s`` may be at most."""
@@ -206,10 +210,11 @@ class ZoneTrial:
         p = self.problem.drive.pressure(self.y[zone])
         return np.asarray(f.over(f.times(self.problem.friction, p), f.sqrt(self.z[zone])))
 
-    @cached_property
-    def load(self) -> list[Ints]:
-        """``int_0^s p s ds`` at the nodes."""
-        return [self.problem.drive.load_inside(y) for y in self.y[: self.last + 1]]
+    def load(self, zone: int) -> Ints:
+        """Return ``int_0^s p s ds`` at the nodes of a zone."""
+        if zone not in self._loads:
+            self._loads[zone] = self.problem.drive.load_inside(self.y[zone])
+        return self._loads[zone]
 
     @cached_property
     def between(self) -> dict[tuple[int, int], Between]:
@@ -255,7 +260,7 @@ class ZoneTrial:
             for a in range(k):
                 total = total + self.between[a, k].inner_integral(inner[a])
             own = f.times(problem.beta, self.z[k], values[k])
-            result[k] = own + f.over(total, f.of(f.mp.pi)) - self.load[k]
+            result[k] = own + f.over(total, f.of(f.mp.pi)) - self.load(k)
         return result
 
     def mismatch(self, flat: Ints) -> Ints:
@@ -307,13 +312,14 @@ class ZoneTrial:
             }
             for r in outward:
                 inner = self.between[k, r].inner_matrix() if r > k else own * mesh.inner_matrix()
+                inner = np.ascontiguousarray(inner)
                 for c in outward:
                     matrix[places[r], places[c]] += inner @ half[c]
         z = np.concatenate([f.floats(self.z[k]).ravel() for k in problem.sticking])
         matrix[np.diag_indices(len(matrix))] += float(f.numbers(problem.beta)) * z
         return matrix
 
-    def outcome(self, flat: Ints) -> Zones:
+    def outcome(self, flat: Ints, slopes: Array | None = None) -> Zones:
         """Return the solution."""
         f, problem = self._f, self.problem
         values = {**self.slip, **problem.split(flat)}
@@ -325,4 +331,4 @@ class ZoneTrial:
             None if state else problem.meshes[k].series(values[k])
             for k, state in enumerate(problem.states)
         )
-        return Zones(tuple(self.logits), tractions, shear, int(problem.bounds[-1]))
+        return Zones(tuple(self.logits), tractions, shear, int(problem.bounds[-1]), slopes)

@@ -1,35 +1,39 @@
 """Partial slip on any number of stick and slip zones, in fixed point, for ``kappa = 1``.
 
-Tractions and boundaries are found together by Newton's method: the Jacobian is in double precision,
-the residuals are in fixed point.
+For given boundaries the tractions are refined by a factorisation in double precision, with
+residuals in fixed point. What is left of their jumps at the boundaries moves these, by Newton's
+method first, and then by Broyden's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any
+from math import inf
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.fields.series import Radius
 from spectral_contact.precise.fixed import Ints
 from spectral_contact.precise.zone_trial import ZoneProblem, Zones, ZoneTrial
 from spectral_contact.view.progress import silent
+
+if TYPE_CHECKING:
+    from spectral_contact.fields.series import Radius
 
 __all__ = ["solve_zones"]
 
 Array = NDArray[np.float64]
 
 _MOST_SWEEPS = 20
-#: Accuracy of the tractions for which the boundaries' part of the Jacobian is taken.
+#: Accuracy of the tractions for which the slopes of the mismatch are taken.
 _CLOSE = 1e-8
 #: Its differences are taken ``2**-_STEP`` apart.
 _STEP = 50
-#: A step of the boundaries, as `_length` has it, from which on the Jacobian is kept, and the
+#: A step of the boundaries, as `_length` has it, from which on the factorisation is kept, and the
 #: longest that is taken.
 _NEAR, _LONGEST = 0.02, 0.6
 _MOST_STARTS = 8
@@ -41,6 +45,7 @@ def solve_zones(
     tell: Callable[[str], None] = silent,
     *,
     held: bool = False,
+    near: Zones | None = None,
 ) -> Zones:
     """Solve partial slip on zones.
 
@@ -54,6 +59,8 @@ def solve_zones(
         Is told every step.
     held : bool
         Leave the boundaries where they are. The traction is not continuous there then.
+    near : Zones, optional
+        The same zones solved on another mesh: better guesses of boundaries and slopes.
 
     Raises
     ------
@@ -61,39 +68,68 @@ def solve_zones(
         If the boundaries do not settle, or refinement stalls before the digits are reached.
     """
     mp = problem.drive.fixed.mp
-    logits = [mp.mpf(r.logit) for r in radii]
+    logits = [mp.mpf(r.logit) for r in radii] if near is None else [+mp.mpf(x) for x in near.logits]
+    goal, flat = 10.0 ** -(problem.digits + 2), np.zeros(problem.bounds[-1], dtype=object)
     tell("zones")
     if held:
         trial = ZoneTrial(problem, logits)
-        return trial.outcome(_free(trial)[1])
+        return trial.outcome(_Factored(trial).refined(trial, flat, goal))
+    if near is not None:
+        assert near.slopes is not None
+        trial = ZoneTrial(problem, logits)
+        return _settled(_Factored(trial), trial, flat, near.slopes, (goal, inf))
     for number in range(1, _MOST_STARTS + 1):
         tell(f"zones, start {number}")
         trial = ZoneTrial(problem, logits)
-        newton, flat = _free(trial)
-        newton.border(trial, flat)
-        shift = newton.step(trial, flat)[1]
+        factored = _Factored(trial)
+        flat = factored.refined(trial, 0 * flat, _CLOSE)
+        slopes = factored.slopes(trial, flat)
+        shift = _step(slopes, problem.drive.fixed.floats(trial.mismatch(flat)))
         length = _length(shift, logits)
         if length <= _NEAR:
             tell("zones, all digits")
-            return _polished(newton, trial, flat, mp.mpf(10) ** -(problem.digits + 2))
-        shift *= min(1.0, _LONGEST / length)
-        logits = [x + mp.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
+            return _settled(factored, trial, flat, slopes, (goal, 1e3 * goal))
+        logits = _moved(logits, shift * min(1.0, _LONGEST / length))
     raise ConvergenceError("the zones do not settle", "ask for fewer digits")
 
 
-def _free(trial: ZoneTrial) -> tuple[_Newton, Ints]:
-    """Return the tractions with the boundaries held, and what solves for them."""
-    newton, f = _Newton(trial), trial.problem.drive.fixed
-    flat = np.zeros(trial.problem.bounds[-1], dtype=object)
+def _settled(
+    factored: _Factored, trial: ZoneTrial, flat: Ints, slopes: Array, goals: tuple[float, float]
+) -> Zones:
+    """Move the boundaries until they settle, and the tractions with them.
+
+    The goals are of them, in logits and in tractions, and of the width of the narrowest zone.
+    """
+    f, problem, expected = trial.problem.drive.fixed, trial.problem, 0.0
+    before = shift = np.zeros_like(slopes[0])
+    size = 0.0
     for _ in range(_MOST_SWEEPS):
-        step = newton.free(trial.residual(flat))
-        flat = flat + f.of(step)
-        if trial.problem.share(step, flat) <= _CLOSE:
+        flat = factored.refined(trial, flat, max(goals[0], 1e-4 * expected))
+        mismatch = f.floats(trial.mismatch(flat))
+        # of smaller steps the tractions' accuracy would be seen
+        if size > 1e6 * goals[0]:
+            slopes = slopes + np.outer(mismatch - before - slopes @ shift, shift) / (shift @ shift)
+        before, shift = mismatch, _step(slopes, mismatch)
+        size, length = float(np.abs(shift).max()), _length(shift, trial.logits)
+        if size <= goals[0] and length <= goals[1]:
+            return trial.outcome(factored.refined(trial, flat, goals[0]), slopes)
+        if length > 2.0 * _NEAR:  # it leaves where its factorisation is from
             break
-    return newton, flat
+        expected = size * length
+        trial = ZoneTrial(problem, _moved(trial.logits, shift))
+    raise ConvergenceError("the zones do not settle", "ask for fewer digits")
 
 
-def _length(shift: Array, logits: list[Any]) -> float:
+def _step(slopes: Array, mismatch: Array) -> Array:
+    """Return by how much boundaries move so that nothing is left of a mismatch."""
+    return -np.asarray(np.linalg.solve(slopes, mismatch), dtype=float)
+
+
+def _moved(logits: Sequence[Any], shift: Array) -> list[Any]:
+    return [x + x.context.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
+
+
+def _length(shift: Array, logits: Sequence[Any]) -> float:
     """Return the largest step, in logits or as a share of the distance to the next boundary."""
     steps = np.abs(shift).tolist()
     for (a, b), (da, db) in zip(pairwise(logits), pairwise(shift.tolist()), strict=True):
@@ -101,25 +137,8 @@ def _length(shift: Array, logits: list[Any]) -> float:
     return float(max(steps))
 
 
-def _polished(newton: _Newton, trial: ZoneTrial, flat: Ints, goal: Any) -> Zones:
-    """Refine tractions and boundaries together."""
-    f, problem, logits, last = trial.problem.drive.fixed, trial.problem, list(trial.logits), None
-    for _ in range(_MOST_SWEEPS):
-        step, shift = newton.step(trial, flat)
-        flat = flat + f.of(step)
-        logits = [x + f.mp.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
-        size = max(problem.share(step, flat), float(np.abs(shift).max()))
-        # the next step would be as much smaller as this one is
-        if size <= goal or (last is not None and size * size <= goal * last):
-            return ZoneTrial(problem, logits).outcome(flat)
-        if _length(shift, logits) > 2.0 * _NEAR:  # it leaves where its Jacobian is from
-            break
-        trial, last = ZoneTrial(problem, logits), size
-    raise ConvergenceError("the zones do not settle", "ask for fewer digits")
-
-
-class _Newton:
-    """The Jacobian in double precision."""
+class _Factored:
+    """The equations for the tractions of a trial, factored in double precision."""
 
     def __init__(self, trial: ZoneTrial) -> None:
         self._f = trial.problem.drive.fixed
@@ -128,16 +147,21 @@ class _Newton:
         matrix *= self._scale[:, None]
         self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
-    def free(self, residual: Ints) -> Array:
-        """Return the step of the tractions with the boundaries held."""
-        return -self._solved(self._f.floats(residual))
-
     def _solved(self, right: Array) -> Array:
         scaled = (right.T * self._scale).T
         return np.asarray(lu_solve(self._factor, scaled, check_finite=False))
 
-    def border(self, trial: ZoneTrial, flat: Ints) -> None:
-        """Add the rows of the conditions and, by differences, the columns of the boundaries."""
+    def refined(self, trial: ZoneTrial, flat: Ints, goal: float) -> Ints:
+        """Return the tractions of a trial to an accuracy."""
+        for _ in range(_MOST_SWEEPS):
+            step = -self._solved(self._f.floats(trial.residual(flat)))
+            flat = np.asarray(flat + self._f.of(step))
+            if trial.problem.share(step, flat) <= goal:
+                return flat
+        raise ConvergenceError("the tractions do not settle", "ask for fewer digits")
+
+    def slopes(self, trial: ZoneTrial, flat: Ints) -> Array:
+        """Return the derivatives of the mismatch by the boundaries, the tractions following."""
         f = self._f
         before = trial.residual(flat), trial.mismatch(flat)
         columns, corner = [], []
@@ -147,13 +171,4 @@ class _Newton:
             moved = ZoneTrial(trial.problem, logits)
             columns.append(f.floats((moved.residual(flat) - before[0]) << _STEP))
             corner.append(f.floats((moved.mismatch(flat) - before[1]) << _STEP))
-        self._columns = self._solved(np.array(columns).T)
-        self._rows = trial.conditions()
-        self._schur = np.array(corner).T - self._rows @ self._columns
-
-    def step(self, trial: ZoneTrial, flat: Ints) -> tuple[Array, Array]:
-        """Return the steps of the tractions and of the boundaries."""
-        free = self.free(trial.residual(flat))
-        right = self._f.floats(trial.mismatch(flat)) + self._rows @ free
-        shift = -np.asarray(np.linalg.solve(self._schur, right), dtype=float)
-        return free - self._columns @ shift, shift
+        return np.array(corner).T - trial.conditions() @ self._solved(np.array(columns).T)
