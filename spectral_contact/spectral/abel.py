@@ -17,7 +17,7 @@ rules below are converged to rounding (docs/theory).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
+Places: TypeAlias = NDArray[np.int_] | None
 
 #: Places in ``x`` that are the same to the rounding of an ``x`` of 50.
 _SAME = 2e-14
@@ -214,9 +215,8 @@ def outer_blocks(
         if k == 0:  # the panel ends before the point in the tail, or beyond it
             end += np.maximum(width - from_start, 0.0)[:, None]
         values = np.exp(-(0.5 + power) * offset) * _smooth(u) * weights
-        blocks[:, k] = legendre_sums_between(
-            values, 2.0 * offset / width, 2.0 * end / width, degree
-        )
+        ends = 2.0 * offset / width, 2.0 * end / width
+        blocks[:, k] = legendre_sums_between(values, *ends, degree)
         lower, upper = upper, upper + width
     if panels > 2:  # as of `far_blocks`
         offset, start = width * (1.0 + g) / 2.0, from_start[:, None] + width * np.arange(2, panels)
@@ -297,12 +297,7 @@ def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0)
 
 
 def outer(
-    d: Array,
-    panels: int,
-    width: float,
-    degree: int,
-    power: float = 0.0,
-    functions: NDArray[np.int_] | None = None,
+    d: Array, panels: int, width: float, degree: int, power: float = 0.0, functions: Places = None
 ) -> Array:
     """Return the matrix of the `outer` integral at arbitrary distances in [0, 1].
 

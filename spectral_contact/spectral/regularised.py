@@ -195,9 +195,8 @@ class Regularised:
             Coefficients, zero outside the space.
         """
         space, index = self.space, self.space.index
-        columns = () if isinstance(target, float) else target.shape[1:]
+        misfit, columns = target, () if isinstance(target, float) else target.shape[1:]
         coefficients = np.zeros((space.size, *columns))
-        misfit = target
         rounds = 2 if correct and self.compliance < HARMLESS else 1
         for correction in range(rounds):
             if isinstance(misfit, float):
