@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import TYPE_CHECKING, NamedTuple
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.layout import NoBoundariesError
-from spectral_contact.contact.resolution import LEFT, TINY, TRIFLING
+from spectral_contact.contact.resolution import LEFT, ROUGH, TINY, TRIFLING, series_of
 from spectral_contact.contact.stick_radius import NOISE
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.factored import Factored, factored
@@ -17,6 +18,7 @@ from spectral_contact.spectral.panels import Resolution
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
     from spectral_contact.spectral.tangential import Tangential
 
@@ -38,6 +40,11 @@ class Effect(NamedTuple):
     lifts: Array
     mismatch: Array
     approach: float
+
+
+#: Where slopes are taken from fields, as multiples, and from those at both the one at the boundary:
+#: 100 scenes of a sweep take 271 systems, 318 with slopes from secants alone.
+_BESIDE, _TO_BOUNDARY = np.array([0, 1, 4]), np.array([4, -1]) / 3
 
 
 @dataclass(eq=False)
@@ -63,7 +70,7 @@ class ZoneState:
     def begin(cls, factored: Factored) -> ZoneState:
         """Return a first solution, to be corrected."""
         system = factored.system
-        begin = cls(system, factored, factored.begin, np.zeros(len(system.radii)))
+        begin = cls(system, factored, factored.first[:, 0], np.zeros(len(system.radii)))
         lifts, solution = begin._continuous(begin.solution)
         return replace(begin, solution=solution, lifts=lifts)
 
@@ -97,6 +104,29 @@ class ZoneState:
         """What the conditions of the boundaries miss, relative to ``kappa R`` there."""
         drive, balance = self.system.balances
         return np.asarray((balance @ self.solution - self.lifts) / (drive @ self.solution))
+
+    def slopes(self, drives: Sequence[Drive], near: float) -> Array:
+        """Return by how much the mismatch rises with the boundaries, as logits.
+
+        A boundary that is off changes the fields, to first order, there alone: q jumps by its slope
+        over that of friction. Lifts that take the jumps out miss the conditions. The slopes are
+        taken `near` the boundaries, scaled; a pressure that is given has drives.
+        """
+        system, (pressure, shear) = self.system, self.system.split(self.solution)
+        jumps, d = np.zeros(len(system.radii)), near * _BESIDE
+        for k in (k for k in system.stick if system.parts[k].boundary >= 0):
+            part, own = system.parts[k], system.parts[k].family
+            j, b, points = part.boundary, own.boundary, own.points(d)
+            friction = sum(system.states[j : j + 2]) * system.parameters.friction
+            p = drives[0].pressure.at(points.y) if drives else series_of(own.panels, pressure[k])(d)
+            excess = np.sqrt(points.z) * series_of(part.shear.panels, shear[k])(d) - friction * p
+            rises = (excess[1:] - excess[0]) / points.offset[1:]
+            jumps[j] = _TO_BOUNDARY @ rises * b.square * b.rest
+        (drive, balance), responses = system.balances, self.factored.responses
+        missed = (np.eye(len(jumps)) - balance @ responses) @ np.linalg.inv(
+            system.jumps @ responses
+        )
+        return np.asarray(missed * jumps / (drive @ self.solution)[:, None])
 
     def unbalanced(self, share: float) -> Effect:
         """Return what would meet so much of the conditions, with a jump of the traction there.
@@ -150,7 +180,7 @@ _STEEP = 0.1
 #: A smaller correction that does not fall is rounding; 1e-6 and 1e-12 change no digit of 25 scenes.
 _ROUNDED = 1e-9
 #: Steps point in different ways if their smallest singular value is so much of the largest one.
-_LEAST_ANGLE = 0.1
+_LEAST_ANGLE = 0.03
 
 
 @dataclass(frozen=True, slots=True)
@@ -327,6 +357,8 @@ class ZonesNewton:
         self.state, change = self.state.corrected()
         self._pace.add(problem.size(self.state, change), problem.drift(self._begin))
         self.left = self._pace.left
+        if self._pace.alike == 0 and self.left < ROUGH:
+            problem.tells(self.state)
         if self._noise < _KNOWN * self._move.length:
             self._learn()
         return -np.linalg.solve(problem.slopes, self.state.mismatch).astype(float)
