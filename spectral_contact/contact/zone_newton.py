@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import TYPE_CHECKING, NamedTuple
@@ -9,13 +10,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.layout import NoBoundariesError
-from spectral_contact.contact.resolution import LEFT, TINY, TRIFLING
+from spectral_contact.contact.resolution import LEFT, ROUGH, TINY, TRIFLING, series_of
 from spectral_contact.contact.stick_radius import NOISE
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
     from spectral_contact.spectral.factored import Factored
     from spectral_contact.spectral.tangential import Tangential
@@ -38,6 +40,11 @@ class Effect(NamedTuple):
     imbalance: Array
     mismatch: Array
     approach: float
+
+
+#: Where slopes are taken from fields, as multiples, and from those at both the one at the boundary:
+#: 100 scenes of a sweep take 271 systems, 318 with slopes from secants alone.
+_BESIDE, _TO_BOUNDARY = np.array([0, 1, 4]), np.array([4, -1]) / 3
 
 
 @dataclass(eq=False)
@@ -66,7 +73,7 @@ class ZoneState:
         Of the system that is factored, or of one with the same matrix.
         """
         own = system or factored.system
-        begin = cls(own, factored, factored.begin, np.zeros(len(own.radii)))
+        begin = cls(own, factored, factored.first[:, 0], np.zeros(len(own.radii)))
         imbalance, solution = begin._continuous(begin.solution)
         return replace(begin, solution=solution, imbalance=imbalance)
 
@@ -106,6 +113,26 @@ class ZoneState:
     def _demanded(self) -> Array:
         """``kappa R`` at the boundaries."""
         return np.asarray(self.system.balances[0] @ self.solution)
+
+    def slopes(self, drives: Sequence[Drive], near: float) -> Array:
+        """Return by how much the mismatch rises with the boundaries, as logits.
+
+        A boundary that is off changes the fields, to first order, there alone: q jumps by its slope
+        over that of friction. Imbalances take the jumps out. The slopes are taken `near` the
+        boundaries, scaled; a pressure that is given has drives.
+        """
+        system, (pressure, shear) = self.system, self.system.split(self.solution)
+        jumps, d = np.zeros(len(system.radii)), near * _BESIDE
+        for k in (k for k in system.stick if system.parts[k].boundary >= 0):
+            part, own = system.parts[k], system.parts[k].family
+            j, b, points = part.boundary, own.boundary, own.points(d)
+            friction = sum(system.states[j : j + 2]) * system.parameters.friction
+            p = drives[0].pressure.at(points.y) if drives else series_of(own.panels, pressure[k])(d)
+            excess = np.sqrt(points.z) * series_of(part.shear.panels, shear[k])(d) - friction * p
+            rises = (excess[1:] - excess[0]) / points.offset[1:]
+            jumps[j] = _TO_BOUNDARY @ rises * b.square * b.rest
+        felt = np.linalg.inv(system.jumps @ self.factored.responses)
+        return np.asarray(felt * jumps / self._demanded[:, None])
 
     def unbalanced(self, share: float) -> Effect:
         """Return what would meet so much of the conditions, with a jump of the traction there.
@@ -157,7 +184,7 @@ _STEEP = 0.1
 #: A smaller correction that does not fall is rounding; 1e-6 and 1e-12 change no digit of 25 scenes.
 _ROUNDED = 1e-9
 #: Steps point in different ways if their smallest singular value is so much of the largest one.
-_LEAST_ANGLE = 0.1
+_LEAST_ANGLE = 0.03
 
 
 @dataclass(frozen=True, slots=True)
@@ -334,6 +361,8 @@ class ZonesNewton:
         self.state, change = self.state.corrected()
         self._pace.add(problem.size(self.state, change), problem.drift(self._begin))
         self.left = self._pace.left
+        if self._pace.alike == 0 and self.left < ROUGH:
+            problem.tells(self.state)
         if self._noise < _KNOWN * self._move.length:
             self._learn()
         return -np.linalg.solve(problem.slopes, self.state.mismatch).astype(float)

@@ -148,6 +148,8 @@ class FreeBoundaryProblem:
         spaces = self.spaces(ROUGH)
         factors = factored(self.system(spaces, self.logits))
         begin = self.settled(ZoneState.begin(factors), aim)
+        if self.tells(begin):
+            return spaces, factors
 
         def conditions(logits: Array) -> Array:
             system = self.system(spaces, logits)
@@ -156,6 +158,13 @@ class FreeBoundaryProblem:
 
         self.slopes = differences(conditions, self.logits)
         return spaces, factors
+
+    def tells(self, state: ZoneState) -> bool:
+        """Take the slopes from fields, if panels know these near to boundaries and q has digits."""
+        known = self.thinnest >= SMALL_COMPLIANCE and self.parameters.beta < 0.5 / ROUNDING
+        if known:
+            self.slopes = state.slopes(self.drives, float(np.sqrt(max(self.tolerance, _SLOPING))))
+        return known
 
     # spaces
 

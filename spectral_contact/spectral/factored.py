@@ -60,7 +60,7 @@ class Factored:
         return np.asarray(step * self.scale[:, None] * size)
 
     @cached_property
-    def _first(self) -> Array:
+    def first(self) -> Array:
         """The solutions for unit approach, and for unit imbalances at boundaries, as columns."""
         system, units = self.system, np.eye(1 + len(self.system.radii))
         values = np.zeros((system.unknowns, len(units)))
@@ -71,14 +71,9 @@ class Factored:
         return values + self.step(system.tested(system.misfit(values, units[0], units[1:])))
 
     @property
-    def begin(self) -> Array:
-        """The solution for unit approach, without imbalances."""
-        return self._first[:, 0]
-
-    @property
     def responses(self) -> Array:
         """The solutions for a unit imbalance at every boundary, without approach, as columns."""
-        return self._first[:, 1:]
+        return self.first[:, 1:]
 
     def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.

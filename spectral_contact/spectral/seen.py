@@ -86,9 +86,8 @@ class Seen:
         """
         alike, w = other is self and whole, weights[:, None]
         rows, (direct, sampled) = self._columns(whole=True)
-        columns, (direct_other, sampled_other) = (
-            (rows, (direct, sampled)) if alike else other._columns(whole=whole)
-        )
+        columns, others = (rows, [direct, sampled]) if alike else other._columns(whole=whole)
+        direct_other, sampled_other = others
         if own is not None:
             on_nodes = own
         elif alike:  # of one and its transpose NumPy computes one triangle

@@ -60,7 +60,7 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
     ratio = friction / kappa
     mask = np.zeros(len(columns), dtype=bool)
     nothing = Served(mask, {}, {})
-    ends = _ends(len(ratio), solver)
+    ends = _ends(ratio, bool(np.less(*columns.values[1:3, 0])), solver)  # where an edge may stick
     if ends is None:
         return nothing
     size, one = ends.size, ends.solution
@@ -111,18 +111,21 @@ class _Ends:
     solution: Solution
 
 
-def _ends(count: int, solver: OnLine) -> _Ends | None:
+def _ends(ratio: Array, sticky: bool, solver: OnLine) -> _Ends | None:
     """Return between which scenes there is one stick disk, if it is at the first and many more."""
     alone: dict[int, Solution] = {}
 
     def is_alone(i: int) -> bool:
-        found = solver.at_scene(i, ("stick_radius", "zones"))
+        # an edge that full stick does not make slip: slip is inside, and a solution tells no more
+        if sticky and alone and 0.0 < alone[0].edge_ratio < ratio[i] * alone[0].scene.kappa:
+            return False
+        found = solver.at_scene(i, ("stick_radius", "zones", *["edge_ratio"] * sticky))
         if found is None or tuple(zone.kind for zone in found.zones) != ("stick", "slip"):
             return False
         alone[i] = found
         return True
 
-    low, high = 0, count - 1
+    low, high = 0, len(ratio) - 1
     if not is_alone(low):
         return None
     # where one disk is right at two frictions, it is between

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zone_assessment import zones_error
-from spectral_contact.contact.zone_newton import longest, through_secants
-from spectral_contact.contact.zone_problem import differences
+from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState, longest, through_secants
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem, differences
 from spectral_contact.fields.series import Radius
+from spectral_contact.spectral.factored import factored
+from spectral_contact.spectral.parameters import Parameters
 
 ROOT = np.array([-0.3, 1.1])
 
@@ -55,3 +58,20 @@ def test_a_zone_narrower_than_the_errors_of_its_ends_may_not_be_there(share):
     own = [share * width / one.rest for one in (inner, outer)]
     found = zones_error((inner, outer), ((1.0, own[0]), (1.0, own[1])))
     assert found == (1.0 if share < 0.5 else np.inf)
+
+
+@pytest.mark.parametrize(("kappa", "friction"), [(0.2222, 0.0511), (0.2222, 0.0467)])
+def test_slopes_of_the_fields_are_those_of_differences(kappa, friction):
+    parameters = Parameters(0.05, 1.0, kappa, friction)
+    problem = FreeBoundaryProblem(parameters, Layout((-0.4, 3.5), (0, 1, 0)), 1e-8)
+    assert problem.layout.slopes is not None
+    spaces = problem.spaces(1e-8)
+    state = ZonesNewton(problem, spaces, 1e-10).run(1e-10)
+
+    def conditions(logits):
+        system = problem.system(spaces, logits)
+        return problem.settled(ZoneState.begin(factored(system)), 1e-12).mismatch
+
+    truth = differences(conditions, problem.logits)
+    told = state.slopes([], 1e-4)
+    assert np.abs(np.linalg.solve(told, truth) - np.eye(2)).max() < 1e-3
