@@ -312,8 +312,8 @@ MUTANTS = (
     Mutant(
         "nu = -1 is a scene",
         f"{_PACKAGE}/inputs/physical.py",
-        "low=-1.0, high=0.5, low_open=True",
-        "low=-1.0, high=0.5",
+        '"in (-1, 0.5]"',
+        '"in [-1, 0.5]"',
         f"{_UNIT}/test_scene.py -k out_of_range",
     ),
     Mutant(
