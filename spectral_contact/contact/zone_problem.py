@@ -340,7 +340,8 @@ class StickDiskProblem(FreeBoundaryProblem):
         self.drives = [drive]
         if len(self.logits):
             begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
-            least = max(TRIFLING * self.tolerance, ROUNDING)
+            # so that it is the same to digits from wherever the search begins
+            least = max(TRIFLING**2 * self.tolerance, ROUNDING)
             if self.parameters.beta == 0.0:  # no field is in the condition
                 logit, slope = guessed_radius(drive, form, least, begin, accuracy=ROUNDING)
             else:

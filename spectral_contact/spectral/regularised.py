@@ -180,9 +180,8 @@ class Regularised:
 
         Parameters
         ----------
-        target : ndarray, shape (nodes,) or (nodes, k), or float
-            What the half-integral should be; columns are targets of their own, a number is a
-            constant.
+        target : ndarray, shape (nodes,), or float
+            What the half-integral should be; a number is a constant.
         load : ndarray, shape (size,), optional
             Inner products of the basis with a known part of the solution, the lift.
         correct : bool
@@ -191,23 +190,22 @@ class Regularised:
 
         Returns
         -------
-        ndarray, shape (size,) or (size, k)
+        ndarray, shape (size,)
             Coefficients, zero outside the space.
         """
         space, index = self.space, self.space.index
-        misfit, columns = target, () if isinstance(target, float) else target.shape[1:]
-        coefficients = np.zeros((space.size, *columns))
+        misfit, coefficients = target, np.zeros(space.size)
         rounds = 2 if correct and self.compliance < HARMLESS else 1
         for correction in range(rounds):
             if isinstance(misfit, float):
                 residual = misfit * space.constant_moments
             else:
-                residual = space.moments(misfit.T)
+                residual = space.moments(misfit)
             if load is not None:
                 residual -= self.compliance * load[index]
             if correction and self.compliance != 0.0:
-                residual -= self.compliance * (space.mass @ coefficients[index]).T
-            step = self.cholesky.solve(residual).T
+                residual -= self.compliance * space.mass @ coefficients[index]
+            step = self.cholesky.solve(residual)
             coefficients[index] = coefficients[index] + step if correction else step
             if correction + 1 < rounds:
                 misfit = target - space.half_integral(coefficients)

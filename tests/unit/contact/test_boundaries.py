@@ -66,7 +66,8 @@ def test_slopes_of_the_fields_are_those_of_differences(kappa, friction):
     problem = FreeBoundaryProblem(parameters, Layout((-0.4, 3.5), (0, 1, 0)), 1e-8)
     assert problem.layout.slopes is not None
     spaces = problem.spaces(1e-8)
-    state = ZonesNewton(problem, spaces, 1e-10).run(1e-10)
+    factors = factored(problem.system(spaces, problem.logits))
+    state = ZonesNewton(problem, spaces, 1e-10, factors).run(1e-10)
 
     def conditions(logits):
         system = problem.system(spaces, logits)

@@ -216,20 +216,6 @@ def test_solve_is_the_regularised_least_squares_problem(kind, compliance):
     assert_array_equal(solution[outside], 0.0)
 
 
-@KINDS
-@pytest.mark.parametrize("compliance", [0.0, 1e-6, 0.5])
-@pytest.mark.parametrize("lifted", [False, True])
-def test_many_columns_are_many_solves(kind, compliance, lifted):
-    space, targets = some_space(kind), some_targets()
-    load = np.cos(np.arange(space.size)) if lifted else None
-    factored = space.factor(compliance)
-    together = factored.solve(targets, load)
-    assert together.shape == (space.size, 3)
-    for column, target in zip(together.T, targets.T, strict=True):
-        alone = factored.solve(target, load)
-        assert_allclose(column, alone, rtol=0, atol=1e-11 * np.abs(alone).max())
-
-
 @pytest.mark.parametrize("compliance", [1e-6, 1e-2, 2.0])
 def test_the_load_of_a_lift(compliance):
     # (c M + K) a = H^T W target - c load
