@@ -148,9 +148,11 @@ class Drive:
         # a flat stretch must come out flat: its rounding would be amplified by the division
         fit = _FIT @ (values[:, 1 : 1 + len(_NODES)] - at[:, None]).T
         fit[np.abs(fit) < 2.0 * np.finfo(float).eps * np.abs(at)] = 0.0
-        x = 2.0 * d[split:] / analytic - 1.0
+        # x + 1 would lose the digits of small distances
+        rise = 2.0 * d[split:] / analytic
+        x = rise - 1.0
         near = chebyshev_sums(np.tile(x, (len(drives), 1)), (_QUOTIENT @ fit)[:, :, None])
-        return Targets(at, values[:, 1 + len(_NODES) :], (x + 1.0) * near)
+        return Targets(at, values[:, 1 + len(_NODES) :], rise * near)
 
     def mean_inside(self, y: Array) -> Array:
         """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spectral_contact.contact.drive import Drive, Targets
+from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import ROUGH, ROUNDING
 from spectral_contact.contact.slip_source import SlipSource
 from spectral_contact.contact.zone_spaces import slip_annulus
@@ -112,11 +112,11 @@ class Driven(Tangential):
             family, samples = self.parts[i].family, nodes.samples
             boundary, points = family.boundary, family.points(samples)
             if boundary == EDGE:
-                nothing, values = np.zeros((self.count, 0)), Drive.targets(self.drives, points.y)
-                drive = Targets(np.zeros(self.count), values, nothing)
-            else:
-                reach = family.sign * family.reach
-                drive = Drive.targets_from(self.drives, boundary, reach, samples)
+                # not interpolated: its rounding, the same over a panel, would show at the centre
+                nothing, y = np.zeros(self.count), family.points(nodes.d).y
+                known.append(_Known(nothing, nothing, Drive.targets(self.drives, y).T))
+                continue
+            drive = Drive.targets_from(self.drives, boundary, family.sign * family.reach, samples)
             # far from the boundary noise falls with the size of the parts
             split = drive.far.shape[1]
             at, far, near = drive.at.copy(), drive.far.T.copy(), drive.near.T.copy()

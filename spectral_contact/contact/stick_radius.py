@@ -1,11 +1,14 @@
-"""The root of continuity: the radius of a stick disk, in ``logit(c**2)``."""
+"""Roots and slopes of conditions: the radius of a stick disk, in ``logit(c**2)``."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from math import copysign, inf, log
 
+import numpy as np
+
 from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parameters import Parameters
 
 #: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
@@ -14,6 +17,9 @@ LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
 LEAST_PLAIN = -40.0
 #: What rounding leaves of conditions and fields; 1e-15 and 1e-12 change no space of 91 scenes.
 NOISE = 1e-13
+#: What corrections leave of conditions whose differences are taken; what share of a zone's width
+#: they span at most: 1e-5 takes 25 scenes 214 corrections, not 212; 0.03 and 0.5 change no digit.
+SLOPING, _MOST_SHARE = 1e-8, 0.2
 #: A change of the condition as small as its noise after a step as short as this is rounding by one
 #: per cent, and no slope follows.
 _SHORT = 1e-3
@@ -104,6 +110,21 @@ def least_logit(parameters: Parameters) -> float:
 def slope_at(function: Callable[[float], float], x: float) -> float:
     """Return the slope by a central difference."""
     return (function(x + _BESIDE) - function(x - _BESIDE)) / (2.0 * _BESIDE)
+
+
+def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:
+    """Return the slopes by central differences, a share of the narrowest zone apart.
+
+    Next to a narrow zone they fall with its width, and a small share would show rounding.
+    """
+    slopes, spacing = [], np.diff(logits)
+    for i in range(len(logits)):
+        near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
+        share = min(float(np.cbrt(max(SLOPING, ROUNDING / near**2))), _MOST_SHARE)
+        h = share * near
+        step = h * np.eye(len(logits))[i]
+        slopes.append((conditions_at(logits + step) - conditions_at(logits - step)) / (2.0 * h))
+    return np.array(slopes).T
 
 
 def _enclosed_root(

@@ -31,6 +31,7 @@ from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import CENTRE, EDGE, Array, LogSeries, Radius
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parts import Points, gap
+from spectral_contact.spectral.regularised import HARMLESS
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
@@ -236,8 +237,7 @@ class Assessment:
         state, system, fields = self.state, self.system, self.fields
         known = self.squared + self.noise + (0.0 if system.given else self.off)
         left = self.left + self.off
-        known_edge = system.given and system.parameters.alpha > 0.0
-        rounding = TRACTION_ROUNDING * (1.0 if system.radii or known_edge else CENTRE_ROUNDS)
+        rounding = TRACTION_ROUNDING * (CENTRE_ROUNDS if self._rounds else 1.0)
         errors = fields.pressure + left + FIELD_ROUNDING, fields.traction + left + rounding
         boundary_errors = tuple(
             boundary_error(float(d), r) for d, r in zip(self.shifts, system.radii, strict=True)
@@ -272,6 +272,14 @@ class Assessment:
         fields.indicators[fields.indicators <= self.left] = 0.0
         attempt = Attempt(value, max(errors), fields.indicators, fields.rates, system.unknowns)
         return self._by_energies(attempt) if system.symmetric and not system.given else attempt
+
+    @property
+    def _rounds(self) -> bool:
+        """Whether q/s loses digits at the centre."""
+        (alpha, beta, _, _), radii = self.system.parameters, self.system.radii
+        if not radii:
+            return alpha == 0.0 or not self.system.given
+        return self.system.given and len(radii) == 1 and beta < HARMLESS * radii[0].value
 
     def _sheared(self) -> float:
         """Return the relative error of the shear by changes, and by how far boundaries are off."""
@@ -324,6 +332,8 @@ class Assessment:
             for state, ends in zip(system.states[1:], pairwise((*system.radii, EDGE)), strict=True)
             if state
         )
+        if system.given and len(system.radii) == 1:  # measured of one disk alone
+            largest *= float(self.fields.rates[np.argmax(self.fields.indicators)])
         stray = largest + scale * float(steps.max(initial=0.0))
         return _stuck(system, whole), SAFETY * stray
 
@@ -331,11 +341,17 @@ class Assessment:
 def _loosest(system: Tangential, errors: Sequence[tuple[float, float]]) -> float:
     """Return by what share of a slip zone errors of its ends may move them, at the most."""
     bounds, loosest = (CENTRE, *system.radii, EDGE), 0.0
-    shifts = [0.0, *(2.0 * r.square * e[0] for r, e in zip(system.radii, errors, strict=True)), 0.0]
+    shifts = [0.0, *_unsure(system.radii, errors), 0.0]
     for i in np.flatnonzero(system.states).tolist():
         width = gap(*bounds[i : i + 2])
         loosest = max(loosest, (shifts[i] + shifts[i + 1]) / width if width > 0.0 else inf)
     return loosest
+
+
+def _unsure(radii: Sequence[Radius], errors: Sequence[tuple[float, float]]) -> list[float]:
+    """Return how far boundaries may be off in ``s**2``, from errors as `zones_error` has them."""
+    each = zip(radii, errors, strict=True)
+    return [min(2.0 * at.square * own, at.rest * edge) for at, (own, edge) in each]
 
 
 def _stuck(system: Tangential, misfit: Sequence[Array]) -> list[Stuck]:
@@ -357,10 +373,7 @@ def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ..
 
     They are relative, from the centre and from the edge.
     """
-    unsure = [
-        min(2.0 * at.square * own, at.rest * edge)
-        for at, (own, edge) in zip(radii, errors, strict=True)
-    ]
+    unsure = _unsure(radii, errors)
     widths = starmap(gap, pairwise(radii))
     if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
         return inf

@@ -8,7 +8,6 @@ is the condition of each boundary.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import inf
@@ -34,7 +33,9 @@ from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
     LEAST_LOGIT,
     NOISE,
+    SLOPING,
     NoStickDiskError,
+    differences,
     least_logit,
     root_near,
     slope_at,
@@ -52,9 +53,6 @@ from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
-#: What corrections leave of conditions whose differences are taken; what share of a zone's width
-#: they span at most: 1e-5 takes 25 scenes 214 corrections, not 212; 0.03 and 0.5 change no digit.
-_SLOPING, _MOST_SHARE = 1e-8, 0.2
 #: At the edge nothing happens in less than this of the layer: 1e-12 misses annuli of 4e-12 that
 #: are guessed at a tenth of their width, with 1e-16 no digit of them is another one.
 _NARROWEST = 1e-14
@@ -143,7 +141,7 @@ class FreeBoundaryProblem:
         system = self.system(self.spaces(PROBE, at), at)
         return self.settled(ZoneState.begin(factored(system)), ROUGH)
 
-    def _sloped(self, aim: float = _SLOPING) -> tuple[list[Resolution], Factored]:
+    def _sloped(self, aim: float = SLOPING) -> tuple[list[Resolution], Factored]:
         """Find the slopes of the conditions in a small space; return it and its factors."""
         spaces = self.spaces(ROUGH)
         factors = factored(self.system(spaces, self.logits))
@@ -163,7 +161,7 @@ class FreeBoundaryProblem:
         """Take the slopes from fields, if panels know these near to boundaries and q has digits."""
         known = self.thinnest >= SMALL_COMPLIANCE and self.parameters.beta < 0.5 / ROUNDING
         if known:
-            self.slopes = state.slopes(self.drives, float(np.sqrt(max(self.tolerance, _SLOPING))))
+            self.slopes = state.slopes(self.drives, float(np.sqrt(max(self.tolerance, SLOPING))))
         return known
 
     # spaces
@@ -405,28 +403,9 @@ def solve_stick_disk(
 ) -> Refinement[ZoneSolution]:
     """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
 
-    Parameters
-    ----------
-    drive : Drive
-        Right-hand side, from the normal problem.
-    parameters : Parameters
-        For kappa = 1; friction is positive and below the critical value.
-    layout : Layout
-        The disk: with its slope as a like scene has it, with a guess of its radius, or with none.
-    tolerance : float
-        Bound on the relative error of q/s, pointwise.
-    max_unknowns : int
-        Most unknowns of a space.
-
-    Returns
-    -------
-    Refinement
-        Whether the assumption holds is for the caller to check.
-
-    Raises
-    ------
-    NoStickDiskError
-        If no radius in the range searched makes the traction continuous.
+    The layout has its slope as a like scene has it, a guess of the radius, or nothing. The
+    tolerance bounds q/s pointwise. Whether the assumption holds is for the caller to check; raises
+    `NoStickDiskError` if no radius in the range searched makes the traction continuous.
     """
     # 1 - c falls like exp(-pi f/(2 kappa))
     if parameters.beta == 0.0 and parameters.friction > LARGEST_LOGIT:
@@ -439,21 +418,10 @@ def solve_stick_disk(
 def solve_given_radius(
     drive: Drive, parameters: Parameters, radius: Radius, tolerance: float, max_unknowns: int
 ) -> tuple[Refinement[ZoneSolution], float]:
-    """Solve partial slip with one central stick disk of a given radius, for kappa = 1.
+    """Solve with one central stick disk of a given radius; return the friction ``f/kappa``, too.
 
-    Parameters are those of `solve_stick_disk`; the friction that they have does not count.
-
-    Returns
-    -------
-    Refinement
-        Its ``shifts`` are the error of ``ln f``.
-    float
-        The friction ``f / kappa``.
-
-    Raises
-    ------
-    NoStickDiskError
-        If no friction has this disk.
+    The friction of the parameters does not count. ``shifts`` of what is found are the error of its
+    logarithm; raises `NoStickDiskError` if no friction has this disk.
     """
     known = Layout((radius.logit,), (0, 1), np.eye(1))
     problem = _GivenRadius(parameters, known, tolerance, drive)
@@ -474,28 +442,9 @@ def solve_zones(
 ) -> Refinement[ZoneSolution]:
     """Solve the coupled contact with the zones of a layout.
 
-    Parameters
-    ----------
-    parameters : Parameters
-    layout : Layout
-        The states of the zones; the boundaries as a problem has them as `layout`, or a guess.
-    tolerance : float
-        Bound on the relative errors of both fields, pointwise.
-    max_unknowns : int
-        Most unknowns of a space.
-    pointwise : bool
-        Whether the fields are wanted; approach and shear alone, which the tolerance bounds then,
-        need far fewer unknowns.
-
-    Returns
-    -------
-    Refinement
-        Whether the friction law holds is for the caller to check.
-
-    Raises
-    ------
-    NoBoundariesError
-        If there are no such boundaries.
+    Its boundaries are a guess, or as a problem has them as `layout`. The tolerance bounds the
+    fields pointwise, or approach and shear. Whether the friction law holds is for the caller to check;
+    raises `NoBoundariesError` if there are no such boundaries.
     """
     best: Refinement[ZoneSolution] | None = None
     for k in range(_TRIES):
@@ -508,18 +457,3 @@ def solve_zones(
             break
     assert best is not None
     return best
-
-
-def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:
-    """Return the slopes by central differences, a share of the narrowest zone apart.
-
-    Next to a narrow zone they fall with its width, and a small share would show rounding.
-    """
-    slopes, spacing = [], np.diff(logits)
-    for i in range(len(logits)):
-        near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-        share = min(float(np.cbrt(max(_SLOPING, ROUNDING / near**2))), _MOST_SHARE)
-        h = share * near
-        step = h * np.eye(len(logits))[i]
-        slopes.append((conditions_at(logits + step) - conditions_at(logits - step)) / (2.0 * h))
-    return np.array(slopes).T

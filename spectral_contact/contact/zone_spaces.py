@@ -172,7 +172,7 @@ def _driven_disk(alpha: float, beta: float, rim: Radius, tolerance: float) -> Re
     """Return the space of a stick disk with slip from its rim to the edge."""
     if beta > 0.0:
         layer, ratio = thinnest_layer(alpha, beta, rim.square), 2.0 * rim.square / rim.rest
-        return _to_a_boundary(layer, ratio, 1.0, 0, 0, tolerance)
+        return _to_a_boundary(layer, ratio, 1.0, 0, 0, tolerance, _STUCK_SPARE)
     # without compliance the traction has a root at the rim, and is singular down to the width of
     # the slip annulus
     begin = max(0.0, -log(min(1.0, rim.rest / rim.square)))
@@ -181,7 +181,13 @@ def _driven_disk(alpha: float, beta: float, rim: Radius, tolerance: float) -> Re
 
 
 def _to_a_boundary(
-    layer: float, ratio: float, rate: float, zone: int, state: int, tolerance: float
+    layer: float,
+    ratio: float,
+    rate: float,
+    zone: int,
+    state: int,
+    tolerance: float,
+    spare: int = 0,
 ) -> Resolution:
     """Return the space of a part toward a boundary, so much larger than the one across it."""
     bends = [(layer - 1.0, _TURN)] if state == 0 and layer > 1.0 else []
@@ -189,7 +195,7 @@ def _to_a_boundary(
     if ratio > 1.0:
         bends.append((log(ratio), _TURN if state else _BEND))
         begin = max(begin, log(ratio))
-    return _space(begin, bends, tolerance, rate, _AROUND if zone else _INSIDE)
+    return _space(begin, bends, tolerance, rate, _AROUND if zone else _INSIDE, spare=spare)
 
 
 def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> Resolution:
