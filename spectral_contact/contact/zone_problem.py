@@ -265,10 +265,7 @@ class FreeBoundaryProblem:
 
 
 class StickDiskProblem(FreeBoundaryProblem):
-    """Spaces for the stick disk; the radius is found anew in each of them, if there is one.
-
-    Parameters are those of `FreeBoundaryProblem`, with the drive.
-    """
+    """Spaces for a stick disk under a given pressure; the radius, if any, is found in each."""
 
     def __init__(
         self,
@@ -288,16 +285,14 @@ class StickDiskProblem(FreeBoundaryProblem):
         self.logits, self.slopes = np.array([logit]), np.array([[slope]])
 
     def _found(self, layout: Layout) -> tuple[float, float]:
-        form, (beta, near) = (self.drive, self.parameters), (self.parameters.beta, None)
-        if layout.logits and layout.slopes is None:  # in a space that sees a narrow annulus
-            [guess] = layout.logits
-            spaces = self.spaces(self.tolerance, np.array([guess]))
-            return guess, slope_at(partial(self._mismatch, spaces), guess)
-        if layout.logits and layout.slopes is not None:
-            near = layout.logits[0], float(layout.slopes[0, 0])
-            if not LEAST_LOGIT < near[0] < LARGEST_LOGIT:
-                near = None
-        if beta == 0.0:
+        form, near, slopes = (self.drive, self.parameters), None, layout.slopes
+        for guess in layout.logits:
+            if slopes is None:  # in a space that sees a narrow annulus
+                spaces = self.spaces(self.tolerance, np.array([guess]))
+                return guess, slope_at(partial(self._mismatch, spaces), guess)
+            if LEAST_LOGIT < guess < LARGEST_LOGIT:
+                near = guess, float(slopes[0, 0])
+        if self.parameters.beta == 0.0:
             return guessed_radius(*form, _NEAR, near)
         near = near or guessed_radius(*form, PROBE)
         small = self.spaces(ROUGH, np.array(near[:1]))
@@ -338,13 +333,12 @@ class StickDiskProblem(FreeBoundaryProblem):
         self.drives = [drive]
         if len(self.logits):
             begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
-            # so that it is the same to digits from wherever the search begins
-            least = max(TRIFLING**2 * self.tolerance, ROUNDING)
+            # to rounding at any tolerance: it is the same from wherever the search begins
             if self.parameters.beta == 0.0:  # no field is in the condition
-                logit, slope = guessed_radius(drive, form, least, begin, accuracy=ROUNDING)
+                logit, slope = guessed_radius(drive, form, ROUNDING, begin, accuracy=ROUNDING)
             else:
                 mismatch = partial(self._mismatch, spaces)
-                logit, slope = root_near(mismatch, *begin, least, known=ROUGH)
+                logit, slope = root_near(mismatch, *begin, known=ROUGH)
             self.logits, self.slopes = np.array([logit]), np.array([[slope]])
         return self.assessed(spaces)
 
@@ -420,8 +414,7 @@ def solve_given_radius(
 ) -> tuple[Refinement[ZoneSolution], float]:
     """Solve with one central stick disk of a given radius; return the friction ``f/kappa``, too.
 
-    The friction of the parameters does not count. ``shifts`` of what is found are the error of its
-    logarithm; raises `NoStickDiskError` if no friction has this disk.
+    ``shifts`` are the error of its logarithm; raises `NoStickDiskError` if none has this disk.
     """
     known = Layout((radius.logit,), (0, 1), np.eye(1))
     problem = _GivenRadius(parameters, known, tolerance, drive)
@@ -440,11 +433,10 @@ def solve_zones(
     *,
     pointwise: bool = True,
 ) -> Refinement[ZoneSolution]:
-    """Solve the coupled contact with the zones of a layout.
+    """Solve the coupled contact with the zones of a layout: a guess, or that of a problem.
 
-    Its boundaries are a guess, or as a problem has them as `layout`. The tolerance bounds the
-    fields pointwise, or approach and shear. Whether the friction law holds is for the caller to check;
-    raises `NoBoundariesError` if there are no such boundaries.
+    The tolerance bounds the fields pointwise, or approach and shear. Whether the friction law holds
+    is for the caller to check; raises `NoBoundariesError` if there are no such boundaries.
     """
     best: Refinement[ZoneSolution] | None = None
     for k in range(_TRIES):

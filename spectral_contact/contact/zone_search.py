@@ -96,13 +96,7 @@ class ZoneSearch(ABC):
     _reasons: list[str] = field(default_factory=list, init=False)
 
     def outcome(self) -> PartialSlip:
-        """Return the first outcome that obeys the friction law, or the best there is.
-
-        Raises
-        ------
-        NoZonesError
-            If none will do.
-        """
+        """Return the first outcome that obeys the friction law, or the best that will do."""
         found = []
         # the search for boundaries that are not there ends at the edge, past rounding
         with np.errstate(all="ignore"):

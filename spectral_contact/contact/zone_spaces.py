@@ -35,8 +35,9 @@ _CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, _ALL
 #: How far before the layer a bend is where all sticks; and further degrees there: of 300 scenes and
-#: tolerances one needs a second space.
-_BEFORE, _STUCK_SPARE = 3.0, 1
+#: tolerances one needs a second space. And under a pressure
+#: that is given, where full stick decides on slip, and where it begins: with 1 that is not known.
+_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE = 3.0, 1, 3
 #: How far in ``-ln y`` a layer of the pressure is felt at the edge.
 _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
@@ -125,7 +126,7 @@ def first_spaces(
     """
     if not radii:
         # under one compliance alone a field has a square root at the edge
-        return [_all_sticks(alpha, beta, tolerance, smooth=(alpha == 0.0) != (beta == 0.0))]
+        return [_all_sticks(alpha, beta, tolerance, (alpha == 0.0) != (beta == 0.0))]
     bounds = CENTRE, *radii, EDGE
     extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
     extents[0] *= 2.0
@@ -154,7 +155,7 @@ def driven_spaces(
     Parameters are those of `first_spaces`. With one stick disk nothing else has a space.
     """
     if not radii:
-        return [_all_sticks(alpha, beta, tolerance, smooth=alpha == 0.0)]
+        return [_all_sticks(alpha, beta, tolerance, alpha == 0.0, _DRIVEN_SPARE)]
     if states == (0, 1):
         return [_driven_disk(alpha, beta, radii[0], tolerance)] * 3
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
@@ -207,7 +208,9 @@ def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> 
     return _space(layer, [(layer, _BEND)], tolerance, 0.5, _AT_EDGE, power=-0.5)
 
 
-def _all_sticks(alpha: float, beta: float, tolerance: float, *, smooth: bool) -> Resolution:
+def _all_sticks(
+    alpha: float, beta: float, tolerance: float, smooth: bool, spare: int = _STUCK_SPARE
+) -> Resolution:
     """Return the space of a disk that sticks to the edge: both layers bend both fields.
 
     Next to the edge of a smooth surface they have square roots.
@@ -216,7 +219,7 @@ def _all_sticks(alpha: float, beta: float, tolerance: float, *, smooth: bool) ->
     begin = max(layers, default=LEADING)
     bends = [(layer - _BEFORE, _BEND) for layer in layers]
     rate, power = 0.5 if smooth else 1.0, -0.5 if alpha == 0.0 else 0.0
-    return _space(begin, bends, tolerance, rate, power=power, spare=_STUCK_SPARE)
+    return _space(begin, bends, tolerance, rate, power=power, spare=spare)
 
 
 def _space(

@@ -68,7 +68,10 @@ class Factored:
             values[: system.count, 0] = system.load
             return self.step(values)
         values[0, 0] = system.given
-        return values + self.step(system.tested(system.misfit(values, units[0], units[1:])))
+        values += self.step(system.tested(system.misfit(values, units[0], units[1:])))
+        if not system.symmetric:  # next to a narrow edge that sticks factors lose what is there
+            values += self.step(system.residual(values, units[0], units[1:]))
+        return values
 
     @property
     def responses(self) -> Array:

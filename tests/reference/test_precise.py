@@ -167,7 +167,7 @@ def test_rounding_of_the_double_traction_at_the_centre():
     """Under little compliance q/s at the centre amplifies rounding more than at other places."""
     compliances = 0.03215515306384673, 0.0016621839283741788
     scene = Scene(0.46381748205713325, *compliances, 0.26515145909815147)
-    solution, run = solve(scene, 1.25e-11), one_disk(scene, 14)
+    solution, run = solve(scene, 1e-12), one_disk(scene, 14)
     s = np.array([run.fixed.mp.mpf(v) for v in (4e-4, 1e-3, 2.3e-3, 3.4e-3)])
     true = run.tractions(s, 1 - s).astype(float)
     found = solution.traction(s.astype(float))

@@ -147,14 +147,14 @@ MUTANTS = (
     ),
     Mutant(
         "a disk that stands for smaller ones carries what it would by itself",
-        f"{_CONTACT}/zone_problem.py",
+        f"{_CONTACT}/little_friction.py",
         "Parameters(alpha, 1.0 / ROUNDING, kappa",
         "Parameters(alpha, parameters.beta, kappa",
         _CENTRE,
     ),
     Mutant(
         "a disk that stands for smaller ones is not small against the layer",
-        f"{_CONTACT}/zone_problem.py",
+        f"{_CONTACT}/stick_radius.py",
         "log(ROUNDING * min(alpha, 1.0))",
         "log(ROUNDING)",
         _CENTRE,
