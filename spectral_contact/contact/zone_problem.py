@@ -397,9 +397,8 @@ def solve_stick_disk(
 ) -> Refinement[ZoneSolution]:
     """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
 
-    The layout has its slope as a like scene has it, a guess of the radius, or nothing. The
-    tolerance bounds q/s pointwise. Whether the assumption holds is for the caller to check; raises
-    `NoStickDiskError` if no radius in the range searched makes the traction continuous.
+    The layout has its slope as a like scene has it, a guess of the radius, or nothing. Whether the
+    assumption holds is for the caller to check; raises `NoStickDiskError` if there is no radius.
     """
     # 1 - c falls like exp(-pi f/(2 kappa))
     if parameters.beta == 0.0 and parameters.friction > LARGEST_LOGIT:

@@ -73,15 +73,15 @@ def solve_zones(
     tell("zones")
     if held:
         trial = ZoneTrial(problem, logits)
-        return trial.outcome(_Factored(trial).refined(trial, flat, goal))
+        return trial.outcome(_Preconditioned(trial).refined(trial, flat, goal))
     if near is not None:
         assert near.slopes is not None
         trial = ZoneTrial(problem, logits)
-        return _settled(_Factored(trial), trial, flat, near.slopes, (goal, inf))
+        return _settled(_Preconditioned(trial), trial, flat, near.slopes, (goal, inf))
     for number in range(1, _MOST_STARTS + 1):
         tell(f"zones, start {number}")
         trial = ZoneTrial(problem, logits)
-        factored = _Factored(trial)
+        factored = _Preconditioned(trial)
         flat = factored.refined(trial, 0 * flat, _CLOSE)
         slopes = factored.slopes(trial, flat)
         shift = _step(slopes, problem.drive.fixed.floats(trial.mismatch(flat)))
@@ -94,7 +94,11 @@ def solve_zones(
 
 
 def _settled(
-    factored: _Factored, trial: ZoneTrial, flat: Ints, slopes: Array, goals: tuple[float, float]
+    factored: _Preconditioned,
+    trial: ZoneTrial,
+    flat: Ints,
+    slopes: Array,
+    goals: tuple[float, float],
 ) -> Zones:
     """Move the boundaries until they settle, and the tractions with them.
 
@@ -137,7 +141,7 @@ def _length(shift: Array, logits: Sequence[Any]) -> float:
     return float(max(steps))
 
 
-class _Factored:
+class _Preconditioned:
     """The equations for the tractions of a trial, factored in double precision."""
 
     def __init__(self, trial: ZoneTrial) -> None:
