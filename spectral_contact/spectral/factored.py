@@ -70,7 +70,8 @@ class Factored:
         values[0, 0] = system.given
         values += self.step(system.tested(system.misfit(values, units[0], units[1:])))
         if not system.symmetric:  # next to a narrow edge that sticks factors lose what is there
-            values += self.step(system.residual(values, units[0], units[1:]))
+            nothing = np.zeros(len(units) - 1)
+            values[:, 1:] += self.step(system.residual(values[:, 1:], nothing, units[1:, 1:]))
         return values
 
     @property

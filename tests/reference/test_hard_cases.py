@@ -94,7 +94,10 @@ def test_one_ulp_moves_the_outputs_by_what_the_problem_asks_for(case):
             # a solve rounds compliances and friction, too
             by = [values.get(key, 0.0) for k, values in record.items() if k != "poisson_ratio"]
             explained = record[name].get(key, 0.0) * change + max([1.0, *by]) * EPS
-            assert moved <= FACTOR * explained, (name, key)
+            # radii are kept as logits of their squares, which are rounded, too
+            small = min(before[key], 0.5) if key.startswith("b") else 0.5
+            rounded = np.spacing(-math.log(small))
+            assert moved <= FACTOR * explained + rounded, (name, key)
 
 
 @named([case for case in CASES if case.name in ("ordinary", "thin layers", "incompressible")])
