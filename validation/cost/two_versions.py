@@ -29,13 +29,13 @@ CASES: dict[str, tuple[float, float, float, bool, float]] = {
     "one disk, loose": (0.5, 0.5, 0.5 * KAPPA, False, 1e-2),
     "one disk, thin": (1e-6, 1e-6, 0.9 * KAPPA, False, 1e-12),
     "one disk, β* = 0": (0.5, 0.0, 0.5 * KAPPA, False, 1e-12),
-    "slip inside": (0.05, 1.0, 0.115 * KAPPA, False, 1e-8),
-    "slip inside, tight": (0.05, 1.0, 0.115 * KAPPA, False, 1e-12),
+    "slip inside": (0.05, 1.0, 0.23 * KAPPA, False, 1e-8),
+    "slip inside, tight": (0.05, 1.0, 0.23 * KAPPA, False, 1e-12),
     "coupled, full stick": (0.5, 0.5, inf, True, 1e-12),
     "coupled, one disk": (0.5, 0.5, 0.5 * KAPPA, True, 1e-12),
     "coupled, one disk, thin": (1e-6, 1e-6, 0.9 * KAPPA, True, 1e-12),
     "coupled, one disk, smooth": (0.0, 0.0, 0.9 * KAPPA, True, 1e-12),
-    "coupled, slip inside": (0.05, 1.0, 0.115 * KAPPA, True, 1e-12),
+    "coupled, slip inside": (0.05, 1.0, 0.23 * KAPPA, True, 1e-12),
 }
 
 
