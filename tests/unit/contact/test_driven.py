@@ -1,9 +1,12 @@
 """The tangential equation under a known pressure: what is evaluated is what would be assembled."""
 
+import math
+
 import numpy as np
 import pytest
 from oracles.family_integrals import half_integral
 
+from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import solve_normal
@@ -82,3 +85,13 @@ def test_loads_and_shears_are_those_of_the_pressure():
     assert system.total_shear(values) == pytest.approx(
         system.parameters.friction * slipping, rel=1e-7
     )
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta", "rtol"), [(0.5, 0.5, 1e-2), (18.0, 0.59, 1e-2), (1.0, 1.0, 3e-3)]
+)
+def test_loose_full_stick_is_within_its_estimate_at_the_edge(alpha, beta, rtol):
+    scene, edge = Scene(0.1, alpha, beta, math.inf), 1e-14
+    loose, tight = solve(scene, rtol), solve(scene, 1e-12)
+    off = abs(loose.traction(from_edge=edge) / tight.traction(from_edge=edge) - 1.0)
+    assert off + tight.error.traction <= loose.error.traction
