@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import exp, inf, log
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,8 @@ from numpy.polynomial.legendre import legder, legroots
 from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
+    LEADING,
+    TRACTION_ROUNDING,
     places,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
@@ -26,6 +28,7 @@ _AT_ONE_PLACE = 1.0 / 6.0
 #: Places of the first look, and the nodes of a polynomial between two of these: as q/p is analytic
 #: in ``x`` up to an imaginary part of pi or so, that is right to rounding.
 _GRID, _POINTS = 129, 16
+_IN_TAIL = np.linspace(0.0, LEADING, 65)[1:]
 _NODES, _ = gauss_rule(_POINTS)
 #: From values at the nodes to the Legendre coefficients of the slope.
 _SLOPE = legder(legendre_expansion_matrix(_POINTS, _POINTS - 1))
@@ -82,7 +85,7 @@ class FullStick:
         Parameters
         ----------
         depth : float
-            ``-ln y`` down to which the maximum is looked for.
+            ``-ln y`` of the panels, in whose tail the maximum may be, too.
         shares : iterable of (LogPanels, ndarray)
             Changes of the fields on their panels, relative to them.
         at_edge : float
@@ -96,7 +99,7 @@ class FullStick:
         def error(y: float) -> float:
             """Estimate the error of q/p at one place: what its panels contribute."""
             places = sum(_share_at(*one, y) for one in shares)
-            return FIELD_ROUNDING + _AT_ONE_PLACE * places + (at_edge if y == 0.0 else 0.0)
+            return FIELD_ROUNDING + _AT_ONE_PLACE * places + (at_edge if y < exp(-depth) else 0.0)
 
         return replace(
             self,
@@ -125,7 +128,7 @@ class LargestRatio(NamedTuple):
 
 
 def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
-    """Return q/p at the edge and at its largest, for ``-ln y`` up to a depth; p is positive."""
+    """Return q/p at the edge and at its largest, on panels to a depth and in their tail."""
     alike = pressure.series is not None and pressure.series.on_panels_of(traction.series)
 
     def ratio(x: Array) -> Array:
@@ -145,12 +148,13 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
         edge = traction.series.limit / at_edge
         if edge == inf:
             return LargestRatio(inf, inf, 0.0)
-    x = places(depth, _GRID)
+    x = np.concatenate([places(depth, _GRID), depth + _IN_TAIL])
     values = ratio(x)
+    values[_GRID:] *= 1.0 - TRACTION_ROUNDING  # in the tail it differs from the edge by that
     i = int(np.argmax(values))
     if values[i] <= abs(edge) * (1.0 + 2.0 * np.finfo(float).eps):
         return LargestRatio(edge, abs(edge), 0.0)
-    low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, _GRID - 1)])
+    low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, len(x) - 1)])
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     near = middle + half * _NODES
     around = ratio(near)

@@ -391,7 +391,7 @@ class ZonesNewton:
         return problem.drift(self._begin) > problem.far
 
     def _factored(self) -> None:
-        self._factors = self._factors.of(self.state.system)
+        self._factors = type(self._factors)(self.state.system)
         self.state = replace(self.state, factored=self._factors)
         self._begin = self._problem.logits
         self._pace.alike = -1 - _FIRST if self._pace.lossy else 0

@@ -47,10 +47,6 @@ class Factored:
         self._rows[system.count :] *= small
         self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
-    def of(self, system: Tangential) -> Factored:
-        """Return another system factored in the same way."""
-        return type(self)(system)
-
     def step(self, right: Array) -> Array:
         """Return the solution as factored, of right-hand sides as columns."""
         scaled = right * self._rows[:, None]

@@ -95,3 +95,12 @@ def test_loose_full_stick_is_within_its_estimate_at_the_edge(alpha, beta, rtol):
     loose, tight = solve(scene, rtol), solve(scene, 1e-12)
     off = abs(loose.traction(from_edge=edge) / tight.traction(from_edge=edge) - 1.0)
     assert off + tight.error.traction <= loose.error.traction
+
+
+@pytest.mark.parametrize(("alpha", "beta"), [(0.92, 3.7), (1.3, 10.0), (1.37, 5.0)])
+def test_the_largest_ratio_is_found_where_a_loose_space_has_no_panels(alpha, beta):
+    scene = Scene(0.0, alpha, beta, math.inf)
+    loose, tight = (solve(scene, rtol) for rtol in (1e-2, 1e-12))
+    off = abs(loose.critical_friction / tight.critical_friction - 1.0)
+    assert off <= loose.error.critical_friction + tight.error.critical_friction
+    assert loose.critical_friction > loose.edge_ratio
