@@ -35,9 +35,9 @@ _CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, _ALL
 #: How far before the layer a bend is where all sticks; and further degrees there: of 300 scenes and
-#: tolerances one needs a second space. And under a pressure
-#: that is given, where full stick decides on slip, and where it begins: with 1 that is not known.
-_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE = 3.0, 1, 3
+#: tolerances one needs a second space. And under a pressure that is given, where full stick decides
+#: on slip, and where it begins: with 1 that is not known. And in a disk with a root at its rim.
+_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE, _ROOT_SPARE = 3.0, 1, 3, 2
 #: How far in ``-ln y`` a layer of the pressure is felt at the edge.
 _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
@@ -170,15 +170,19 @@ def driven_spaces(
 
 
 def _driven_disk(alpha: float, beta: float, rim: Radius, tolerance: float) -> Resolution:
-    """Return the space of a stick disk with slip from its rim to the edge."""
-    if beta > 0.0:
-        layer, ratio = thinnest_layer(alpha, beta, rim.square), 2.0 * rim.square / rim.rest
-        return _to_a_boundary(layer, ratio, 1.0, 0, 0, tolerance, _STUCK_SPARE)
-    # without compliance the traction has a root at the rim, and is singular down to the width of
-    # the slip annulus
-    begin = max(0.0, -log(min(1.0, rim.rest / rim.square)))
-    bend = 1.0 - log(min(max(alpha, rim.rest) / rim.square, 1.0))
-    return _space(begin, [(begin, _TURN), (bend, _TURN)], tolerance, 0.0, _AROUND)
+    """Return the space of a stick disk with slip from its rim to the edge.
+
+    The pressure rises to the edge, or has a layer there; the traction one at the rim. Without
+    compliance it has a root there, and is singular down to the width of the slip annulus.
+    """
+    extent = rim.square
+    edge, risen = (-log(min(x / extent, 1.0)) for x in (rim.rest, max(alpha, rim.rest)))
+    if beta == 0.0:
+        return _space(edge, [(edge, _TURN), (risen, _TURN)], tolerance, 0.0, spare=_ROOT_SPARE)
+    layer = -log(min(beta / rim.value, 1.0))
+    begin = max(min(layer, 0.5 * layer + _BEFORE), risen)
+    bends = [(layer - 1.0, _TURN), (risen, _BEND)]
+    return _space(begin, bends, tolerance, 1.0, spare=_STUCK_SPARE)
 
 
 def _to_a_boundary(
