@@ -210,8 +210,7 @@ class Assessment:
         step = float((self.inverse @ np.abs(self.state.mismatch)).max(initial=0.0))
         if step > 0.0 and self.system.parameters.beta > 0.0:
             return min(self.problem.size(self.state, self.loose.change), 2.0 * step)
-        # q/s of one disk is that of the unit disk over c, of which the logit has twice the share
-        return step * (1.0 if self.system.given and len(self.system.radii) == 1 else 2.0)
+        return 2.0 * step
 
     @cached_property
     def squared(self) -> float:

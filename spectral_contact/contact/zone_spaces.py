@@ -34,10 +34,11 @@ _CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0
 #: before it, and at the edge.
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, _ALL
-#: How far before the layer a bend is where all sticks; and further degrees there: of 300 scenes and
-#: tolerances one needs a second space. And under a pressure that is given, where full stick decides
-#: on slip, and where it begins: with 1 that is not known. And in a disk with a root at its rim.
-_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE, _ROOT_SPARE = 3.0, 1, 3, 2
+#: How far before the layer a bend is where all sticks, and further degrees there: with 1, and no
+#: more at the centre, 32 of 820 scenes and tolerances need a second space, with these one; under a
+#: pressure that is given, where full stick decides on slip, and where it begins, which is not known
+#: with 1; and in a disk with a root at its rim.
+_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE, _ROOT_SPARE = 3.0, 1.1, 3, 2
 #: How far in ``-ln y`` a layer of the pressure is felt at the edge.
 _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
@@ -126,7 +127,8 @@ def first_spaces(
     """
     if not radii:
         # under one compliance alone a field has a square root at the edge
-        return [_all_sticks(alpha, beta, tolerance, (alpha == 0.0) != (beta == 0.0))]
+        rooted = (alpha == 0.0) != (beta == 0.0)
+        return [_all_sticks(alpha, beta, tolerance, rooted, _STUCK_SPARE, _TURN)]
     bounds = CENTRE, *radii, EDGE
     extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
     extents[0] *= 2.0
@@ -192,7 +194,6 @@ def _to_a_boundary(
     zone: int,
     state: int,
     tolerance: float,
-    spare: int = 0,
 ) -> Resolution:
     """Return the space of a part toward a boundary, so much larger than the one across it."""
     bends = [(layer - 1.0, _TURN)] if state == 0 and layer > 1.0 else []
@@ -200,7 +201,7 @@ def _to_a_boundary(
     if ratio > 1.0:
         bends.append((log(ratio), _TURN if state else _BEND))
         begin = max(begin, log(ratio))
-    return _space(begin, bends, tolerance, rate, _AROUND if zone else _INSIDE, spare=spare)
+    return _space(begin, bends, tolerance, rate, _AROUND if zone else _INSIDE)
 
 
 def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> Resolution:
@@ -213,7 +214,7 @@ def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> 
 
 
 def _all_sticks(
-    alpha: float, beta: float, tolerance: float, smooth: bool, spare: int = _STUCK_SPARE
+    alpha: float, beta: float, tolerance: float, smooth: bool, spare: float, first: float = 0.0
 ) -> Resolution:
     """Return the space of a disk that sticks to the edge: both layers bend both fields.
 
@@ -223,7 +224,7 @@ def _all_sticks(
     begin = max(layers, default=LEADING)
     bends = [(layer - _BEFORE, _BEND) for layer in layers]
     rate, power = 0.5 if smooth else 1.0, -0.5 if alpha == 0.0 else 0.0
-    return _space(begin, bends, tolerance, rate, power=power, spare=spare)
+    return _space(begin, bends, tolerance, rate, first, power=power, spare=spare)
 
 
 def _space(
@@ -234,7 +235,7 @@ def _space(
     first: float = 0.0,
     *,
     power: float = 0.0,
-    spare: int = 0,
+    spare: float = 0.0,
 ) -> Resolution:
     """Return a space whose solution settles like ``exp(-rate x)`` past `begin`.
 
