@@ -174,16 +174,17 @@ def driven_spaces(
 def _driven_disk(alpha: float, beta: float, rim: Radius, tolerance: float) -> Resolution:
     """Return the space of a stick disk with slip from its rim to the edge.
 
-    The pressure rises to the edge, or has a layer there; the traction one at the rim. Without
-    compliance it has a root there, and is singular down to the width of the slip annulus.
+    The pressure rises to the edge, or has a layer there; the traction one at the rim, which is felt
+    half as deep unless the slip annulus is as narrow. Without compliance it has a root there, and
+    is singular down to the width of the annulus.
     """
     extent = rim.square
     edge, risen = (-log(min(x / extent, 1.0)) for x in (rim.rest, max(alpha, rim.rest)))
     if beta == 0.0:
         return _space(edge, [(edge, _TURN), (risen, _TURN)], tolerance, 0.0, spare=_ROOT_SPARE)
     layer = -log(min(beta / rim.value, 1.0))
-    begin = max(min(layer, 0.5 * layer + _BEFORE), risen)
-    bends = [(layer - 1.0, _TURN), (risen, _BEND)]
+    begin = max(min(layer, max(0.5 * layer + _BEFORE, edge)), risen)
+    bends = [(layer - 1.0, _TURN), (risen - 1.0, _BEND)]
     return _space(begin, bends, tolerance, 1.0, spare=_STUCK_SPARE)
 
 
