@@ -35,10 +35,10 @@ _CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0
 _ALL, _BEND, _TURN = 0.43, 0.15, 0.08
 _INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, _ALL
 #: How far before the layer a bend is where all sticks, and further degrees there: with 1, and no
-#: more at the centre, 32 of 820 scenes and tolerances need a second space, with these one; under a
-#: pressure that is given, where full stick decides on slip, and where it begins, which is not known
-#: with 1; and in a disk with a root at its rim.
-_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE, _ROOT_SPARE = 3.0, 1.1, 3, 2
+#: more at the centre, 32 of 820 scenes and tolerances need a second space, with these one. And
+#: under a pressure that is given, in full stick, which decides on slip, and where it begins: with 1
+#: that is not known; or with a root at the rim.
+_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE = 3.0, 1.1, 3
 #: How far in ``-ln y`` a layer of the pressure is felt at the edge.
 _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
@@ -181,7 +181,7 @@ def _driven_disk(alpha: float, beta: float, rim: Radius, tolerance: float) -> Re
     extent = rim.square
     edge, risen = (-log(min(x / extent, 1.0)) for x in (rim.rest, max(alpha, rim.rest)))
     if beta == 0.0:
-        return _space(edge, [(edge, _TURN), (risen, _TURN)], tolerance, 0.0, spare=_ROOT_SPARE)
+        return _space(edge, [(edge, _TURN), (risen, _TURN)], tolerance, 0.0, spare=_DRIVEN_SPARE)
     layer = -log(min(beta / rim.value, 1.0))
     begin = max(min(layer, max(0.5 * layer + _BEFORE, edge)), risen)
     bends = [(layer - 1.0, _TURN), (risen - 1.0, _BEND)]
