@@ -31,7 +31,7 @@ from spectral_contact.errors import (
     SolutionFileError,
     SpectralContactError,
 )
-from spectral_contact.inputs.choices import suggestion
+from spectral_contact.io.choices import suggestion
 from spectral_contact.paper.figures import FIGURES
 from spectral_contact.paper.run import reproduce
 from spectral_contact.processes import PROGRAM, VERSION, failed, guarded

@@ -12,7 +12,7 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.evaluation import over_s
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import DiskSeries, PressureField, ZonalField
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.records import (
     COUPLING,
     FULL_STICK,

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import SolutionFileError
-from spectral_contact.inputs.choices import names as known_names
-from spectral_contact.inputs.choices import one_of
+from spectral_contact.io.choices import names as known_names
+from spectral_contact.io.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
 

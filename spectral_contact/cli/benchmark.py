@@ -6,7 +6,7 @@ import argparse
 from typing import Final
 
 from spectral_contact import benchmarks
-from spectral_contact.inputs.choices import suggestion
+from spectral_contact.io.choices import suggestion
 from spectral_contact.view.report import table
 
 #: What can be done with benchmarks.

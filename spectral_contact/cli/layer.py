@@ -11,7 +11,7 @@ import numpy as np
 
 from spectral_contact.cli.options import UsageError, add_option, flag, measured
 from spectral_contact.errors import SceneError, SolutionFileError
-from spectral_contact.inputs.units import in_si
+from spectral_contact.io.units import in_si
 from spectral_contact.layers import (
     CalculixExponential,
     Exponential,

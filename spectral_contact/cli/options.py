@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from spectral_contact.errors import SpectralContactError
-from spectral_contact.inputs.units import has_unit
+from spectral_contact.io.units import has_unit
 
 # Narrower than float() and int(), which take 1_000 and the digits of every script.
 _DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)

@@ -11,7 +11,7 @@ from spectral_contact.cli.layer import LAW_NUMBERS
 from spectral_contact.cli.options import UsageError, add_option, friction, number, values, whole
 from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
 from spectral_contact.cli.scene import add_coupling
-from spectral_contact.inputs.checks import whole as checked_whole
+from spectral_contact.io.checks import whole as checked_whole
 from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.processes import workers
 from spectral_contact.profiles.control import ALL_CONTROLS

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs import checks, choices
 from spectral_contact.interior import places
 from spectral_contact.interior.energies import energies
 from spectral_contact.interior.extremes import MEASURES, largest
@@ -20,6 +19,7 @@ from spectral_contact.interior.integrals import Integrals
 from spectral_contact.interior.mesh import AXIS, BodyPoints, Evaluator
 from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
 from spectral_contact.interior.sampling import Sampler, displacement_error, stress_error, stresses
+from spectral_contact.io import checks, choices
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.solution import Solution
 from spectral_contact.threads import cached_property

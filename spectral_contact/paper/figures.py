@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.inputs import checks, choices
+from spectral_contact.io import checks, choices
 from spectral_contact.paper.onset import ASKED, SlipOnset, all_stuck, first_slip
 from spectral_contact.paper.tables import RADII, FigureData, PaperFigure
 from spectral_contact.scene import Scene

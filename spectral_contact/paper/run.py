@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spectral_contact.inputs import checks, choices
+from spectral_contact.io import checks, choices
 from spectral_contact.io.documents import Refused, path_text, read_file, replace_file, reported
 from spectral_contact.paper.figures import FIGURES, paper_figure
 from spectral_contact.paper.pictures import check, draw

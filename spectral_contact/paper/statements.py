@@ -10,7 +10,7 @@ from math import ceil, inf, log10, pi
 
 import numpy as np
 
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve

@@ -14,7 +14,7 @@ import numpy as np
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs import checks, choices
+from spectral_contact.io import checks, choices
 from spectral_contact.io.documents import append_file, reported
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene

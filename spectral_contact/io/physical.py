@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import exactly_one, positive, real, within
+from spectral_contact.io.checks import exactly_one, positive, real, within
 
 #: What a dimensionless compliance may be, besides 0.
 SMALLEST_COMPLIANCE: Final = 1e-14

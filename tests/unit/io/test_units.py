@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from spectral_contact import MissingDependencyError, Scene, SceneError
-from spectral_contact.inputs import units
-from spectral_contact.inputs.units import has_unit, in_si
+from spectral_contact.io import units
+from spectral_contact.io.units import has_unit, in_si
 
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "radius": 5e-3}
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import exactly_one, lengths, radii, real, tolerance, whole
+from spectral_contact.io.checks import exactly_one, lengths, radii, real, tolerance, whole
 
 NOT_REAL = [
     pytest.param(value, id=f"{type(value).__name__} {index}")
