@@ -18,7 +18,6 @@ from oracles.faults import FAULTS, every_fault
 
 import spectral_contact
 from spectral_contact import Scene, SolutionFileError, solve
-from spectral_contact.cli import sweep as cli_sweep
 from spectral_contact.io import documents
 from spectral_contact.paper import reproduce
 from spectral_contact.paper import run as paper_run
@@ -30,6 +29,7 @@ from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.request import Outcome
 from spectral_contact.sweeps.store import Store
 from spectral_contact.view import plotting
+from spectral_contact.view.cli import sweep as cli_sweep
 from spectral_contact.view.report import write_csv
 
 REPOSITORY = Path(__file__).parents[3]

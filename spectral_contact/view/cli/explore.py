@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
-from spectral_contact.cli.options import number, whole
 from spectral_contact.scene import Scene
+from spectral_contact.view.cli.options import number, whole
 from spectral_contact.view.explorer.page import serve
 
 

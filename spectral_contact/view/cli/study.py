@@ -7,7 +7,6 @@ import os
 import sys
 from typing import Any, Final
 
-from spectral_contact.cli.options import resolution
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
 from spectral_contact.studies.results import QUANTITIES, Study
@@ -15,6 +14,7 @@ from spectral_contact.studies.solvers import named_solver
 from spectral_contact.studies.study import OwnSolver, convergence, work_precision
 from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
+from spectral_contact.view.cli.options import resolution
 
 #: The studies, and what they do.
 KINDS: Final = {

@@ -7,10 +7,6 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from spectral_contact.cli.layer import LAW_NUMBERS
-from spectral_contact.cli.options import UsageError, add_option, friction, number, values, whole
-from spectral_contact.cli.profile import add_profile, profile_given, profile_scene
-from spectral_contact.cli.scene import add_coupling
 from spectral_contact.io.checks import whole as checked_whole
 from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.processes import workers
@@ -20,6 +16,17 @@ from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps.pictures import plot_slice, varying
 from spectral_contact.sweeps.run import sweep
 from spectral_contact.view import plotting
+from spectral_contact.view.cli.layer import LAW_NUMBERS
+from spectral_contact.view.cli.options import (
+    UsageError,
+    add_option,
+    friction,
+    number,
+    values,
+    whole,
+)
+from spectral_contact.view.cli.profile import add_profile, profile_given, profile_scene
+from spectral_contact.view.cli.scene import add_coupling
 from spectral_contact.view.report import table
 
 if TYPE_CHECKING:

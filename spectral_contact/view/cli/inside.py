@@ -8,8 +8,6 @@ from typing import Final
 
 import numpy as np
 
-from spectral_contact.cli.options import UsageError, number, values
-from spectral_contact.cli.profile import any_scene
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
 from spectral_contact.interior import Extreme, Inside
@@ -18,6 +16,8 @@ from spectral_contact.io.documents import netcdf, read_file, replace_file, repor
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
+from spectral_contact.view.cli.options import UsageError, number, values
+from spectral_contact.view.cli.profile import any_scene
 from spectral_contact.view.report import table
 
 #: Suffixes of a stored table; a grid alone can be a dataset.

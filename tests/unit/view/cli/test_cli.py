@@ -12,8 +12,8 @@ import spectral_contact
 from spectral_contact import ErrorEstimates, Scene, Solution, solve
 from spectral_contact import __main__ as cli
 from spectral_contact.__main__ import main
-from spectral_contact.cli.options import number
 from spectral_contact.io import units
+from spectral_contact.view.cli.options import number
 
 STEEL = ("--youngs-modulus", "2.1e11", "--poisson-ratio", "0.3", "--radius", "0.013")
 SLIDING = (*STEEL, "--friction", "0.1")

@@ -5,9 +5,16 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
-from spectral_contact.cli.options import UsageError, add_option, flag, friction, measured, number
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
+from spectral_contact.view.cli.options import (
+    UsageError,
+    add_option,
+    flag,
+    friction,
+    measured,
+    number,
+)
 
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
 _SI_COMPLIANCES: Final = ("normal_compliance_si", "tangential_compliance_si")

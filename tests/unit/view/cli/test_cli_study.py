@@ -9,8 +9,8 @@ import pytest
 from spectral_contact import Scene
 from spectral_contact import __main__ as cli
 from spectral_contact.__main__ import main
-from spectral_contact.cli import study as cli_study
 from spectral_contact.studies import OwnSolver, Stopwatch, convergence, load, work_precision
+from spectral_contact.view.cli import study as cli_study
 
 FRICTIONLESS = ("--friction", "none")
 QUICK = Stopwatch(repeats=1, seconds=0.0, processes=1)

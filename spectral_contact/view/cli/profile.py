@@ -6,12 +6,12 @@ import argparse
 from collections.abc import Callable
 from typing import Any, Final
 
-from spectral_contact.cli.layer import add_layer, law, layer_given
-from spectral_contact.cli.options import UsageError, add_option, flag, number
-from spectral_contact.cli.scene import add_physical, add_scene, scene, si_given
 from spectral_contact.io.units import in_si
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
+from spectral_contact.view.cli.layer import add_layer, law, layer_given
+from spectral_contact.view.cli.options import UsageError, add_option, flag, number
+from spectral_contact.view.cli.scene import add_physical, add_scene, scene, si_given
 
 #: Profiles that numbers describe, by the name on the command line.
 _NAMED: Final = {

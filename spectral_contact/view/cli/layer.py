@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from spectral_contact.cli.options import UsageError, add_option, flag, measured
 from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.io.units import in_si
 from spectral_contact.layers import (
@@ -20,6 +19,7 @@ from spectral_contact.layers import (
     PowerLaw,
     Table,
 )
+from spectral_contact.view.cli.options import UsageError, add_option, flag, measured
 
 #: Laws by the name on the command line, with what they need and what they may have.
 _NAMED: Final[dict[str, tuple[Callable[..., Layer], tuple[str, ...], tuple[str, ...]]]] = {
