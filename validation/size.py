@@ -64,7 +64,7 @@ CAME_ELSEWHERE = {
     "inside": ("interior", "view.cli.inside", "closed_forms.flat_punch", "view.inside"),
     "indentation": ("calibration.indentation", "calibration.layered"),
     "explorer": ("view.cli.explore", "view.explorer"),
-    "benchmarks": ("benchmarks", "view.cli.benchmark"),
+    "benchmarks": ("gold.benchmarks", "view.cli.benchmark"),
     "comparison": ("studies.comparison", "view.html"),
     "units": ("io.units",),
 }
@@ -90,7 +90,7 @@ GATES = (
     Gate("names that several classes bear", 2, 0),
     Gate("results of anonymous tuples of more than two", 0, 0),
     Gate("modules at the root", 9, 10),
-    Gate("packages at the root", 19, 15),
+    Gate("packages at the root", 18, 15),
     Gate("circles of imports", 0, 0),
     Gate("longest chain of imports", 12, 12),
     Gate("lines of import contracts", 90, 90),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
-from spectral_contact import benchmarks
+from spectral_contact.gold import benchmarks
 from spectral_contact.io.choices import suggestion
 from spectral_contact.view.report import table
 

@@ -9,9 +9,9 @@ import pytest
 
 from spectral_contact import SceneError, SolutionFileError, benchmarks
 from spectral_contact.__main__ import main
-from spectral_contact.benchmarks import loader
+from spectral_contact.gold.benchmarks import loader
 
-DATA = resources.files("spectral_contact.benchmarks") / "data"
+DATA = resources.files("spectral_contact.gold.benchmarks") / "data"
 
 
 def test_every_file_is_the_one_that_was_published():

@@ -150,7 +150,7 @@ class Benchmark:
 
     def page(self) -> str:
         """Return the page of the benchmark, as Markdown."""
-        from spectral_contact.benchmarks.page import page
+        from spectral_contact.gold.benchmarks.page import page
 
         return page(self)
 
@@ -244,4 +244,4 @@ def _sums() -> dict[str, str]:
 
 
 def _folder() -> Any:
-    return resources.files("spectral_contact.benchmarks") / "data"
+    return resources.files("spectral_contact.gold.benchmarks") / "data"
