@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from spectral_contact.equations.interior import Extreme, Inside
+from spectral_contact.equations.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
-from spectral_contact.interior import Extreme, Inside
-from spectral_contact.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.io.documents import netcdf, read_file, replace_file, reported
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve

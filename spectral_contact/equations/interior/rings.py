@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ellipe
 
+from spectral_contact.equations.interior.elliptic import Elliptic, elliptic, solid_angle
 from spectral_contact.fields import Array
-from spectral_contact.interior.elliptic import Elliptic, elliptic, solid_angle
 
 _TWO_OVER_PI = 2.0 / np.pi
 _FEW_NODES, _FEW_WEIGHTS = np.polynomial.legendre.leggauss(4)

@@ -14,7 +14,7 @@ from spectral_contact.fields import Array
 if TYPE_CHECKING:
     import xarray
 
-    from spectral_contact.interior.body import Inside
+    from spectral_contact.equations.interior.body import Inside
     from spectral_contact.solution import Solution
 
 #: Columns of a table but for the places, and what they mean.

@@ -9,16 +9,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spectral_contact.equations.interior import places
+from spectral_contact.equations.interior.energies import energies
+from spectral_contact.equations.interior.extremes import MEASURES, largest
+from spectral_contact.equations.interior.grids import UnitNames, Units, columns, dataset, own_units
+from spectral_contact.equations.interior.integrals import Integrals
+from spectral_contact.equations.interior.mesh import AXIS, BodyPoints, Evaluator
+from spectral_contact.equations.interior.results import (
+    Displacement,
+    Energies,
+    Extreme,
+    Stress,
+    Surface,
+)
+from spectral_contact.equations.interior.sampling import (
+    Sampler,
+    displacement_error,
+    stress_error,
+    stresses,
+)
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.interior import places
-from spectral_contact.interior.energies import energies
-from spectral_contact.interior.extremes import MEASURES, largest
-from spectral_contact.interior.grids import UnitNames, Units, columns, dataset, own_units
-from spectral_contact.interior.integrals import Integrals
-from spectral_contact.interior.mesh import AXIS, BodyPoints, Evaluator
-from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
-from spectral_contact.interior.sampling import Sampler, displacement_error, stress_error, stresses
 from spectral_contact.io import checks, choices
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.solution import Solution

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.equations.interior.mesh import BodyPoints, Evaluator, Grading, graded
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
-from spectral_contact.interior.mesh import BodyPoints, Evaluator, Grading, graded
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution

@@ -12,9 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from spectral_contact.equations.interior.mesh import BodyPoints
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, Radius
-from spectral_contact.interior.mesh import BodyPoints
 
 #: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.
 _LINE, _NET = 241, (61, 41)

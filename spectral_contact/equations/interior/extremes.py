@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
+from spectral_contact.equations.interior.charts import Chart, CoordinateLine, around
+from spectral_contact.equations.interior.mesh import AXIS, BodyPoints
+from spectral_contact.equations.interior.places import boundaries, distance, pointed, singular
+from spectral_contact.equations.interior.results import Extreme, Stress
 from spectral_contact.fields import Array
-from spectral_contact.interior.charts import Chart, CoordinateLine, around
-from spectral_contact.interior.mesh import AXIS, BodyPoints
-from spectral_contact.interior.places import boundaries, distance, pointed, singular
-from spectral_contact.interior.results import Extreme, Stress
 
 if TYPE_CHECKING:
     from spectral_contact.fields.series import Radius

@@ -3,8 +3,14 @@
 A solution imports this when `Solution.inside` is asked for; it knows no solver, only the fields.
 """
 
-from spectral_contact.interior.body import Inside
-from spectral_contact.interior.grids import Units
-from spectral_contact.interior.results import Displacement, Energies, Extreme, Stress, Surface
+from spectral_contact.equations.interior.body import Inside
+from spectral_contact.equations.interior.grids import Units
+from spectral_contact.equations.interior.results import (
+    Displacement,
+    Energies,
+    Extreme,
+    Stress,
+    Surface,
+)
 
 __all__ = ["Displacement", "Energies", "Extreme", "Inside", "Stress", "Surface", "Units"]

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.equations.interior.tails import Panelled, Tails
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius
-from spectral_contact.interior.tails import Panelled, Tails
 
 Evaluator = Callable[[Array, Array], Array]
 

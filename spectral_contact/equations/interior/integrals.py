@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.equations.interior.mesh import BodyMesh, BodyPoints, MeshNodes
+from spectral_contact.equations.interior.rings import Geometry, geometry
 from spectral_contact.fields import Array
-from spectral_contact.interior.mesh import BodyMesh, BodyPoints, MeshNodes
-from spectral_contact.interior.rings import Geometry, geometry
 
 Kernel = Callable[[Geometry, float], tuple[Array, ...]]
 Kernels = tuple[Kernel, ...]

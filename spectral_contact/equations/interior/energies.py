@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spectral_contact.equations.interior.mesh import BodyMesh, BodyPoints
+from spectral_contact.equations.interior.results import Displacement, Energies
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
-from spectral_contact.interior.mesh import BodyMesh, BodyPoints
-from spectral_contact.interior.results import Displacement, Energies
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:

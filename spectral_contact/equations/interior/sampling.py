@@ -6,10 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from spectral_contact.fields import Array
-from spectral_contact.interior import rings
-from spectral_contact.interior.integrals import Integrals, integrate
-from spectral_contact.interior.mesh import (
+from spectral_contact.equations.interior import rings
+from spectral_contact.equations.interior.integrals import Integrals, integrate
+from spectral_contact.equations.interior.mesh import (
     AXIS,
     FAST,
     TIGHT,
@@ -19,7 +18,8 @@ from spectral_contact.interior.mesh import (
     Grading,
     Rule,
 )
-from spectral_contact.interior.patches import Relative, interpolate
+from spectral_contact.equations.interior.patches import Relative, interpolate
+from spectral_contact.fields import Array
 from spectral_contact.threads import cached_property
 
 #: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from spectral_contact.equations.interior.charts import from_toroidal
+from spectral_contact.equations.interior.integrals import Integrals
+from spectral_contact.equations.interior.mesh import BodyPoints
 from spectral_contact.fields import Array
-from spectral_contact.interior.charts import from_toroidal
-from spectral_contact.interior.integrals import Integrals
-from spectral_contact.interior.mesh import BodyPoints
 
 Direct = Callable[[BodyPoints], Integrals]
 Relative = Callable[[BodyPoints, Array, Array], Array]
