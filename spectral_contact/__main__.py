@@ -24,12 +24,12 @@ from spectral_contact.errors import (
     SpectralContactError,
 )
 from spectral_contact.io.choices import suggestion
-from spectral_contact.paper.figures import FIGURES
-from spectral_contact.paper.run import reproduce
 from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
 from spectral_contact.solution import GROWTH, QUANTITIES, Plan, Solution, StepState
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
+from spectral_contact.studies.paper.figures import FIGURES
+from spectral_contact.studies.paper.run import reproduce
 from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import benchmark as cli_benchmark

@@ -4,11 +4,11 @@
 the paper says with what comes out. The command line is ``spectral-contact paper``.
 """
 
-from spectral_contact.paper.figures import FIGURES, figure_data, slip_onset
-from spectral_contact.paper.onset import SlipOnset
-from spectral_contact.paper.run import Reproduced, read_csv, reproduce
-from spectral_contact.paper.statements import Statement, statements
-from spectral_contact.paper.tables import PARAMETERS, FigureData, PaperFigure
+from spectral_contact.studies.paper.figures import FIGURES, figure_data, slip_onset
+from spectral_contact.studies.paper.onset import SlipOnset
+from spectral_contact.studies.paper.run import Reproduced, read_csv, reproduce
+from spectral_contact.studies.paper.statements import Statement, statements
+from spectral_contact.studies.paper.tables import PARAMETERS, FigureData, PaperFigure
 
 __all__ = [
     "FIGURES",

@@ -12,10 +12,15 @@ import numpy as np
 
 from spectral_contact.io import checks, choices
 from spectral_contact.io.documents import Refused, path_text, read_file, replace_file, reported
-from spectral_contact.paper.figures import FIGURES, paper_figure
-from spectral_contact.paper.pictures import check, draw
-from spectral_contact.paper.statements import Statement, statements, statements_table
-from spectral_contact.paper.tables import FigureData, PaperFigure, complete_csv, whole_blocks
+from spectral_contact.studies.paper.figures import FIGURES, paper_figure
+from spectral_contact.studies.paper.pictures import check, draw
+from spectral_contact.studies.paper.statements import Statement, statements, statements_table
+from spectral_contact.studies.paper.tables import (
+    FigureData,
+    PaperFigure,
+    complete_csv,
+    whole_blocks,
+)
 from spectral_contact.view import plotting
 from spectral_contact.view.progress import ProgressLine
 

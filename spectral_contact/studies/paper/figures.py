@@ -9,10 +9,10 @@ import numpy as np
 
 from spectral_contact.fields import Array
 from spectral_contact.io import checks, choices
-from spectral_contact.paper.onset import ASKED, SlipOnset, all_stuck, first_slip
-from spectral_contact.paper.tables import RADII, FigureData, PaperFigure
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
+from spectral_contact.studies.paper.onset import ASKED, SlipOnset, all_stuck, first_slip
+from spectral_contact.studies.paper.tables import RADII, FigureData, PaperFigure
 
 #: The figures that can be made: the paper's by their numbers, and the one that it lacks.
 FIGURES = ("2", "3", "4", "5", "6", "onset")

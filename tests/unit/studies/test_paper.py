@@ -9,7 +9,7 @@ import pytest
 
 from spectral_contact import Scene, SceneError, SolutionFileError, solve
 from spectral_contact.__main__ import main
-from spectral_contact.paper import (
+from spectral_contact.studies.paper import (
     FIGURES,
     PARAMETERS,
     SlipOnset,
@@ -19,10 +19,10 @@ from spectral_contact.paper import (
     slip_onset,
     statements,
 )
-from spectral_contact.paper import run as run_module
-from spectral_contact.paper.figures import paper_figure
-from spectral_contact.paper.statements import Statement, statements_table
-from spectral_contact.paper.tables import complete_csv
+from spectral_contact.studies.paper import run as run_module
+from spectral_contact.studies.paper.figures import paper_figure
+from spectral_contact.studies.paper.statements import Statement, statements_table
+from spectral_contact.studies.paper.tables import complete_csv
 from spectral_contact.view import plotting
 
 RTOL = 1e-4
@@ -440,7 +440,7 @@ def results():
 @pytest.mark.parametrize(("name", "panels"), list(zip(FIGURES, (1, 1, 1, 2, 2, 3), strict=True)))
 def test_pictures_have_labelled_axes_and_say_their_errors(results, name, panels, tmp_path):
     pytest.importorskip("matplotlib")
-    from spectral_contact.paper.pictures import draw
+    from spectral_contact.studies.paper.pictures import draw
 
     figure = draw(results[name])
     assert len(figure.axes) == panels
@@ -460,7 +460,7 @@ def test_pictures_have_labelled_axes_and_say_their_errors(results, name, panels,
 
 def test_curves_of_a_family_differ_in_grey(results):
     pytest.importorskip("matplotlib")
-    from spectral_contact.paper.pictures import draw
+    from spectral_contact.studies.paper.pictures import draw
 
     [axes] = draw(results["2"]).axes
     lines = axes.get_lines()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.paper.tables import FigureData
+from spectral_contact.studies.paper.tables import FigureData
 from spectral_contact.view.figures import new_figure, style
 
 if TYPE_CHECKING:
