@@ -42,17 +42,17 @@ from spectral_contact.spectral.cache import cache_sizes, clear_caches
 
 if TYPE_CHECKING:
     from spectral_contact import asperities as asperities
-    from spectral_contact import benchmarks as benchmarks
     from spectral_contact import calibration as calibration
     from spectral_contact import closed_forms as closed_forms
     from spectral_contact import gold as gold
-    from spectral_contact import paper as paper
     from spectral_contact import precise as precise
     from spectral_contact import studies as studies
     from spectral_contact import testing as testing
     from spectral_contact.calibration import fit as fit
+    from spectral_contact.gold import benchmarks as benchmarks
     from spectral_contact.precise.reference import reference as reference
     from spectral_contact.studies import compare as compare
+    from spectral_contact.studies import paper as paper
     from spectral_contact.sweeps import sweep as sweep
     from spectral_contact.view import plotting as plotting
     from spectral_contact.view.explorer import explore as explore
@@ -103,12 +103,14 @@ __version__ = processes.VERSION
 
 #: What is loaded when it is used: the module, and the name in it unless it is meant itself.
 _LAZY: dict[str, tuple[str, str | None]] = {
-    **{name: (name, None) for name in ("asperities", "benchmarks", "calibration", "closed_forms")},
-    **{name: (name, None) for name in ("gold", "paper", "precise", "studies", "testing")},
+    **{name: (name, None) for name in ("asperities", "calibration", "closed_forms")},
+    **{name: (name, None) for name in ("gold", "precise", "studies", "testing")},
+    "benchmarks": ("gold.benchmarks", None),
     "PhysicalSolution": ("view.physical", "PhysicalSolution"),
     "compare": ("studies", "compare"),
     "explore": ("view.explorer", "explore"),
     "fit": ("calibration", "fit"),
+    "paper": ("studies.paper", None),
     "plotting": ("view.plotting", None),
     "reference": ("precise", "reference"),
     "sweep": ("sweeps", "sweep"),

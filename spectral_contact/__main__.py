@@ -16,14 +16,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from spectral_contact.cli import benchmark as cli_benchmark
-from spectral_contact.cli import explore as cli_explore
-from spectral_contact.cli import inside as cli_inside
-from spectral_contact.cli import scene as cli_scene
-from spectral_contact.cli import study as cli_study
-from spectral_contact.cli import sweep as cli_sweep
-from spectral_contact.cli.options import UsageError, joined, number, whole
-from spectral_contact.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
 from spectral_contact.errors import (
     ConvergenceError,
     NotComputedError,
@@ -31,15 +23,23 @@ from spectral_contact.errors import (
     SolutionFileError,
     SpectralContactError,
 )
-from spectral_contact.inputs.choices import suggestion
-from spectral_contact.paper.figures import FIGURES
-from spectral_contact.paper.run import reproduce
+from spectral_contact.io.choices import suggestion
 from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
 from spectral_contact.solution import GROWTH, QUANTITIES, Plan, Solution, StepState
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
+from spectral_contact.studies.paper.figures import FIGURES
+from spectral_contact.studies.paper.run import reproduce
 from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
+from spectral_contact.view.cli import benchmark as cli_benchmark
+from spectral_contact.view.cli import explore as cli_explore
+from spectral_contact.view.cli import inside as cli_inside
+from spectral_contact.view.cli import scene as cli_scene
+from spectral_contact.view.cli import study as cli_study
+from spectral_contact.view.cli import sweep as cli_sweep
+from spectral_contact.view.cli.options import UsageError, joined, number, whole
+from spectral_contact.view.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
 from spectral_contact.view.report import FIELDS, report, write_csv
 
 __all__ = ["main"]

@@ -7,7 +7,7 @@ from enum import Enum
 from importlib import import_module
 
 from spectral_contact.fields.series import Radius
-from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.io.choices import instance, one_of
 
 __all__ = [
     "COUPLING",

@@ -13,17 +13,17 @@ from importlib import import_module
 from typing import Any, Final, Self
 
 from spectral_contact.errors import SceneError, SolutionFileError
-from spectral_contact.inputs.checks import flag, real
-from spectral_contact.inputs.choices import one_of
-from spectral_contact.inputs.kinds import kind_tree
-from spectral_contact.inputs.physical import (
+from spectral_contact.io.checks import flag, real
+from spectral_contact.io.choices import one_of
+from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, left_out, reported
+from spectral_contact.io.kinds import kind_tree
+from spectral_contact.io.physical import (
     LARGEST_COMPLIANCE,
     SMALLEST_COMPLIANCE,
     PhysicalData,
     checked_poisson_ratio,
 )
-from spectral_contact.inputs.units import Measured, in_si
-from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, left_out, reported
+from spectral_contact.io.units import Measured, in_si
 from spectral_contact.layers import Layer
 from spectral_contact.layers.control import check_layer, in_own_units, layer_from
 from spectral_contact.profiles import Profile

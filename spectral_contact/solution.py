@@ -12,7 +12,7 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.evaluation import over_s
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import DiskSeries, PressureField, ZonalField
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.records import (
     COUPLING,
     FULL_STICK,
@@ -36,7 +36,7 @@ from spectral_contact.records import (
 from spectral_contact.view.output import Output, above
 
 if TYPE_CHECKING:
-    from spectral_contact.interior import Inside
+    from spectral_contact.equations.interior import Inside
     from spectral_contact.scene import Scene
 
 __all__ = [
@@ -344,7 +344,7 @@ class Solution(Output):
     @property
     def inside(self) -> Inside:
         """Stress and displacement anywhere in the half-space; needs pressure and traction."""
-        inside: Inside = above("interior").Inside(self)
+        inside: Inside = above("equations.interior").Inside(self)
         return inside
 
     def __eq__(self, other: object) -> bool:

@@ -1,7 +1,7 @@
 """Write the benchmarks to cite: ``python validation/make_benchmarks.py``.
 
 Reads validation/benchmarks.toml, computes the numbers and the fields, and replaces the data of
-`spectral_contact.benchmarks` and the pages of docs/benchmarks_to_cite, whose index is
+`spectral_contact.gold.benchmarks` and the pages of docs/benchmarks_to_cite, whose index is
 validation/benchmarks.md with a table. Check numbers are closed forms, references to 20 digits, or
 solves at 1e-12; it takes some five minutes. With ``--pages`` only pages and figures are written.
 """
@@ -21,7 +21,7 @@ from mpmath import mp
 
 import spectral_contact
 from spectral_contact import Scene, Solution, benchmarks, solve
-from spectral_contact.benchmarks.page import page
+from spectral_contact.gold.benchmarks.page import page
 from spectral_contact.precise import reference
 from spectral_contact.view import plotting
 from spectral_contact.view.plotting import graded_radii
@@ -29,7 +29,7 @@ from spectral_contact.view.plotting import graded_radii
 HERE = Path(__file__).parent
 DATA = Path(benchmarks.__file__).parent / "data"
 PAGES = HERE.parent / "docs" / "benchmarks_to_cite"
-LINK = "../../spectral_contact/benchmarks/data/"
+LINK = "../../spectral_contact/gold/benchmarks/data/"
 RATIOS = (0.0, 0.1, 0.2, 0.3, 0.4)
 SYMBOLS = {
     **{"approach": "δ*", "total_shear": "Q*", "edge_pressure": "p*(1)", "stick_radius": "c*"},

@@ -19,8 +19,8 @@ from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, 
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import whole, within
-from spectral_contact.inputs.choices import instance, names
+from spectral_contact.io.checks import whole, within
+from spectral_contact.io.choices import instance, names
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine

@@ -21,8 +21,8 @@ from spectral_contact.contact.contact_radius import find_radius, indenter, value
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import finite, reals
-from spectral_contact.inputs.choices import one_of
+from spectral_contact.io.checks import finite, reals
+from spectral_contact.io.choices import one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 

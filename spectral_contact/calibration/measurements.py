@@ -16,8 +16,8 @@ from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
 from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import finite, positive
-from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.io.checks import finite, positive
+from spectral_contact.io.choices import instance, one_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ import numpy as np
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import real, whole, within
+from spectral_contact.io.checks import real, whole, within
 from spectral_contact.io.documents import check_keys, check_schema, reported
 from spectral_contact.scene import Scene
 from spectral_contact.view.progress import ProgressLine

@@ -15,12 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from spectral_contact.contact.resolution import (
-    DEEPEST,
-    FIELD_ROUNDING,
-    SAFETY,
-    starting_resolution,
-)
+from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, SAFETY, starting_resolution
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
     EDGE,

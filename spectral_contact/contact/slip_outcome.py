@@ -22,13 +22,7 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import (
-    FIELD_ROUNDING,
-    PROBE,
-    ROUNDING,
-    SAFETY,
-    TINY,
-)
+from spectral_contact.contact.resolution import FIELD_ROUNDING, PROBE, ROUNDING, SAFETY, TINY
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
 from spectral_contact.fields.series import (
     CENTRE,

@@ -1,3 +1,3 @@
-"""The kernels, and the equations evaluated by quadrature: they know nothing of the solver."""
+"""What loads do to the half-space, on its surface and inside, by quadrature; knows no solver."""
 
 __all__: list[str] = []

@@ -15,7 +15,7 @@ from scipy.special import ellipkm1
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import exactly_one, reals
+from spectral_contact.io.checks import exactly_one, reals
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution

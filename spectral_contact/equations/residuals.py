@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.special import ellipkm1
 
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
-from spectral_contact.inputs.checks import positive, real, values_at, within
-from spectral_contact.inputs.choices import function, listed
+from spectral_contact.io.checks import positive, real, values_at, within
+from spectral_contact.io.choices import function, listed
 
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import reals
-from spectral_contact.inputs.choices import one_of
+from spectral_contact.io.checks import reals
+from spectral_contact.io.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 
 __all__ = ["ContactHistory"]

@@ -1,5 +1,6 @@
-"""Gold tables: scenes solved to 25 certified digits and more, to test any solver against.
+"""Numbers to test any solver against: gold tables here, `benchmarks` to cite beside them.
 
+Gold tables are scenes solved to 25 certified digits and more.
 ``gold["slip_unequal"]`` is ``gold.table("slip_unequal")``.
 """
 

@@ -16,10 +16,8 @@ from importlib import import_module, resources
 from importlib.resources.abc import Traversable
 from typing import Any, Final
 
-from mpmath.ctx_mp import MPContext
-
 from spectral_contact.errors import shown
-from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.io.choices import instance, one_of
 from spectral_contact.io.documents import Refused, check_keys, check_schema, read_file, reported
 from spectral_contact.layers.control import layer_from
 from spectral_contact.profiles.control import CONTROLS, profile_from
@@ -269,6 +267,8 @@ def _table(document: Any) -> GoldTable:
             allowed = f"a whole number in [{_FEWEST_DIGITS}, {_MOST_DIGITS}]"
             raise Refused(f'{where}: "digits" is {shown(digits)}, and must be {allowed}')
         if digits not in contexts:
+            from mpmath.ctx_mp import MPContext  # 40 ms, which the command line has no use for
+
             contexts[digits] = MPContext()
             contexts[digits].dps = digits + 3
         solutions.append(_GoldEntry(where, entry, contexts[digits]).solution(name))

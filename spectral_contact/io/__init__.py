@@ -1,3 +1,3 @@
-"""Files: solutions, scenes and tables as JSON and npz, written whole or not at all; internal."""
+"""What goes in and out: input is checked, files are written whole or not at all; internal."""
 
 __all__: list[str] = []

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from spectral_contact.fields import Array
-from spectral_contact.inputs.choices import one_of
+from spectral_contact.io.choices import one_of
 from spectral_contact.layers.base import Layer, positive
 
 _HEIGHTS = "gaussian", "exponential"

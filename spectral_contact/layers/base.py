@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import real, reals
+from spectral_contact.io.checks import real, reals
 
 #: Steps of bracketing and of bisection between neighbouring doubles.
 _STEPS = 2100

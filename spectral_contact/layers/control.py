@@ -7,8 +7,8 @@ from math import isinf
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.kinds import kind_from
-from spectral_contact.inputs.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
+from spectral_contact.io.kinds import kind_from
+from spectral_contact.io.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
 from spectral_contact.layers.asperities import GreenwoodWilliamson
 from spectral_contact.layers.base import Layer
 from spectral_contact.layers.laws import CalculixExponential, Exponential, Linear, PowerLaw

@@ -17,7 +17,7 @@ from mpmath.ctx_mp import MPContext
 from spectral_contact.contact.layered_setting import setting_at_approach
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.layers.control import endless
 from spectral_contact.precise.coupled_run import PreciseCoupledRun
 from spectral_contact.precise.laws import law_of

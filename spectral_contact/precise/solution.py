@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.precise.coupled_run import PreciseCoupledRun
 from spectral_contact.precise.run import PreciseRun
 from spectral_contact.records import ErrorEstimates, Zone

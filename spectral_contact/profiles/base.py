@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import lengths
+from spectral_contact.io.checks import lengths
 
 #: Radii beyond have squares that overflow.
 _FAR = 1e100

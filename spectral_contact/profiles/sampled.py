@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import finite, flag, positive, values_at
-from spectral_contact.inputs.choices import function, listed
+from spectral_contact.io.checks import finite, flag, positive, values_at
+from spectral_contact.io.choices import function, listed
 from spectral_contact.profiles.base import Profile
 
 Rows = tuple[tuple[float, ...], ...]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import positive, real
+from spectral_contact.io.checks import positive, real
 from spectral_contact.profiles.base import Profile
 
 #: Beyond, powers of ordinary lengths leave the range of doubles.

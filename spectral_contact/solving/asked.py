@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs import checks
-from spectral_contact.inputs.choices import names
+from spectral_contact.io import checks
+from spectral_contact.io.choices import names
 from spectral_contact.records import PROFILE_QUANTITIES, QUANTITIES
 
 #: Integral quantities, which may be asked for at 1e-13.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.choices import instance
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
 from spectral_contact.scene import Scene

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from spectral_contact.errors import ConvergenceError, SceneError
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Plan, Solution
 from spectral_contact.solving.asked import checked_tolerance, closer_tolerance

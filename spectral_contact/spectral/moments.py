@@ -17,12 +17,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.cache import BoundedCache
-from spectral_contact.spectral.jacobi import (
-    EXTRA,
-    gauss_rule,
-    legendre_values,
-    tail_values,
-)
+from spectral_contact.spectral.jacobi import EXTRA, gauss_rule, legendre_values, tail_values
 from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Convergence and work-precision studies of any solver, against solutions to many digits.
+"""What many solves show: how good any solver or number is, sensitivities, and the `paper` anew.
 
 `convergence` measures how the errors of one solver fall with the number of unknowns, and what they
 cost; `work_precision` what it takes several solvers to reach an accuracy. A solver is any callable

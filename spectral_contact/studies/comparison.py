@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs import checks
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io import checks
+from spectral_contact.io.choices import instance
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.solution import Solution

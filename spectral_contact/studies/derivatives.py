@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import radii
-from spectral_contact.inputs.choices import instance, names
+from spectral_contact.io.checks import radii
+from spectral_contact.io.choices import instance, names
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import finite, real, reals, within
-from spectral_contact.inputs.choices import listed
+from spectral_contact.io.checks import finite, real, reals, within
+from spectral_contact.io.choices import listed
 
 #: Errors this small are rounding, whatever they are.
 _ROUNDING = 10.0 * 2.0**-52

@@ -9,8 +9,8 @@ from importlib import import_module
 from typing import Any
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import flag, real
-from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.io.checks import flag, real
+from spectral_contact.io.choices import instance, one_of
 from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine

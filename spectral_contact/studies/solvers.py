@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.choices import instance
 from spectral_contact.scene import Scene
 
 #: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.

@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import real
-from spectral_contact.inputs.choices import function, instance, listed
+from spectral_contact.io.checks import real
+from spectral_contact.io.choices import function, instance, listed
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve

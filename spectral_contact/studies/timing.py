@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import finite, real, whole
+from spectral_contact.io.checks import finite, real, whole
 from spectral_contact.threads import THREADS, look_for_blas, one_thread
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy as np
 
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import scalar
-from spectral_contact.inputs.choices import names
+from spectral_contact.io.checks import scalar
+from spectral_contact.io.choices import names
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.studies.results import QUANTITIES
 from spectral_contact.testing.checks import field_of

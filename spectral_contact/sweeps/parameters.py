@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import reals
-from spectral_contact.inputs.choices import one_of
-from spectral_contact.inputs.kinds import kind_tree
+from spectral_contact.io.checks import reals
+from spectral_contact.io.choices import one_of
+from spectral_contact.io.kinds import kind_tree
 from spectral_contact.layers import Layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import ALL_CONTROLS

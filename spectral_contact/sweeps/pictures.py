@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs.checks import real
-from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.io.checks import real
+from spectral_contact.io.choices import instance, one_of
 from spectral_contact.sweeps.dataset import needed
 from spectral_contact.view.figures import new_figure, style
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, Solution
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
-from spectral_contact.inputs import checks
+from spectral_contact.io import checks
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation

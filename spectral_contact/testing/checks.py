@@ -19,8 +19,8 @@ from spectral_contact.equations.residuals import (
 )
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import flag, real, scalar, values_at, within
-from spectral_contact.inputs.choices import instance, listed
+from spectral_contact.io.checks import flag, real, scalar, values_at, within
+from spectral_contact.io.choices import instance, listed
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.testing.layered import LayerConditions

@@ -12,8 +12,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from spectral_contact.errors import MissingDependencyError, SceneError
-from spectral_contact.inputs.checks import within
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.checks import within
+from spectral_contact.io.choices import instance
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 

@@ -1,3 +1,3 @@
-"""What a reader sees: reports, pictures, radii to draw at, a line of progress."""
+"""What people see and type: reports, pictures, progress, the explorer, the command line."""
 
 __all__: list[str] = []

@@ -8,7 +8,7 @@ import numpy as np
 
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import AnnulusSeries, DiskSeries, LogSeries, ZonalField
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.choices import instance
 from spectral_contact.solution import Solution
 from spectral_contact.view.figures import VERMILION, new_figure, require, scene_title, style
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.errors import SolutionFileError, optional
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.choices import instance
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.choices import instance
 from spectral_contact.solution import Solution
 from spectral_contact.view.figures import (
     BLUE,

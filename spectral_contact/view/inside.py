@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.inputs import checks, choices
-from spectral_contact.interior import Inside
-from spectral_contact.interior.grids import QUANTITIES, unit_of
+from spectral_contact.equations.interior import Inside
+from spectral_contact.equations.interior.grids import QUANTITIES, unit_of
+from spectral_contact.io import checks, choices
 from spectral_contact.view.figures import BLACK, SLIP_GREY, VERMILION, new_figure, style
 
 if TYPE_CHECKING:

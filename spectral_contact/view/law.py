@@ -11,7 +11,7 @@ from scipy.integrate import trapezoid
 
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.choices import instance
 from spectral_contact.solution import Solution
 from spectral_contact.view.figures import (
     BLACK,

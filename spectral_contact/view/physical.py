@@ -7,11 +7,11 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from spectral_contact.equations.interior import Inside
+from spectral_contact.equations.interior.grids import Units, si_units
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.evaluation import over_r
-from spectral_contact.inputs import checks, choices
-from spectral_contact.interior import Inside
-from spectral_contact.interior.grids import Units, si_units
+from spectral_contact.io import checks, choices
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.choices import instance
+from spectral_contact.io.choices import instance
 from spectral_contact.solution import ErrorEstimates, Plan, Solution
 from spectral_contact.view.coefficients import plot_coefficients
 from spectral_contact.view.figures import (

@@ -9,7 +9,7 @@ import warnings
 from typing import Any, Self
 
 from spectral_contact.errors import MissingDependencyError
-from spectral_contact.inputs.checks import flag
+from spectral_contact.io.checks import flag
 
 
 class ProgressLine:

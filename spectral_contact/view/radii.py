@@ -10,8 +10,8 @@ import numpy as np
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.inputs.checks import values_at, whole
-from spectral_contact.inputs.choices import function, instance
+from spectral_contact.io.checks import values_at, whole
+from spectral_contact.io.choices import function, instance
 from spectral_contact.solution import Solution, Zone
 
 _MOST: Final = 10_000_000

@@ -16,7 +16,7 @@ import mpmath as mp
 import numpy as np
 from scipy.special import j0, j1
 
-from spectral_contact.interior import rings
+from spectral_contact.equations.interior import rings
 
 
 class Fields(NamedTuple):

@@ -8,7 +8,7 @@ import pytest
 from oracles.inside_oracle import _parts, assemble, bonded, over_rings, ring
 
 from spectral_contact import Scene, closed_forms, solve
-from spectral_contact.interior import rings
+from spectral_contact.equations.interior import rings
 
 
 def sources(nu, r, z):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from spectral_contact import closed_forms, gold
-from spectral_contact.paper import FIGURES, read_csv, statements
-from spectral_contact.paper.figures import paper_figure
-from spectral_contact.paper.statements import statements_table
+from spectral_contact.studies.paper import FIGURES, read_csv, statements
+from spectral_contact.studies.paper.figures import paper_figure
+from spectral_contact.studies.paper.statements import statements_table
 
 RESULTS = Path(__file__).parents[2] / "validation" / "results" / "paper"
 GOLD = {

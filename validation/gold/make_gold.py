@@ -30,8 +30,8 @@ from typing import Any
 from mpmath import mp
 
 from spectral_contact import ConvergenceError, Scene, __version__, layers, profiles
-from spectral_contact.inputs.kinds import kind_tree
 from spectral_contact.io.documents import replace_file
+from spectral_contact.io.kinds import kind_tree
 from spectral_contact.precise import reference
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS

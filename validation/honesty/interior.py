@@ -30,7 +30,7 @@ from profiles import drawn
 import spectral_contact
 from spectral_contact import Scene, SpectralContactError, solve
 from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress
-from spectral_contact.interior import rings
+from spectral_contact.equations.interior import rings
 
 RESULTS = Path(__file__).parents[1] / "results"
 SEED, POINTS, MANY = 20, 10, 6000

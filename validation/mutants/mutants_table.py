@@ -304,14 +304,14 @@ MUTANTS = (
     ),
     Mutant(
         "SI compliances have the wrong sign of the square of nu",
-        f"{_PACKAGE}/inputs/physical.py",
+        f"{_PACKAGE}/io/physical.py",
         "4 * (1 - Fraction(",
         "4 * (1 + Fraction(",
         f"{_UNIT}/test_scene.py -k compliances_become",
     ),
     Mutant(
         "nu = -1 is a scene",
-        f"{_PACKAGE}/inputs/physical.py",
+        f"{_PACKAGE}/io/physical.py",
         '"in (-1, 0.5]"',
         '"in [-1, 0.5]"',
         f"{_UNIT}/test_scene.py -k out_of_range",
@@ -361,17 +361,17 @@ MUTANTS = (
     # input and files
     Mutant(
         "open ends of intervals are closed",
-        f"{_PACKAGE}/inputs/checks.py",
+        f"{_PACKAGE}/io/checks.py",
         "(number == low and not low_open)",
         "number == low",
-        f"{_UNIT}/inputs/test_checks.py -k unless_open",
+        f"{_UNIT}/io/test_checks.py -k unless_open",
     ),
     Mutant(
         "masked values are numbers",
-        f"{_PACKAGE}/inputs/checks.py",
+        f"{_PACKAGE}/io/checks.py",
         " or np.ma.is_masked(values)",
         "",
-        f"{_UNIT}/inputs/test_checks.py -k numpy_would_make",
+        f"{_UNIT}/io/test_checks.py -k numpy_would_make",
     ),
     Mutant(
         "a changed solution is loaded",

@@ -9,7 +9,7 @@ from html import escape
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError, optional
-from spectral_contact.inputs.checks import whole
+from spectral_contact.io.checks import whole
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.explorer.look import Look, look_at

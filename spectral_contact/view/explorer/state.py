@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Final
 from urllib.parse import parse_qsl, urlencode
 
-from spectral_contact.inputs.choices import instance, one_of
+from spectral_contact.io.choices import instance, one_of
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES

@@ -18,18 +18,18 @@ from oracles.faults import FAULTS, every_fault
 
 import spectral_contact
 from spectral_contact import Scene, SolutionFileError, solve
-from spectral_contact.cli import sweep as cli_sweep
 from spectral_contact.io import documents
-from spectral_contact.paper import reproduce
-from spectral_contact.paper import run as paper_run
-from spectral_contact.paper.figures import paper_figure
-from spectral_contact.paper.statements import Statement
-from spectral_contact.paper.tables import complete_csv
 from spectral_contact.studies import convergence
+from spectral_contact.studies.paper import reproduce
+from spectral_contact.studies.paper import run as paper_run
+from spectral_contact.studies.paper.figures import paper_figure
+from spectral_contact.studies.paper.statements import Statement
+from spectral_contact.studies.paper.tables import complete_csv
 from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.request import Outcome
 from spectral_contact.sweeps.store import Store
 from spectral_contact.view import plotting
+from spectral_contact.view.cli import sweep as cli_sweep
 from spectral_contact.view.report import write_csv
 
 REPOSITORY = Path(__file__).parents[3]

@@ -35,8 +35,7 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.inputs import physical
-from spectral_contact.io import schema, storage
+from spectral_contact.io import physical, schema, storage
 from spectral_contact.layers import asperities, laws, sampled
 from spectral_contact.profiles import sampled as sampled_profiles
 from spectral_contact.profiles import shapes as shape_profiles

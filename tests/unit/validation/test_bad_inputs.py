@@ -7,7 +7,7 @@ import pytest
 
 import spectral_contact.studies
 from spectral_contact import SceneError
-from spectral_contact.inputs.checks import real
+from spectral_contact.io.checks import real
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("xarray")

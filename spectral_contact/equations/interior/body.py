@@ -1,0 +1,441 @@
+"""What `Solution.inside` is: stress and displacement of the body below the contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spectral_contact.equations.interior import places
+from spectral_contact.equations.interior.energies import energies
+from spectral_contact.equations.interior.extremes import MEASURES, largest
+from spectral_contact.equations.interior.grids import UnitNames, Units, columns, dataset, own_units
+from spectral_contact.equations.interior.integrals import Integrals
+from spectral_contact.equations.interior.mesh import AXIS, BodyPoints, Evaluator
+from spectral_contact.equations.interior.results import (
+    Displacement,
+    Energies,
+    Extreme,
+    Stress,
+    Surface,
+)
+from spectral_contact.equations.interior.sampling import (
+    Sampler,
+    displacement_error,
+    stress_error,
+    stresses,
+)
+from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
+from spectral_contact.io import checks, choices
+from spectral_contact.layers.control import refuse_layer
+from spectral_contact.solution import Solution
+from spectral_contact.threads import cached_property
+from spectral_contact.view.progress import ProgressLine
+
+if TYPE_CHECKING:
+    import xarray
+
+#: At how many radii the largest traction is looked for.
+_LOOKS = 513
+#: How far points may be, in radii of the punch; seventh powers of distances are formed.
+_FARTHEST = 1e30
+#: What is closer to the edge, or to the surface, is at it.
+_NEAREST = 1e-100
+
+
+class Inside:
+    """Stress and displacement anywhere in the half-space: what `Solution.inside` is.
+
+    Points are given by their distance from the axis, or from the edge, and their depth. Everything
+    is in the units of the solution: `Solution.inside` is dimensionless as the paper is, and
+    `PhysicalSolution.inside` in SI units. Under a profile places are over the contact radius, as
+    those of the pressure are, displacements in L and stresses in E'.
+
+    The loads are the pressure and the traction of the solution, and what is shown is the
+    response of an elastic half-space to both. In a scene without coupling the model leaves
+    out that the traction moves the surface normally; the body's own displacement `z` has it.
+
+    Parameters
+    ----------
+    solution : Solution
+    units : Units, optional
+
+    Raises
+    ------
+    SceneError
+        If one of them is something else.
+    NotComputedError
+        If the pressure or the traction was not asked for; under a profile contact radius and load.
+    """
+
+    def __init__(self, solution: Solution, units: Units | None = None) -> None:
+        self._solution = choices.instance("solution", solution, Solution)
+        refuse_layer(solution.scene, "inside")
+        own = own_units(solution)
+        self._units = own if units is None else choices.instance("units", units, Units)
+        self._nu = solution.scene.poisson_ratio
+        pressure, traction = solution.pressure_field, solution.traction_field
+        solution.pressure(0.5)  # refuses what was not computed
+        solution.traction(0.5)
+        self._sheared = traction is not None
+        loads: list[Evaluator] = [
+            _nothing if field is None else places.finite(field) for field in (pressure, traction)
+        ]
+        self._singular = places.singular(solution)
+        self._sampler = Sampler(
+            places.grading(solution),
+            loads[0],
+            loads[1],
+            self._floors(),
+            sheared=self._sheared,
+            nu=self._nu,
+        )
+
+    def _floors(self) -> tuple[float, float]:
+        """Return what the errors of the loads are relative to at least."""
+        solution = self._solution
+        if solution.scene.profile is None:
+            return 0.0, 0.0
+        s = np.linspace(0.0, 1.0, _LOOKS)
+        mean = solution.load / (np.pi * solution.contact_radius**2)
+        return mean, float(np.abs(solution.traction(s)).max())
+
+    def _points(
+        self, r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None
+    ) -> tuple[BodyPoints, tuple[int, ...]]:
+        length = self._units.length
+        depth = _length("z", z, length)
+        checks.exactly_one("r", r, "from_edge", from_edge)
+        if from_edge is None:
+            radius = _length("r", r, length)
+            distance = 1.0 - radius
+        else:
+            distance = _length("from_edge", from_edge, length, high=1.0)
+            radius = 1.0 - distance
+        try:
+            radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
+        except ValueError:
+            shapes = f"{np.shape(radius)} and {np.shape(depth)}"
+            name = "r, z" if from_edge is None else "from_edge, z"
+            raise SceneError(name, shapes, "of shapes that broadcast") from None
+        shape = radius.shape
+        radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
+        # squares of what is nearer to the edge or the surface would underflow
+        distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
+        return BodyPoints(np.maximum(radius, AXIS), distance, depth), shape
+
+    def displacement(
+        self,
+        r: ArrayLike | None = None,
+        z: ArrayLike = 0.0,
+        *,
+        from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
+    ) -> Displacement:
+        """Evaluate the displacement of points of the body.
+
+        Parameters
+        ----------
+        r : array_like, optional
+            Distances from the axis, at least 0.
+        z : array_like
+            Depths, at least 0; of a shape that broadcasts with that of the other. On the surface
+            the values are the limits from the body.
+        from_edge : array_like, optional
+            Instead of `r`: distances from the edge, ``1 - r`` if dimensionless; negative outside
+            the contact.
+        rtol : float, optional
+            What the integration may miss by, in [1e-13, 1e-2]; all digits if not given. From 1e-9
+            on a grid of many points is much faster. The estimates say what was met: they contain
+            the errors of the solution, too.
+
+        Returns
+        -------
+        Displacement
+            Of the shape to which the points broadcast; dimensionless it is
+            ``u a E / (4 (1 - nu**2) P)``, as the approach is.
+
+        Raises
+        ------
+        SceneError
+            For both or neither of `r` and `from_edge`, a point above the surface or at no finite
+            place, or shapes that do not broadcast.
+        """
+        points, shape = self._points(r, z, from_edge)
+        sums = self._sampler.displacement(points, _tolerance(rtol))
+        arm = np.where(points.r > AXIS, points.r, 0.0)
+        error = displacement_error(sums.values, self._errors(sums), arm)
+        error = error + (self._solution.error.contact_radius or 0.0)
+        unit = self._units.displacement / (4.0 * (1.0 - self._nu))
+        out, down = sums.values[1] * arm * unit + 0.0, sums.values[0] * unit
+        return Displacement(*_shaped(shape, out, down, error))
+
+    def stress(
+        self,
+        r: ArrayLike | None = None,
+        z: ArrayLike = 0.0,
+        *,
+        from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
+    ) -> Stress:
+        """Evaluate the stress at points of the body, tension positive.
+
+        On the surface it is the limit from the body: inside the contact ``zz = -p`` and
+        ``rz = -q``, outside both vanish.
+
+        Parameters
+        ----------
+        r, z, from_edge : array_like
+            The points, as for `displacement`.
+        rtol : float, optional
+            As for `displacement`.
+
+        Returns
+        -------
+        Stress
+            Of the shape to which the points broadcast; dimensionless it is ``a**2 sigma / P``.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`, and for a point (closer than 1e-16 of the radius) at the edge of a
+            flat punch, or at a tip or corner on a smooth surface, where the stress is infinite or
+            depends on the direction.
+        """
+        points, shape = self._points(r, z, from_edge)
+        if np.any(places.within(points, self._singular)):
+            raise SceneError(
+                "r, z" if from_edge is None else "from_edge, z",
+                (r if from_edge is None else from_edge, z),
+                "at least 1e-16 of the radius away from the edge of a flat punch, and from where "
+                "pressure is infinite: stresses have no limit there",
+            )
+        sums = self._sampler.stress(points, _tolerance(rtol))
+        four = stresses(sums.values, self._nu)
+        four[3] = np.where(points.r > AXIS, four[3], 0.0)
+        error = stress_error(sums.values, self._errors(sums), self._nu)
+        error = error + places.lost(points, self._solution)
+        return Stress(*_shaped(shape, *(four * self._units.stress), error))
+
+    def surface(
+        self,
+        r: ArrayLike | None = None,
+        *,
+        from_edge: ArrayLike | None = None,
+        rtol: float | None = None,
+    ) -> Surface:
+        """Evaluate the displacement of the surface, and its gap to the plane of the punch's face.
+
+        Parameters
+        ----------
+        r, from_edge : array_like
+            Radii inside or outside the contact, as for `displacement`.
+        rtol : float, optional
+            As for `displacement`.
+
+        Returns
+        -------
+        Surface
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        NotComputedError
+            If the approach was not asked for.
+        """
+        moved = self.displacement(r, 0.0, from_edge=from_edge, rtol=rtol)
+        gap = self._approach - moved.z
+        profile = self._solution.scene.profile
+        if profile is not None:
+            radius = np.asarray(1.0 - np.asarray(from_edge) if r is None else r, dtype=float)
+            place = radius * self._solution.contact_radius
+            known = place <= profile.reach
+            height = profile.height(np.where(known, place, 0.0))
+            gap = np.where(known, np.where(radius <= 1.0, gap - height, height - gap), np.nan)[()]
+        return Surface(moved.r, moved.z, gap, moved.error)
+
+    @property
+    def _approach(self) -> float:
+        """Approach in the units of the displacements."""
+        return self._solution.approach * (self._units.displacement if self.flat else 1.0)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the contact in the units of the points."""
+        return self._units.length
+
+    @property
+    def flat(self) -> bool:
+        """Whether the punch is flat."""
+        return self._solution.scene.profile is None
+
+    @property
+    def unit_names(self) -> UnitNames:
+        """Units of points, displacements and stresses."""
+        return self._units.names
+
+    def is_singular(self, r: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.bool_]:
+        """Return at which points `stress` refuses, as it has no limit there.
+
+        Parameters and errors are those of `displacement`.
+        """
+        points, shape = self._points(r, z, None)
+        return places.within(points, self._singular).reshape(shape)
+
+    def to_table(
+        self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Evaluate everything at points, such as the nodes of a mesh.
+
+        Parameters
+        ----------
+        r, z, rtol
+            As for `stress`; where it refuses, stresses are NaN.
+
+        Returns
+        -------
+        dict of ndarray
+            `r`, `z`, displacements, stresses, their invariants and the estimates, by name.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        """
+        self._points(r, z, None)
+        radius, depth = np.broadcast_arrays(np.asarray(r, float), np.asarray(z, float))
+        return {"r": radius, "z": depth} | columns(self, radius, depth, rtol)
+
+    def to_xarray(self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None) -> xarray.Dataset:
+        """Evaluate everything on a grid.
+
+        Parameters
+        ----------
+        r, z : array_like, one-dimensional
+            Radii and depths of the grid.
+        rtol : float, optional
+            As for `stress`; where it refuses, stresses are NaN.
+
+        Returns
+        -------
+        xarray.Dataset
+            With dimensions `z` and `r`.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        MissingDependencyError
+            If xarray is not installed.
+        """
+        self._points(np.ravel(r), np.ravel(z)[:, None], None)
+        return dataset(self, np.ravel(np.asarray(r, float)), np.ravel(np.asarray(z, float)), rtol)
+
+    def largest(self, measure: str) -> Extreme:
+        """Return the largest von Mises stress, shear stress or tension of the surface, and where.
+
+        Where it has no bound, or is approached at the edge and not attained, the result says so.
+
+        Parameters
+        ----------
+        measure : str
+            ``"von_mises"``, ``"max_shear"``, or ``"surface_tension"``, which is the largest
+            principal stress at the surface, in the contact and outside.
+
+        Returns
+        -------
+        Extreme
+
+        Raises
+        ------
+        SceneError
+            For another measure.
+        """
+        choices.one_of("measure", measure, MEASURES)
+        own = self._unscaled
+        found = largest(
+            measure,
+            self._solution,
+            lambda points, rtol: own.stress(from_edge=points.from_edge, z=points.z, rtol=rtol),
+        )
+        value = None if found.value is None else found.value * self._units.stress
+        length = self._units.length
+        return replace(found, value=value, r=found.r * length, z=found.z * length)
+
+    def energies(self, *, progress: bool | None = None) -> Energies:
+        """Return what the work of the load becomes: elastic energy, friction, and a defect.
+
+        Takes some seconds.
+
+        Parameters
+        ----------
+        progress : bool, optional
+            Whether to show progress (extra: progress); by default on a terminal and in notebooks.
+
+        Returns
+        -------
+        Energies
+
+        Raises
+        ------
+        NotComputedError
+            If the approach or the slip was not asked for; with friction under a profile, as it
+            dissipates while the contact grows.
+        """
+        own, units = self._unscaled, self._units
+        size = 1.0 if self.flat else self._solution.contact_radius
+        unit = units.stress * units.length**2 * units.displacement * size
+        with ProgressLine(progress) as tell:
+            return energies(
+                self._solution,
+                self._sampler.coarser,
+                lambda points: own.displacement(from_edge=points.from_edge),
+                unit,
+                tell,
+            )
+
+    @cached_property
+    def _unscaled(self) -> Inside:
+        """The same in the units of the solution."""
+        same = self._units == own_units(self._solution)
+        return self if same else Inside(self._solution)
+
+    def _errors(self, sums: Integrals) -> Array:
+        """Return absolute errors of the integrals."""
+        error, couples = self._solution.error, self._solution.scene.couples
+        of_pressure = error.pressure or 0.0
+        of_traction = (error.traction or 0.0) + (error.zones or 0.0)
+        if couples:  # then the estimates of both fields are relative to the two together
+            of_pressure = of_traction = max(of_pressure, of_traction)
+        loads = of_pressure * sums.of_pressure + of_traction * sums.of_traction
+        # twice: loads are as rough as they are wrong, which quadrature does not resolve
+        return np.asarray(2.0 * loads + sums.quadrature)
+
+
+def _nothing(s: Array, from_edge: Array) -> Array:
+    return np.zeros(np.shape(s))
+
+
+def _length(name: str, values: Any, unit: float, high: float = _FARTHEST) -> Array:
+    """Return lengths over the radius of the punch; only `from_edge` may be negative."""
+    low = -_FARTHEST if name == "from_edge" else 0.0
+    allowed = f"in [{low * unit:.17g}, {high * unit:.17g}]"
+    given = np.asarray(checks.reals(name, values, allowed), dtype=np.float64)
+    bad = ~((given >= low * unit) & (given <= high * unit))
+    if bad.any():
+        raise SceneError(name, given[bad].flat[0], allowed)
+    return np.asarray(given / unit + 0.0)
+
+
+def _tolerance(rtol: float | None) -> float:
+    """Return the tolerance of the integration, 0 for all digits."""
+    return 0.0 if rtol is None else checks.tolerance(rtol)
+
+
+def _shaped(shape: tuple[int, ...], *values: Array) -> Iterator[Any]:
+    return (value.reshape(shape)[()] for value in values)

@@ -1,0 +1,137 @@
+"""Stress and displacement as tables: units, named columns, an xarray dataset, a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from spectral_contact.errors import optional
+from spectral_contact.fields import Array
+
+if TYPE_CHECKING:
+    import xarray
+
+    from spectral_contact.equations.interior.body import Inside
+    from spectral_contact.solution import Solution
+
+#: Columns of a table but for the places, and what they mean.
+QUANTITIES = {
+    "u_r": "displacement outward",
+    "u_z": "displacement into the body",
+    "sigma_rr": "radial stress, tension positive",
+    "sigma_tt": "hoop stress",
+    "sigma_zz": "axial stress",
+    "sigma_rz": "shear stress",
+    "von_mises": "equivalent stress of von Mises",
+    "max_shear": "largest shear stress in any plane",
+    "mean": "a third of the trace of the stress",
+    "principal_1": "largest principal stress",
+    "principal_2": "middle principal stress",
+    "principal_3": "smallest principal stress",
+    "displacement_error": "estimated error of u_r and u_z over the length of the displacement",
+    "stress_error": "estimated error of the stresses over the root of the sum of their squares",
+}
+
+
+class UnitNames(NamedTuple):
+    """What the units of places, displacements and stresses are called."""
+
+    place: str
+    displacement: str
+    stress: str
+
+
+_PAPER = UnitNames("a", "4 (1 - nu^2) P / (a E)", "P / a^2")
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """What places, stresses and displacements over the contact radius are multiplied by.
+
+    Attributes
+    ----------
+    length, stress, displacement : float
+    names : tuple of str
+        Of the units of places, displacements and stresses.
+    """
+
+    length: float = 1.0
+    stress: float = 1.0
+    displacement: float = 1.0
+    names: UnitNames = _PAPER
+
+
+def own_units(solution: Solution) -> Units:
+    """Return the units of the fields of a solution."""
+    if solution.scene.profile is None:
+        return Units()
+    return Units(displacement=solution.contact_radius, names=UnitNames("a", "L", "E'"))
+
+
+def si_units(length: float, stress: float, displacement: float) -> Units:
+    """Return SI units."""
+    return Units(length, stress, displacement, UnitNames("m", "m", "Pa"))
+
+
+def columns(body: Inside, r: Array, z: Array, rtol: float | None) -> dict[str, Array]:
+    """Return all columns, of the shape of the points; NaN for stresses where there are none.
+
+    Parameters
+    ----------
+    body : Inside
+    r, z : ndarray
+        Of one shape.
+    rtol : float or None
+        As for `Inside.stress`.
+    """
+    moved = body.displacement(r, z, rtol=rtol)
+    refused = body.is_singular(r, z)
+    own = body.stress(r, np.where(refused, body.radius, z), rtol=rtol)
+    stresses = {f"sigma_{part}": getattr(own, part) for part in ("rr", "tt", "zz", "rz")}
+    stresses |= {name: getattr(own, name) for name in ("von_mises", "max_shear", "mean")}
+    stresses |= {f"principal_{k + 1}": one for k, one in enumerate(own.principal)}
+    stresses["stress_error"] = own.error
+    found = {"u_r": moved.r, "u_z": moved.z, "displacement_error": moved.error}
+    found |= {name: np.where(refused, np.nan, one) for name, one in stresses.items()}
+    return {name: np.asarray(found[name]) for name in QUANTITIES}
+
+
+def unit_of(name: str, units: UnitNames) -> str:
+    """Return the unit of a column."""
+    if name.endswith("error"):
+        return "1"
+    if name in ("r", "z"):
+        return units.place
+    return units.displacement if name.startswith("u_") else units.stress
+
+
+def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Dataset:
+    """Return all columns over the grid of radii and depths, if xarray is installed."""
+    made = optional("xarray", "sweep").Dataset
+    found = columns(body, *np.meshgrid(r, z), rtol)
+    units = body.unit_names
+    about = {**QUANTITIES, "r": "distance from the axis", "z": "depth"}
+    said = {name: {"long_name": one, "units": unit_of(name, units)} for name, one in about.items()}
+    variables = {name: (("z", "r"), one, said[name]) for name, one in found.items()}
+    axes = {name: (name, one, said[name]) for name, one in (("r", r), ("z", z))}
+    found_there: xarray.Dataset = made(variables, axes, {"title": "inside the body"})
+    return found_there
+
+
+def as_csv(table: dict[str, Array], units: UnitNames) -> bytes:
+    """Return a table as text: a line of units, a line of names, a line for each point."""
+    named = ", ".join(f"{name} [{unit_of(name, units)}]" for name in table)
+    rows = zip(*(np.ravel(column).tolist() for column in table.values()), strict=True)
+    lines = [f"# {named}", ",".join(table), *(",".join(map(repr, row)) for row in rows)]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def as_npz(table: dict[str, Array]) -> bytes:
+    """Return a table as an ``.npz`` file of its columns."""
+    content = BytesIO()
+    named: dict[str, Any] = dict(table)
+    np.savez_compressed(content, **named)
+    return content.getvalue()

@@ -1,0 +1,175 @@
+"""The integrals at points of the body: which rule serves, for one point or for many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from spectral_contact.equations.interior import rings
+from spectral_contact.equations.interior.integrals import Integrals, integrate
+from spectral_contact.equations.interior.mesh import (
+    AXIS,
+    FAST,
+    TIGHT,
+    BodyMesh,
+    BodyPoints,
+    Evaluator,
+    Grading,
+    Rule,
+)
+from spectral_contact.equations.interior.patches import Relative, interpolate
+from spectral_contact.fields import Array
+from spectral_contact.threads import cached_property
+
+#: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.
+_FAST_FROM = 1e-9
+#: At every so many nodes of a polynomial the rules are compared.
+_COMPARED = 5
+
+
+def stresses(values: Array, nu: float) -> Array:
+    """Return rr, tt, zz and rz from the integrals."""
+    zz, rz, hoop, harmonic = values
+    # the divergence of u less its axial part is -2 (1 - nu) e - zz, over 2 G
+    return np.stack([-2.0 * harmonic - zz - hoop, hoop - 2.0 * nu * harmonic, zz, rz])
+
+
+def stress_error(values: Array, errors: Array, nu: float) -> Array:
+    """Return the relative error of stresses from absolute ones of the integrals."""
+    worst = errors[0] + errors[2] + 2.0 * errors[3] + errors[1]
+    rr, tt, zz, rz = stresses(values, nu)
+    return _relative(worst, np.sqrt(rr**2 + tt**2 + zz**2 + 2.0 * rz**2))
+
+
+def displacement_error(values: Array, errors: Array, r: Array) -> Array:
+    """Return the relative error of displacements from absolute ones of the integrals."""
+    return _relative(np.hypot(errors[0], r * errors[1]), np.hypot(values[0], r * values[1]))
+
+
+def _relative(error: Array, size: Array) -> Array:
+    """Return errors over sizes; none where there is nothing."""
+    return np.asarray(np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), 0.0))
+
+
+class Sampler:
+    """Integrals of the loads at points, by the rule that a tolerance asks for.
+
+    Parameters
+    ----------
+    ends : Grading
+        Of the panels over the contact.
+    pressure, traction : callable
+        The loads at radii and distances from the edge.
+    floors : tuple of float
+        What their errors are relative to at least.
+    sheared : bool
+        Whether there is traction at all.
+    nu : float
+        Poisson's ratio.
+    """
+
+    def __init__(
+        self,
+        ends: Grading,
+        pressure: Evaluator,
+        traction: Evaluator,
+        floors: tuple[float, float],
+        *,
+        sheared: bool,
+        nu: float,
+    ) -> None:
+        self._ends, self._floors = ends, floors
+        self._loads = pressure, traction
+        self._sheared, self._nu = sheared, nu
+
+    def _mesh(self, rules: Sequence[Rule]) -> BodyMesh:
+        return BodyMesh(self._ends, *self._loads, rules)
+
+    @cached_property
+    def coarser(self) -> BodyMesh:
+        """Panels with the rule that the one for all digits is compared with."""
+        return self._mesh(TIGHT[1:])
+
+    @cached_property
+    def _tight(self) -> BodyMesh:
+        return self._mesh(TIGHT)
+
+    @cached_property
+    def _fast(self) -> BodyMesh:
+        return self._mesh(FAST)
+
+    @cached_property
+    def _alone(self) -> BodyMesh:
+        return self._mesh(FAST[:1])
+
+    def stress(self, points: BodyPoints, rtol: float) -> Integrals:
+        """Return the integrals zz, rz, ``2 G u_r / r`` and e, on the surface limits from below."""
+        kernels = (rings.normal_stress, rings.radial_stress)[: 1 + self._sheared]
+
+        def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
+            return self._limits(some, integrate(mesh, some, kernels, self._nu, self._floors))
+
+        def measure(_points: BodyPoints, values: Array, errors: Array) -> Array:
+            return stress_error(values, errors, self._nu)
+
+        sums = self._sampled(points, rtol, direct, measure)
+        on = points.on_surface
+        pressure, traction = self._surface(points[on])
+        sums.values[0, on], sums.values[1, on] = -pressure, -traction
+        return sums
+
+    def displacement(self, points: BodyPoints, rtol: float) -> Integrals:
+        """Return the integrals ``2 G u_z`` and ``2 G u_r / r``; the other two rows are empty."""
+        kernels = (rings.normal_displacement, rings.radial_displacement)[: 1 + self._sheared]
+
+        def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
+            return integrate(mesh, some, kernels, self._nu, self._floors)
+
+        def measure(some: BodyPoints, values: Array, errors: Array) -> Array:
+            return displacement_error(values, errors, some.r)
+
+        return self._sampled(points, rtol, direct, measure)
+
+    def _sampled(
+        self,
+        points: BodyPoints,
+        rtol: float,
+        direct: Callable[[BodyMesh, BodyPoints], Integrals],
+        measure: Relative,
+    ) -> Integrals:
+        """Return the integrals by the cheapest means that meet the tolerance at each point."""
+        if rtol < _FAST_FROM:
+            return direct(self._tight, points)
+
+        def at_nodes(some: BodyPoints) -> Integrals:
+            compared = np.arange(len(some.r)) % _COMPARED == 0
+            sums = Integrals.empty(len(some.r))
+            for mesh, which in ((self._fast, compared), (self._alone, ~compared)):
+                sums.put(which, direct(mesh, some[which]))
+            return sums
+
+        sums = Integrals.empty(len(points.r))
+        left = interpolate(points, rtol, at_nodes, measure, sums)
+        sums.put(left, direct(self._fast, points[left]))
+        missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
+        if missed.any():
+            sums.put(missed, direct(self._tight, points[missed]))
+        return sums
+
+    def _limits(self, points: BodyPoints, sums: Integrals) -> Integrals:
+        """Add to principal values on the surface what makes them limits from the body."""
+        on = points.on_surface
+        pressure, traction = self._surface(points[on])
+        sums.values[3, on] += pressure
+        sums.of_pressure[0, on] += np.maximum(pressure, self._floors[0])
+        sums.of_traction[1, on] += np.maximum(np.abs(traction), self._floors[1])
+        return sums
+
+    def _surface(self, points: BodyPoints) -> tuple[Array, Array]:
+        """Return the loads at points of the surface."""
+        under = points.from_edge >= 0.0
+        d = np.where(under, points.from_edge, 1.0)
+        s = np.where(under & (points.r > AXIS), points.r, 0.0)
+        pressure, traction = (np.where(under, load(s, d), 0.0) for load in self._loads)
+        return pressure, traction

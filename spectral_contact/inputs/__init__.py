@@ -1,3 +1,0 @@
-"""Checks of what users give: numbers, names, units; internal."""
-
-__all__: list[str] = []

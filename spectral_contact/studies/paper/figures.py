@@ -1,0 +1,213 @@
+"""The figures: which scenes, what is measured of each, and the numbers; nothing is drawn."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+from math import inf
+
+import numpy as np
+
+from spectral_contact.fields import Array
+from spectral_contact.io import checks, choices
+from spectral_contact.scene import Scene
+from spectral_contact.solving.solver import solve
+from spectral_contact.studies.paper.onset import ASKED, SlipOnset, all_stuck, first_slip
+from spectral_contact.studies.paper.tables import RADII, FigureData, PaperFigure
+
+#: The figures that can be made: the paper's by their numbers, and the one that it lacks.
+FIGURES = ("2", "3", "4", "5", "6", "onset")
+
+
+def figure_data(name: str, rtol: float = 1e-9) -> FigureData:
+    """Compute the numbers of a figure.
+
+    Parameters
+    ----------
+    name : str
+        Out of ``FIGURES``.
+    rtol : float
+        Relative tolerance of every solve, 1e-12 to 1e-2.
+
+    Returns
+    -------
+    FigureData
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range.
+    ConvergenceError
+        If the tolerance cannot be met.
+    """
+    figure, rtol = paper_figure(name), checks.tolerance(rtol)
+    rows = [figure.rows_of(scene, rtol) for scene in figure.scenes]
+    return FigureData(figure, rtol, np.concatenate(rows))
+
+
+def paper_figure(name: str) -> PaperFigure:
+    """Return what a figure shows.
+
+    Raises
+    ------
+    SceneError
+        For a name out of ``FIGURES``.
+    """
+    return _figures()[choices.one_of("name", name, FIGURES)]
+
+
+def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
+    """Return where slip starts in a scene as its friction falls.
+
+    With ``y = 1 - s**2``, full stick has next to the edge ``q/p = (q/p at the edge) (1 +
+    y ln y (1/beta* - 1/alpha*)/(4 pi) + ...)``: the largest ``q/p`` is inside if and only if
+    ``beta* > alpha*``, unless there were a larger one far from the edge, which is looked for.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its friction does not matter; nu < 1/2, and at least one compliance is not 0.
+    rtol : float
+        Relative tolerance of the solve.
+
+    Returns
+    -------
+    SlipOnset
+
+    Raises
+    ------
+    SceneError
+        For a scene whose critical friction is 0 or infinite, or an argument out of its range.
+    """
+    return first_slip(solve(all_stuck(scene), rtol, ASKED))
+
+
+# --- what is measured of a scene ------------------------------------------------------------------
+
+
+def _pressure(scene: Scene, rtol: float) -> Array:
+    solution = solve(scene, rtol, ("pressure",))
+    values = RADII.evaluate(solution.pressure)
+    return np.column_stack([values, np.full_like(values, solution.error.pressure)])
+
+
+def _traction(scene: Scene, rtol: float) -> Array:
+    """Return the traction and the stick radius.
+
+    In a stick disk q is a function of s/c: at a given radius twice the error of c comes on top.
+    """
+    solution = solve(scene, rtol, ("traction", "zones", "stick_radius"))
+    error = solution.error
+    assert error.traction is not None
+    assert error.zones is not None
+    values = RADII.evaluate(solution.traction)
+    rest = error.traction + 2.0 * error.zones, solution.stick_radius, error.stick_radius
+    return np.column_stack([values, np.tile(np.array(rest, dtype=float), (len(values), 1))])
+
+
+def _scalars(names: tuple[str, ...], scene: Scene, rtol: float) -> Array:
+    solution = solve(scene, rtol, names)
+    pairs = [(getattr(solution, name), getattr(solution.error, name)) for name in names]
+    return np.array([pairs], dtype=float).reshape(1, -1)
+
+
+def _onset(scene: Scene, rtol: float) -> Array:
+    found = slip_onset(scene, rtol)
+    critical = found.critical_friction, found.critical_error
+    edge = found.edge_ratio, found.edge_error
+    return np.array([[*critical, *edge, found.from_edge, found.from_edge_error]])
+
+
+# --- the figures ----------------------------------------------------------------------------------
+
+
+@cache
+def _figures() -> dict[str, PaperFigure]:
+    made = (_figure_2(), _figure_3(), _figure_4(), _figure_5(), _figure_6(), _figure_onset())
+    return {figure.name: figure for figure in made}
+
+
+def _figure_2() -> PaperFigure:
+    return PaperFigure(
+        "2",
+        "Pressure for several α*",
+        "α* = 0",
+        "the other α*",
+        ("pressure",),
+        tuple(Scene(0.3, alpha, 0.0, 0.0) for alpha in (0.0, 0.05, 0.1, 0.2, 0.5, 1.0)),
+        True,
+        _pressure,
+    )
+
+
+def _figure_3() -> PaperFigure:
+    return PaperFigure(
+        "3",
+        "Traction of full stick for several β*",
+        "α* = 0.5, ν = 0.3, β* = 0",
+        "the other β*",
+        ("traction",),
+        tuple(Scene(0.3, 0.5, beta, inf) for beta in (0.0, 0.1, 0.2, 0.5, 1.0)),
+        True,
+        lambda scene, rtol: _traction(scene, rtol)[:, :2],
+    )
+
+
+def _figure_4() -> PaperFigure:
+    named = (0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0)
+    more = (0.2, 0.2), (0.05, 1.0)
+    return PaperFigure(
+        "4",
+        "Edge ratio of full stick against Poisson's ratio",
+        f"(α*, β*) = {', '.join(map(str, named))}",
+        f"{' and '.join(map(str, more))}",
+        ("edge_ratio", "critical_friction"),
+        tuple(
+            Scene(i / 100.0, alpha, beta, inf) for alpha, beta in named + more for i in range(51)
+        ),
+        False,
+        partial(_scalars, ("edge_ratio", "critical_friction")),
+    )
+
+
+def _figure_5() -> PaperFigure:
+    frictions = 0.02, 0.04, 0.06, 0.08, 0.1, inf
+    return PaperFigure(
+        "5",
+        "Traction for several f at two ν",
+        "none",
+        "all: α* = β* = 0.5, ν, f",
+        ("traction", "stick_radius"),
+        tuple(Scene(nu, 0.5, 0.5, f) for nu in (0.1, 0.3) for f in frictions),
+        True,
+        _traction,
+    )
+
+
+def _figure_6() -> PaperFigure:
+    names = "stick_radius", "total_shear", "critical_friction"
+    return PaperFigure(
+        "6",
+        "Stick radius and total shear against friction for several ν",
+        "none",
+        "all: α* = β* = 0.5, ν, f",
+        names,
+        tuple(
+            Scene(nu, 0.5, 0.5, i / 400.0) for nu in (0.0, 0.1, 0.2, 0.3, 0.4) for i in range(81)
+        ),
+        False,
+        partial(_scalars, names),
+    )
+
+
+def _figure_onset() -> PaperFigure:
+    compliances = [10.0 ** (i / 10.0 - 3.0) for i in range(41)]
+    return PaperFigure(
+        "onset",
+        "Where slip starts, and the true critical friction",
+        "nothing: the paper has no such figure",
+        "all. Friction scales with κ = (1 − 2ν)/(4(1 − ν)), which is 1/7 here",
+        ("critical_friction", "edge_ratio", "from_edge"),
+        tuple(Scene(0.3, alpha, beta, inf) for alpha in compliances for beta in compliances),
+        False,
+        _onset,
+    )

@@ -1,0 +1,261 @@
+"""Figures as tables: what they show, their numbers, and both as CSV.
+
+Numbers are exact, and a head says whose they are; a table goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from spectral_contact.errors import SceneError
+from spectral_contact.fields import Array
+from spectral_contact.io import checks, choices
+from spectral_contact.io.documents import append_file, reported
+from spectral_contact.processes import VERSION
+from spectral_contact.scene import Scene
+from spectral_contact.view.radii import Radii
+
+_EPS = float(np.finfo(float).eps)
+#: The columns that every table begins with; f is 0 without friction, and infinite in full stick.
+PARAMETERS = ("nu", "alpha", "beta", "f")
+
+#: The radii of fields.
+RADII = Radii(
+    np.arange(50) / 100.0,
+    np.concatenate(
+        [np.arange(50, 10, -1) / 100.0, 10.0 ** (np.arange(-16, -97, -1) / 16.0), [0.0]]
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PaperFigure:
+    """What a figure shows, before anything is computed.
+
+    Attributes
+    ----------
+    name : str
+        Out of ``FIGURES``.
+    title : str
+    given : str
+        Parameters that the paper's text prints.
+    chosen : str
+        Parameters that it does not print, and that are our choice.
+    values : tuple of str
+        Names of what is measured.
+    scenes : tuple of Scene
+        In order; every one is computed at one go.
+    radial : bool
+        Whether the values are functions of the radius.
+    measure : callable
+        From a scene and rtol to the values, each followed by the estimate of its relative error:
+        an array of shape (rows, 2 * values).
+    """
+
+    name: str
+    title: str
+    given: str
+    chosen: str
+    values: tuple[str, ...]
+    scenes: tuple[Scene, ...]
+    radial: bool
+    measure: Callable[[Scene, float], Array]
+
+    @property
+    def stem(self) -> str:
+        """Name of its files without the suffix."""
+        return f"figure_{self.name}" if self.name.isdigit() else self.name
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Names of the columns that are known beforehand."""
+        return (*PARAMETERS, "s", "one_minus_s") if self.radial else PARAMETERS
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of all columns."""
+        pairs = ((name, f"{name}_error") for name in self.values)
+        return (*self.keys, *(name for pair in pairs for name in pair))
+
+    def keys_of(self, scene: Scene) -> Array:
+        """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
+        choices.instance("scene", scene, Scene)
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        parameters = scene.poisson_ratio, *compliances, scene.friction or 0.0
+        if not self.radial:
+            return np.array([parameters])
+        radii = np.column_stack([RADII.s, RADII.from_edge])
+        return np.hstack([np.tile(parameters, (len(radii), 1)), radii])
+
+    def rows_of(self, scene: Scene, rtol: float) -> Array:
+        """Compute the rows of a scene, shape (rows, len(columns))."""
+        return np.hstack([self.keys_of(scene), self.measure(scene, checks.tolerance(rtol))])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FigureData:
+    """The numbers of a figure.
+
+    Attributes
+    ----------
+    figure : PaperFigure
+    rtol : float
+        The tolerance of every solve.
+    table : ndarray, shape (rows, len(figure.columns))
+        Dimensionless, as in the paper; read-only.
+    """
+
+    figure: PaperFigure
+    rtol: float
+    table: Array
+
+    def __post_init__(self) -> None:
+        choices.instance("figure", self.figure, PaperFigure)
+        checks.tolerance(self.rtol)
+        numbers = checks.reals("table", choices.instance("table", self.table, np.ndarray), "or NaN")
+        if numbers.shape[1:] != (len(self.figure.columns),):
+            allowed = f"of {len(self.figure.columns)} columns, as the figure is"
+            raise SceneError("table", self.table, allowed)
+        self.table.flags.writeable = False
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a column.
+
+        Raises
+        ------
+        SceneError
+            If there is no such column.
+        """
+        columns = self.figure.columns
+        return self.table[:, columns.index(choices.one_of("column", name, columns))]
+
+    def curves(self, *names: str) -> Iterator[tuple[tuple[float, ...], FigureData]]:
+        """Yield the runs of rows that agree in some columns: their values there, and the rows.
+
+        Raises
+        ------
+        SceneError
+            If there is no such column.
+        """
+        known = [choices.one_of("names", name, self.figure.columns) for name in names]
+        values = list(zip(*(self[name].tolist() for name in known), strict=True))
+        for value, rows in groupby(range(len(values)), key=values.__getitem__):
+            yield value, replace(self, table=self.table[list(rows)])
+
+    def largest_error(self, name: str) -> float:
+        """Return the largest estimate of the relative error of a value that is known at all.
+
+        Raises
+        ------
+        SceneError
+            If there is no such value.
+        """
+        errors = self[f"{choices.one_of('name', name, self.figure.values)}_error"]
+        return float(errors[np.isfinite(errors)].max())
+
+
+def complete_csv(
+    path: Path, figure: PaperFigure, rtol: float, tell: Callable[[], None]
+) -> tuple[FigureData, int]:
+    """Compute what a table lacks and write it; what is there already is kept.
+
+    While it is incomplete the file has the suffix ``.partial``. It grows scene by scene, so
+    whoever is stopped loses at most one.
+
+    Parameters
+    ----------
+    path : Path
+        Of the complete table.
+    figure : PaperFigure
+    rtol : float
+    tell : callable
+        Called before every scene, be it computed or kept.
+
+    Returns
+    -------
+    data : FigureData
+    kept : int
+        How many scenes were there already.
+    """
+    partial = path.with_name(f"{path.name}.partial")
+    with reported(str(path), "cannot be read"):
+        for source in (path, partial):
+            content = source.read_bytes() if source.exists() else b""
+            blocks, size = whole_blocks(content, figure, rtol)
+            if len(blocks) == len(figure.scenes):
+                break
+    for _ in blocks:
+        tell()
+    kept = len(blocks)
+    if kept < len(figure.scenes):
+        _append(partial, size, b"" if size else _head(figure, rtol))
+    for scene in figure.scenes[kept:]:
+        tell()
+        blocks.append(figure.rows_of(scene, rtol))
+        _append(partial, None, _lines(blocks[-1]))
+    if source == partial:
+        with reported(str(path), "cannot be written"):
+            partial.replace(path)
+    return FigureData(figure, rtol, np.concatenate(blocks)), kept
+
+
+def _append(path: Path, size: int | None, content: bytes) -> None:
+    with reported(str(path), "cannot be written"):
+        append_file(str(path), content, size)
+
+
+def _head(figure: PaperFigure, rtol: float) -> bytes:
+    """Return the lines above the rows; a table with another head is another table."""
+    lines = [
+        f"# spectral_contact {VERSION}, paper, {figure.stem}: {figure.title}",
+        f"# rtol = {rtol!r}",
+        f"# parameters that the paper's text prints: {figure.given}",
+        f"# parameters that it does not print, and that are our choice: {figure.chosen}",
+        "# dimensionless as in the paper: radii in a, pressure and traction in P/a^2, shear in P",
+        "# *_error: estimates of relative errors; inf: no digit is known",
+        ",".join(figure.columns),
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _lines(rows: Array) -> bytes:
+    return "".join(",".join(map(repr, row)) + "\n" for row in rows.tolist()).encode()
+
+
+def whole_blocks(content: bytes, figure: PaperFigure, rtol: float) -> tuple[list[Array], int]:
+    """Return the rows of the scenes that a table has whole, from the first on, and their end."""
+    head = _head(figure, rtol)
+    if not content.startswith(head):
+        return [], 0
+    lines = content[len(head) :].splitlines(keepends=True)
+    blocks: list[Array] = []
+    size, start = len(head), 0
+    for scene in figure.scenes:
+        keys = figure.keys_of(scene)
+        block = lines[start : start + len(keys)]
+        rows = _parsed(block)
+        if rows.shape != (len(keys), len(figure.columns)) or np.isnan(rows).any():
+            break
+        # Powers of ten differ in their last bits with NumPy and the processor; rows say their own.
+        if not np.allclose(rows[:, : keys.shape[1]], keys, rtol=4.0 * _EPS, atol=0.0):
+            break
+        blocks.append(rows)
+        size += sum(map(len, block))
+        start += len(keys)
+    return blocks, size
+
+
+def _parsed(lines: list[bytes]) -> Array:
+    """Return the numbers of whole lines; an empty array if anything is wrong with them."""
+    nothing = np.empty((0, 0))
+    if not lines or not lines[-1].endswith(b"\n"):
+        return nothing
+    try:
+        return np.array([[float(cell) for cell in line.split(b",")] for line in lines])
+    except ValueError:  # no number, or lines of different lengths
+        return nothing

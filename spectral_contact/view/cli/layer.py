@@ -1,0 +1,128 @@
+"""The nonlinear layer of a command line: its options, and the law that they stand for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from spectral_contact.errors import SceneError, SolutionFileError
+from spectral_contact.io.units import in_si
+from spectral_contact.layers import (
+    CalculixExponential,
+    Exponential,
+    GreenwoodWilliamson,
+    Layer,
+    PowerLaw,
+    Table,
+)
+from spectral_contact.view.cli.options import UsageError, add_option, flag, measured
+
+#: Laws by the name on the command line, with what they need and what they may have.
+_NAMED: Final[dict[str, tuple[Callable[..., Layer], tuple[str, ...], tuple[str, ...]]]] = {
+    "power-law": (PowerLaw, ("coefficient", "exponent"), ()),
+    "exponential": (Exponential, ("zero_pressure", "clearance"), ()),
+    "calculix": (CalculixExponential, ("zero_pressure", "clearance"), ()),
+    "asperities": (
+        GreenwoodWilliamson,
+        ("density", "tip_radius", "height_deviation"),
+        ("heights",),
+    ),
+    "table": (Table, ("table",), ()),
+}
+#: Numbers of laws, with their SI unit and meaning; a power of a unit is not converted.
+_NUMBERS: Final = {
+    "coefficient": ("", "of a power law: pressure over overclosure to the exponent"),
+    "exponent": ("", "of a power law, in [1, 10]"),
+    "zero_pressure": ("Pa", "of an exponential law: the pressure at zero overclosure"),
+    "clearance": ("m", "of an exponential law: where it begins, or a hundredth is left"),
+    "density": ("", "of asperities: how many per area"),
+    "tip_radius": ("m", "of asperities"),
+    "height_deviation": ("m", "of asperities: standard deviation of their heights"),
+}
+#: The same by the attribute of the options.
+LAW_NUMBERS: Final = tuple(f"layer_{name}" for name in _NUMBERS)
+_PREFIX: Final = "layer_"
+
+
+def add_layer(
+    command: argparse.ArgumentParser, control: Callable[[str], Any] | None = None
+) -> None:
+    """Add the options of a nonlinear layer; what is not given is no attribute.
+
+    Numbers are read by `control`; by default they may have a unit.
+    """
+    group = command.add_argument_group(
+        "nonlinear layer",
+        "Under a profile, in place of --normal-compliance and without friction. Pressures are in "
+        "E' and lengths in L; with --youngs-modulus in Pa and m.",
+    )
+    group.add_argument(
+        "--layer", choices=_NAMED, default=argparse.SUPPRESS, help="the law (default: linear)"
+    )
+    for name, (_, meaning) in _NUMBERS.items():
+        add_option(group, _PREFIX + name, control or measured, meaning)
+    group.add_argument(
+        "--layer-heights",
+        choices=("gaussian", "exponential"),
+        default=argparse.SUPPRESS,
+        help="of asperities: how their heights are distributed (default: gaussian)",
+    )
+    of_table = "of a table: a file of text with an overclosure and a pressure on each line"
+    add_option(group, "layer_table", str, of_table, "FILE")
+
+
+def layer_given(given: Mapping[str, Any]) -> bool:
+    """Return whether there is a layer, or at least an option of one."""
+    return "layer" in given or any(name.startswith(_PREFIX) for name in given)
+
+
+def law(given: Mapping[str, Any], si: bool) -> Layer | None:
+    """Return the law of the options, None without; its parameters are called as the options are."""
+    if not layer_given(given):
+        return None
+    if "layer" not in given:
+        raise UsageError(f"give --layer, one of {', '.join(_NAMED)}, with options of a layer")
+    named = given["layer"]
+    kind, needed, possible = _NAMED[named]
+    own = {name.removeprefix(_PREFIX): one for name, one in given.items() if _PREFIX in name}
+    missing = [flag(_PREFIX + name) for name in needed if name not in own]
+    if missing:
+        raise UsageError(f"--layer {named} needs {' and '.join(missing)}")
+    alien = [flag(_PREFIX + name) for name in own if name not in (*needed, *possible)]
+    if alien:
+        raise UsageError(f"--layer {named} does not take {alien[0]}")
+    if named == "table":
+        return kind(*_columns(own["table"]))
+    values = {name: _value(name, one, si) for name, one in own.items()}
+    try:
+        return kind(**values)
+    except SceneError as error:
+        raise SceneError(_PREFIX + error.parameter, error.value, error.allowed) from error
+
+
+def _value(name: str, value: Any, si: bool) -> Any:
+    """Return what an option stands for; a unit is understood in SI units alone."""
+    if name == "heights" or isinstance(value, float):
+        return value
+    unit = _NUMBERS[name][0]
+    if not (si and unit):
+        told = "must be a number without a unit" + ("" if si else ", without --youngs-modulus")
+        raise UsageError(f"{flag(_PREFIX + name)} {value}: {told}")
+    return in_si(name, value, unit)
+
+
+def _columns(path: str) -> Any:
+    """Return the two columns of a file of text, which spaces or commas part."""
+    try:
+        lines = Path(path).read_text(encoding="utf-8").replace(",", " ").splitlines()
+        rows = np.loadtxt(lines, ndmin=2)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise SolutionFileError(path, f"no table of a layer: {reason}") from error
+    if rows.shape[1] != 2:
+        raise SolutionFileError(path, f"no table of a layer: {rows.shape[1]} columns, not 2")
+    return rows.T

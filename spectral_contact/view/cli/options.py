@@ -1,0 +1,129 @@
+"""Values of options: what the text of the command line stands for.
+
+Options that do not make a request are a `UsageError` throughout `cli`; values out of range are
+errors of the library.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from spectral_contact.errors import SpectralContactError
+from spectral_contact.io.units import has_unit
+
+# Narrower than float() and int(), which take 1_000 and the digits of every script.
+_DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
+_NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
+_WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+
+
+class UsageError(SpectralContactError):
+    """The options do not make a request."""
+
+
+def add_option(
+    group: argparse._ActionsContainer,
+    name: str,
+    kind: Callable[[str], Any],
+    meaning: str,
+    metavar: str = "X",
+) -> None:
+    """Add the option of a parameter; where it is not given there is no attribute of it."""
+    group.add_argument(
+        flag(name), type=kind, metavar=metavar, default=argparse.SUPPRESS, help=meaning
+    )
+
+
+def flag(name: str) -> str:
+    """Return the option of a parameter."""
+    return "--" + name.replace("_", "-")
+
+
+def measured(text: str) -> float | str:
+    """Return a number, or text with a unit as it is."""
+    return text if has_unit(text) else number(text)
+
+
+def number(text: str) -> float:
+    """Return a number; decimals beyond the doubles are refused, as in Python's interface."""
+    stripped = text.strip(" ")
+    if _NO_DECIMAL.fullmatch(stripped):
+        return float(stripped)
+    if not _DECIMAL.fullmatch(stripped):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
+    value = float(stripped)
+    # exact, whatever the exponent: a decimal is zero if all digits before it are
+    is_zero = not set("123456789") & set(stripped.lower().partition("e")[0])
+    if math.isinf(value) or (value == 0.0) != is_zero:
+        raise argparse.ArgumentTypeError(f"{text!r} is not within the range of a double")
+    return value
+
+
+def whole(text: str) -> int:
+    """Return a whole number."""
+    stripped = text.strip(" ")
+    try:
+        if _WHOLE.fullmatch(stripped):
+            return int(stripped)
+    except ValueError:  # more digits than Python converts
+        pass
+    raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+
+
+def resolution(text: str) -> float:
+    """Return a number, a whole one as an int: that is how a solver is called."""
+    try:
+        return whole(text)
+    except argparse.ArgumentTypeError:
+        return number(text)
+
+
+def values(text: str) -> list[float]:
+    """Return the numbers that a text stands for."""
+    low, *rest = text.split(":")
+    if not rest:
+        return [number(part) for part in text.split(",")]
+    refusal = argparse.ArgumentTypeError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
+    if len(rest) == 1 or rest[2:] not in ([], ["linear"], ["log"]):
+        raise refusal
+    start, high, count = number(low), number(rest[0]), whole(rest[1])
+    if count < 1 or not math.isfinite(high - start):
+        raise refusal
+    if rest[2:] != ["log"]:
+        return list(map(float, np.linspace(start, high, count)))
+    if min(start, high) <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r}: equal ratios need positive ends")
+    return list(map(float, np.geomspace(start, high, count)))
+
+
+def friction(text: str) -> float | None:
+    """Return a coefficient of friction, None for ``none``."""
+    if text.strip().lower() == "none":
+        return None
+    value = number(text)
+    if not value >= 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} must be >= 0, or inf (full stick), or none")
+    return value
+
+
+def joined(argv: Sequence[str]) -> list[str]:
+    """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options."""
+    found: list[str] = []
+    for text in argv:
+        if found and found[-1].startswith("--") and "=" not in found[-1] and _negative(text):
+            found[-1] = f"{found[-1]}={text}"
+        else:
+            found.append(text)
+    return found
+
+
+def _negative(text: str) -> bool:
+    stripped = text.strip(" ")
+    is_number = _DECIMAL.fullmatch(stripped) or _NO_DECIMAL.fullmatch(stripped)
+    return text.startswith("-") and bool(is_number)

@@ -1,0 +1,154 @@
+"""The profile of a command line: its options, and the scene that they stand for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any, Final
+
+from spectral_contact.io.units import in_si
+from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
+from spectral_contact.scene import Scene
+from spectral_contact.view.cli.layer import add_layer, law, layer_given
+from spectral_contact.view.cli.options import UsageError, add_option, flag, number
+from spectral_contact.view.cli.scene import add_physical, add_scene, scene, si_given
+
+#: Profiles that numbers describe, by the name on the command line.
+_NAMED: Final = {
+    "parabola": "Parabola",
+    "sphere": "Sphere",
+    "cone": "Cone",
+    "power-law": "PowerLaw",
+    "rounded-flat": "RoundedFlat",
+    "truncated-cone": "TruncatedCone",
+    "flat": "Flat",
+}
+#: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
+_OWN: Final = {
+    "contact_radius": "contact radius: this, --load, --approach or --separation",
+    "separation": "at the deformed centre, under a layer with pressure at every gap",
+    "half_angle": "of a cone, between axis and side [rad]",
+    "flat_radius": "of the flat part",
+    "coefficient": "of a power law",
+    "exponent": "of a power law",
+}
+_SHARED: Final = {"radius": "m", "load": "N", "approach": "m"}
+_COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
+_SI_ONLY: Final = ("youngs_modulus", *(f"{name}_si" for name in _COMPLIANCES))
+
+
+def add_any_scene(command: argparse.ArgumentParser) -> None:
+    """Add the options of every kind of scene."""
+    add_scene(command)
+    add_physical(command)
+    add_profile(command)
+
+
+def any_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options: under a profile, in SI units, or dimensionless.
+
+    Raises as `profile_scene` and `scene.scene` do.
+    """
+    return profile_scene(arguments) if profile_given(arguments) else scene(arguments)
+
+
+def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] = number) -> None:
+    """Add the options of a scene with a profile; what is not given is no attribute.
+
+    What tells how far it is pressed in is read by `control`.
+    """
+    group = command.add_argument_group(
+        "scene with a profile",
+        "With --youngs-modulus in SI units, lengths in m. Else all lengths are in one length L, "
+        "loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances in L / E': --radius, --load and "
+        "--approach are numbers then. Poisson's ratio defaults to 0.3 (in SI units it is "
+        "required) and the compliances to 0; there is no friction unless it is given.",
+    )
+    group.add_argument(
+        "--profile",
+        choices=_NAMED,
+        default=argparse.SUPPRESS,
+        help="what the punch looks like (default: flat; flat itself is for a nonlinear layer)",
+    )
+    add_layer(command, None if control is number else control)
+    for name, meaning in _OWN.items():
+        add_option(group, name, control if name in ALL_CONTROLS else number, meaning)
+
+
+def profile_given(arguments: argparse.Namespace) -> bool:
+    """Return whether the scene has a profile, or at least an option of one or of a layer."""
+    given = vars(arguments)
+    return layer_given(given) or not {"profile", *_OWN}.isdisjoint(given)
+
+
+def in_si_units(arguments: argparse.Namespace) -> bool:
+    """Return whether the scene is in SI units: with a profile lengths and loads may be any."""
+    if profile_given(arguments):
+        return not set(_SI_ONLY).isdisjoint(vars(arguments))
+    return si_given(arguments)
+
+
+def profile_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options, which have to be complete, and of this profile."""
+    given = vars(arguments)
+    if "profile" not in given:
+        told = "a layer" if layer_given(given) else "a profile"
+        raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of {told}")
+    si = in_si_units(arguments)
+    if si:
+        _check_si(given)
+    values = _numbers(given, si)
+    kind = _NAMED[given["profile"]]
+    needed = SHAPES.get(kind, ("radius",))
+    _check_complete(given["profile"], needed, values)
+    rest: dict[str, Any] = {
+        name: given[name] for name in ("youngs_modulus", "friction") if name in given
+    }
+    known: dict[str, Any] = {
+        "poisson_ratio": given.get("poisson_ratio", 0.3),
+        **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
+        **{name: values[name] for name in ALL_CONTROLS if name in values},
+        "profile": KINDS[kind](**{name: values[name] for name in needed}),
+        "coupling": arguments.coupling,
+        "layer": law(given, si),
+        **rest,
+    }
+    return Scene.from_physical(**known) if si else Scene(**known)
+
+
+def _check_si(given: dict[str, Any]) -> None:
+    """Refuse what mixes SI with dimensionless numbers, be they given or defaults."""
+    mixed = [name for name in _COMPLIANCES if name in given]
+    if mixed:
+        raise UsageError(f"{flag(mixed[0])} is dimensionless: use {flag(mixed[0])}-si, in m/Pa")
+    missing = [flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
+    if missing:
+        raise UsageError(f"SI input needs {' and '.join(missing)}: there are no defaults for it")
+
+
+def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:
+    """Return what is given of profile and contact; a unit is understood in SI units alone."""
+    values = {
+        name: in_si(name, given[name], unit) if si else _plain(name, given[name])
+        for name, unit in _SHARED.items()
+        if name in given
+    }
+    return {**values, **{name: given[name] for name in _OWN if name in given}}
+
+
+def _check_complete(profile: str, needed: tuple[str, ...], values: dict[str, float]) -> None:
+    """Refuse what is missing, or of another profile."""
+    missing = [flag(name) for name in needed if name not in values]
+    if missing:
+        raise UsageError(f"--profile {profile} needs {' and '.join(missing)}")
+    alien = [flag(name) for name in values if name not in (*needed, *ALL_CONTROLS)]
+    if alien:
+        raise UsageError(f"--profile {profile} does not take {alien[0]}")
+    if len(values) != len(needed) + 1:
+        raise UsageError(f"--profile needs one of {', '.join(map(flag, ALL_CONTROLS))}")
+
+
+def _plain(name: str, value: object) -> float:
+    if not isinstance(value, float):
+        raise UsageError(f"{flag(name)} {value}: must be a number without a unit with --profile")
+    return value

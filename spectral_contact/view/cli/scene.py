@@ -1,0 +1,130 @@
+"""The scene of a command line: its options, dimensionless or SI, and what they stand for."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Final
+
+from spectral_contact.errors import SceneError
+from spectral_contact.scene import Scene
+from spectral_contact.view.cli.options import (
+    UsageError,
+    add_option,
+    flag,
+    friction,
+    measured,
+    number,
+)
+
+_COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
+_SI_COMPLIANCES: Final = ("normal_compliance_si", "tangential_compliance_si")
+_SI: Final = ("youngs_modulus", "radius", "load", "approach", *_SI_COMPLIANCES)
+#: Dimensionless scene of a bare ``spectral-contact solve``.
+_DEFAULTS: Final = {
+    "poisson_ratio": 0.1,
+    "normal_compliance": 0.5,
+    "tangential_compliance": 0.5,
+    "friction": 0.1,
+}
+_SI_NEEDS: Final = ("youngs_modulus", "poisson_ratio", "radius", "friction")
+
+
+def add_scene(command: argparse.ArgumentParser) -> None:
+    """Add the options of a dimensionless scene; what is not given is no attribute."""
+    group = command.add_argument_group("scene")
+    compliance = "{0}* = {0} E / (4 (1 - nu^2) a), 0 (smooth) or in [1e-14, 1e14]"
+    for name, kind, metavar, meaning in (
+        ("poisson_ratio", number, "NU", "Poisson's ratio of the half-space, in (-1, 0.5]"),
+        ("normal_compliance", number, "ALPHA", compliance.format("alpha")),
+        ("tangential_compliance", number, "BETA", compliance.format("beta")),
+        (
+            "friction",
+            friction,
+            "F",
+            "Coulomb coefficient >= 0; inf is full stick, none the frictionless problem",
+        ),
+    ):
+        add_option(group, name, kind, f"{meaning} (default: {_DEFAULTS[name]})", metavar)
+    add_coupling(group)
+
+
+def add_coupling(group: argparse._ArgumentGroup) -> None:
+    """Add the switch of elastic coupling."""
+    group.add_argument(
+        "--coupling",
+        action="store_true",
+        help="let the traction act back on the pressure, which the paper neglects",
+    )
+
+
+def add_physical(command: argparse.ArgumentParser) -> None:
+    """Add the options of a scene in SI units."""
+    group = command.add_argument_group(
+        "scene in SI units",
+        "Any of these replaces the dimensionless compliances: modulus, radius, either load or "
+        "approach, --poisson-ratio and --friction are then required; the compliances default to 0, "
+        "a smooth surface, and the output says so. A number may have a unit, as in '210 GPa' or "
+        "'50 nm/MPa' (needs the extra: units).",
+    )
+    for name, metavar, meaning in (
+        ("youngs-modulus", "E", "Young's modulus of the half-space [Pa]"),
+        ("radius", "A", "radius of the punch [m]"),
+        ("load", "P", "normal force [N]"),
+        ("approach", "DELTA", "rigid approach of the punch [m]"),
+        ("normal-compliance-si", "ALPHA", "normal compliance of the roughness [m/Pa]"),
+        ("tangential-compliance-si", "BETA", "tangential compliance of the roughness [m/Pa]"),
+    ):
+        add_option(group, name, measured, meaning, metavar)
+
+
+def si_given(arguments: argparse.Namespace) -> bool:
+    """Return whether the scene is in SI units."""
+    return not set(_SI).isdisjoint(vars(arguments))
+
+
+def scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options, SI or dimensionless; none may be missing or of the other."""
+    given = vars(arguments)
+    if not si_given(arguments):
+        values = {name: given.get(name, default) for name, default in _DEFAULTS.items()}
+        return Scene(**values, coupling=arguments.coupling)
+    _check_si(arguments)
+    values = {name: given[name] for name in (*_SI_NEEDS, "load", "approach") if name in given}
+    compliances = {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
+    return Scene.from_physical(**values, **compliances, coupling=arguments.coupling)
+
+
+def defaults(arguments: argparse.Namespace) -> list[str]:
+    """Return what of an SI scene was not given, and what was taken for it."""
+    if not si_given(arguments):
+        return []
+    absent = [name for name in _SI_COMPLIANCES if name not in vars(arguments)]
+    return [f"{flag(name)} was not given: 0, a smooth surface, by default" for name in absent]
+
+
+def in_options(error: SceneError, si: bool) -> str:
+    """Return the message with the parameter under the name that the command line gives it."""
+    names = [
+        flag(name + "_si" if si and name in _COMPLIANCES else name)
+        for name in error.parameter.split(", ")
+    ]
+    return ", ".join(names) + str(error).removeprefix(error.parameter)
+
+
+def _check_si(arguments: argparse.Namespace) -> None:
+    """Refuse what mixes SI with dimensionless numbers, be they given or defaults."""
+    given = vars(arguments)
+    mixed = [name for name in _COMPLIANCES if name in given]
+    if mixed:
+        raise UsageError(
+            f"{flag(mixed[0])} is dimensionless and cannot be mixed with SI input "
+            f"({flag(next(name for name in _SI if name in given))}); "
+            f"use {flag(mixed[0])}-si, in m/Pa"
+        )
+    missing = [flag(name) for name in _SI_NEEDS if name not in given]
+    if missing:
+        raise UsageError(
+            f"SI input needs {' and '.join(missing)}: there are no defaults for a material"
+        )
+    if ("load" in given) == ("approach" in given):
+        raise UsageError("SI input needs either --load or --approach, not both")

@@ -1,0 +1,177 @@
+"""``spectral-contact sweep``: its options, and what they ask of `spectral_contact.sweeps`."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from spectral_contact.io.checks import whole as checked_whole
+from spectral_contact.io.documents import netcdf, replace_file, reported
+from spectral_contact.processes import workers
+from spectral_contact.profiles.control import ALL_CONTROLS
+from spectral_contact.scene import Scene
+from spectral_contact.solution import QUANTITIES
+from spectral_contact.sweeps.pictures import plot_slice, varying
+from spectral_contact.sweeps.run import sweep
+from spectral_contact.view import plotting
+from spectral_contact.view.cli.layer import LAW_NUMBERS
+from spectral_contact.view.cli.options import (
+    UsageError,
+    add_option,
+    friction,
+    number,
+    values,
+    whole,
+)
+from spectral_contact.view.cli.profile import add_profile, profile_given, profile_scene
+from spectral_contact.view.cli.scene import add_coupling
+from spectral_contact.view.report import table
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Suffixes of a stored sweep.
+OUTPUTS: Final = (".nc", ".csv")
+_PARAMETERS: Final = {
+    "poisson_ratio": (0.1, "Poisson's ratio of the half-space, in (-1, 0.5]"),
+    "normal_compliance": (0.5, "alpha* = alpha E / (4 (1 - nu^2) a)"),
+    "tangential_compliance": (0.5, "beta* = beta E / (4 (1 - nu^2) a)"),
+    "friction": (0.1, "coefficient >= 0; inf is full stick, none the frictionless problem"),
+}
+
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    """Add what a sweep takes."""
+    group = command.add_argument_group("scenes")
+    for name, (default, meaning) in _PARAMETERS.items():
+        kind = _frictions if name == "friction" else values
+        add_option(group, name, kind, f"{meaning} (default: {default})", "VALUES")
+    add_coupling(group)
+    add_profile(command, values)
+    group = command.add_argument_group("how far it is pressed in, and its size")
+    about = {"load": "instead of --contact-radius", "approach": "the same", "radius": "of the tip"}
+    for name, meaning in about.items():
+        add_option(group, name, number if name == "radius" else values, meaning)
+    group = command.add_argument_group("request")
+    group.add_argument("--rtol", type=number, default=1e-8, help="(default: %(default)s)")
+    group.add_argument(
+        "--quantities",
+        nargs="+",
+        metavar="NAME",
+        help=f"what to compute (default: the numbers): {', '.join(QUANTITIES)}",
+    )
+    group.add_argument("--s", type=values, metavar="VALUES", help="radii of the fields, in [0, 1]")
+    group.add_argument(
+        "--from-edge", type=values, metavar="VALUES", help="instead of --s: distances 1 - s"
+    )
+    group.add_argument(
+        "--workers", type=whole, default=1, metavar="N", help="processes (default: %(default)s)"
+    )
+    group.add_argument(
+        "--store", metavar="FOLDER", help="keep results here as they come, and go on from there"
+    )
+    group = command.add_argument_group("output")
+    group.add_argument(
+        "--output", metavar="FILE", help="store the sweep: .nc whole (NetCDF), .csv a table"
+    )
+    group.add_argument(
+        "--plot",
+        metavar="FILE",
+        help=f"plot a slice: {', '.join(plotting.FORMATS)} (needs the extra: plot)",
+    )
+    group.add_argument(
+        "--plot-quantity", metavar="NAME", help="which quantity (default: the first)"
+    )
+    group.add_argument(
+        "--at",
+        action="append",
+        default=[],
+        type=_cut,
+        metavar="NAME=VALUE",
+        help="where a dimension is cut for the plot, as in friction=0.2 (may be repeated)",
+    )
+
+
+def run(arguments: argparse.Namespace) -> xarray.Dataset:
+    """Run the sweep that the options ask for."""
+    if arguments.plot is not None:
+        plotting.require()
+    lists = {
+        name: vars(arguments)[name] for name in (*_PARAMETERS, *ALL_CONTROLS) if name in arguments
+    }
+    of_law = {name: vars(arguments)[name] for name in LAW_NUMBERS if name in arguments}
+    axes = {name: several for name, several in lists.items() if len(several) > 1}
+    law = {
+        name.removeprefix("layer_"): several for name, several in of_law.items() if len(several) > 1
+    }
+    base = _base(arguments, {name: several[0] for name, several in (lists | of_law).items()})
+    with workers(checked_whole("workers", arguments.workers, 1)) as executor:
+        return sweep(
+            base,
+            **axes,
+            layer=law or None,
+            quantities=arguments.quantities,
+            rtol=arguments.rtol,
+            s=arguments.s,
+            from_edge=arguments.from_edge,
+            executor=executor,
+            store=arguments.store,
+        )
+
+
+def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
+    if profile_given(arguments):
+        return profile_scene(argparse.Namespace(**vars(arguments) | first))
+    alien = [name for name in ("radius", *ALL_CONTROLS) if name in arguments]
+    if alien:
+        raise UsageError(f"--{alien[0]} needs --profile")
+    values = {name: default for name, (default, _) in _PARAMETERS.items()} | first
+    return Scene(**values, coupling=arguments.coupling)
+
+
+def write(dataset: xarray.Dataset, arguments: argparse.Namespace) -> None:
+    """Write the files that the options name."""
+    output = arguments.output
+    if output is not None:
+        with reported(output, "cannot be written"):
+            replace_file(output, _content(dataset, Path(output).suffix.lower()))
+    if arguments.plot is not None:
+        at = dict(arguments.at)
+        quantity = arguments.plot_quantity or varying(dataset, at)
+        plotting.save(plot_slice(dataset, quantity, at), arguments.plot)
+
+
+def summary(dataset: xarray.Dataset) -> str:
+    """Return how many scenes ended how, and the range of every quantity."""
+    endings = Counter(dataset.ending.values.ravel().tolist())
+    counts = ", ".join(f"{count} {ending}" for ending, count in endings.most_common())
+    cells: list[tuple[str, ...]] = [("quantity", "least", "largest", "largest error estimate")]
+    for name, column in dataset.data_vars.items():
+        if f"{name}_error" in dataset:
+            error = dataset[f"{name}_error"]
+            numbers = (column.min(), column.max(), error.max())
+            cells.append((str(name), *(f"{float(one):.4g}" for one in numbers)))
+    return f"{dataset.ending.size} scenes: {counts}\n" + table(cells)
+
+
+def _content(dataset: xarray.Dataset, suffix: str) -> bytes:
+    if suffix == ".csv":
+        rows = dataset if dataset.sizes else dataset.expand_dims("scene")
+        text: str = rows.to_dataframe().reset_index().to_csv(index=False)
+        return text.encode()
+    return netcdf(dataset)
+
+
+def _frictions(text: str) -> list[float | None]:
+    """Return the same of friction, which may be ``none`` if it is alone."""
+    alone = friction(text) if text.strip().lower() == "none" else 0.0
+    return [None] if alone is None else list(values(text))
+
+
+def _cut(text: str) -> tuple[str, float]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
+    return name.strip().replace("-", "_"), number(value)

@@ -1,0 +1,228 @@
+"""``spectral-contact sweep``: ranges, files, a plot, and what it says when it cannot."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, SceneError, solve
+from spectral_contact.__main__ import main
+from spectral_contact.sweeps import plot_slice, sweep
+from spectral_contact.sweeps.pictures import varying
+from spectral_contact.view.cli import sweep as cli_sweep
+
+xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
+
+APPROACH = ("--quantities", "approach", "--friction", "none")
+
+
+def run(capsys, *options):
+    """Return the exit status, stdout and stderr of ``spectral-contact sweep``."""
+    status = main(["sweep", *options])
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_ranges_lists_and_single_values(capsys, tmp_path):
+    path = tmp_path / "map.nc"
+    status, out, err = run(
+        capsys,
+        *("--normal-compliance", "1e-2:1:3:log", "--friction", "0.1:0.3:3"),
+        *("--tangential-compliance", "0.5,1", "--poisson-ratio", "0.3"),
+        *("--quantities", "edge_ratio", "--output", str(path)),
+    )
+    assert (status, err) == (0, "")
+    assert out.startswith("18 scenes: 18 converged")
+    found = xarray.load_dataset(path)
+    assert found.edge_ratio.dims == ("normal_compliance", "tangential_compliance", "friction")
+    assert np.allclose(found.normal_compliance, [0.01, 0.1, 1.0], rtol=1e-15)
+    assert found.tangential_compliance.values.tolist() == [0.5, 1.0]
+    assert np.allclose(found.friction, [0.1, 0.2, 0.3], rtol=1e-15)
+    expected = solve(Scene(0.3, 1.0, 0.5, 0.1)).edge_ratio
+    assert float(found.edge_ratio[2, 0, 0]) == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_table_has_a_row_for_each_scene(capsys, tmp_path):
+    path = tmp_path / "map.csv"
+    options = ("--normal-compliance", "0.1,0.5", "--output", str(path))
+    assert run(capsys, *options, *APPROACH)[0] == 0
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert [float(row["normal_compliance"]) for row in rows] == [0.1, 0.5]
+    assert [row["ending"] for row in rows] == ["converged"] * 2
+    for row in rows:
+        expected = solve(Scene(0.1, float(row["normal_compliance"])), 1e-8, ["approach"]).approach
+        assert float(row["approach"]) == expected
+
+
+def test_scenes_may_have_elastic_coupling(capsys, tmp_path):
+    path = tmp_path / "map.csv"
+    options = ("--friction", "inf", "--coupling", "--quantities", "approach")
+    assert run(capsys, *options, "--output", str(path))[0] == 0
+    [row] = csv.DictReader(path.read_text().splitlines())
+    assert row["coupling"] == "True"
+    scene = Scene(0.1, 0.5, 0.5, math.inf, coupling=True)
+    assert float(row["approach"]) == solve(scene, 1e-8, ["approach"]).approach
+
+
+def test_a_curve_over_the_load_has_a_profile(capsys, tmp_path):
+    path = tmp_path / "curve.csv"
+    tip = ("--profile", "parabola", "--radius", "2", "--load", "0.1:10:3:log")
+    status, out, _ = run(capsys, *tip, "--output", str(path))
+    assert status == 0
+    assert out.startswith("3 scenes: 3 converged")
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert [float(row["load"]) for row in rows] == pytest.approx([0.1, 1.0, 10.0], rel=1e-15)
+    for row in rows:  # Hertz
+        a = float(row["contact_radius"])
+        assert float(row["load"]) == pytest.approx(16 / 3 * a**3 / 2.0, rel=1e-8)
+    assert {row["friction"] for row in rows} == {""}
+
+
+def test_one_scene_is_a_row_as_well(capsys, tmp_path):
+    path = tmp_path / "one.csv"
+    assert run(capsys, "--output", str(path), *APPROACH)[0] == 0
+    assert len(path.read_text().splitlines()) == 2
+
+
+def test_fields_workers_and_a_store(capsys, tmp_path):
+    options = ("--quantities", "pressure", "--from-edge", "0,1e-3", "--friction", "0.1:0.2:3")
+    more = ("--workers", "2", "--store", str(tmp_path / "store"))
+    status, out, _ = run(capsys, *options, *more)
+    assert status == 0
+    assert "pressure" in out
+    assert (tmp_path / "store" / "000000.npz").exists()
+    assert run(capsys, *options, "--store", str(tmp_path / "store"))[:2] == (0, out)
+
+
+def test_a_slice_is_plotted(capsys, tmp_path):
+    path = tmp_path / "map.png"
+    options = ("--friction", "0.1:0.3:3", "--normal-compliance", "0.1,0.5", "--quantities")
+    cut = ("--at", "friction=0.22", "--plot", str(path))
+    status, _, err = run(capsys, *options, "edge_ratio", *cut)
+    assert (status, err) == (0, "")
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_slices_are_curves_and_maps():
+    friction = [0.1, 0.2, math.inf]
+    found = sweep(
+        Scene(0.3, 0.5, 0.5),
+        normal_compliance=[1e-3, 1.0],
+        friction=friction,
+        quantities=["approach"],
+    )
+    figure = plot_slice(found, "approach", {"friction": math.inf})
+    [axes] = figure.axes
+    held = [r"$\nu$ = 0.3", r"$\beta^*$ = 0.5", r"$f$ = $\infty$"]
+    assert sorted(axes.get_title().split(", ")) == sorted(held)
+    assert axes.get_xscale() == "log"
+    assert np.array_equal(axes.lines[0].get_ydata(), found.approach[:, 2])
+    figure = plot_slice(found, "approach")  # what is infinite has no place on an axis
+    assert figure.axes[0].get_xlabel() == "coefficient of friction $f$"
+    assert figure.axes[0].get_ylabel() == "normal compliance $α^*$"
+    values = figure.axes[0].collections[0].get_array()
+    assert np.array_equal(values, found.approach[:, :2])
+    corners = figure.axes[0].collections[0].get_coordinates()
+    assert np.allclose(corners[:, 0, 1], 10.0 ** np.array([-4.5, -1.5, 1.5]), rtol=1e-12)
+
+
+def test_a_quantity_that_varies_is_drawn():
+    found = sweep(Scene(0.3, 0.5, 0.5), friction=[0.05, 0.08])
+    assert varying(found) == "stick_radius"  # friction does not move the approach
+    assert varying(found[["approach", "approach_error"]]) == "approach"
+    both = sweep(Scene(0.3, 0.5, 0.5), normal_compliance=[0.1, 0.5], friction=[0.05, 0.08])
+    assert varying(both) == "stick_radius"
+    assert varying(both, {"friction": 0.05}) == "approach"
+    assert varying(both, {"normal_compliance": 0.1}) == "stick_radius"
+    none = sweep(Scene(0.3), normal_compliance=[0.1, 0.2], quantities=["approach"])
+    assert plot_slice(none, "approach").axes[0].get_title().endswith("no friction")
+
+
+@pytest.fixture(scope="module")
+def swept():
+    asked = {"quantities": ["approach"]}
+    return sweep(Scene(0.3, 0.5, 0.5, 0.1), normal_compliance=[0.1, 1.0], friction=[0.1], **asked)
+
+
+@pytest.mark.parametrize("value", [1, None, {}, "x"])
+def test_a_slice_is_of_a_dataset(value):
+    with pytest.raises(SceneError, match=r"^dataset = .*: must be a Dataset$"):
+        plot_slice(value, "approach")
+
+
+@pytest.mark.parametrize("value", [math.nan, True, 0.1 + 0j, "0.1", None, [0.1], np.array(0.1)])
+def test_a_slice_is_cut_at_a_number(swept, value):
+    with pytest.raises(SceneError, match=r"^at, friction = "):
+        plot_slice(swept, "approach", {"friction": value})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("aproach",), "quantity = 'aproach': must be out of approach, .*did you mean approach"),
+        ((1,), "quantity = 1"),
+        (("approach", {"fricton": 0.1}), "at = 'fricton': .*did you mean friction"),
+        (("approach", 1), "at = 1: must be a mapping"),
+        (("approach", {1: 1}), "at = 1"),
+    ],
+)
+def test_a_slice_is_of_what_there_is(swept, arguments, said):
+    with pytest.raises(SceneError, match=f"^{said}"):
+        plot_slice(swept, *arguments)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--friction", "0.1:x:3"), "argument --friction: 'x' is not a number"),
+        (("--friction", "0.1:0.3"), "argument --friction: '0.1:0.3' is not LOW:HIGH:COUNT[:log]"),
+        (("--friction", "0.1:1e999:3"), "'1e999' is not within the range of a double"),
+        (("--friction", "0.1:0.3:1_0"), "'1_0' is not a whole number"),
+        (("--s", "0.5,\u0660"), "argument --s: '\u0660' is not a number"),
+        (("--at", "friction=1e-400"), "'1e-400' is not within the range of a double"),
+        (("--friction", "0.1:0.3:0"), "'0.1:0.3:0' is not LOW:HIGH:COUNT[:log]"),
+        (("--friction", "0.1:inf:3"), "'0.1:inf:3' is not LOW:HIGH:COUNT[:log]"),
+        (("--friction", "0.1:0.3:3:cubic"), "is not LOW:HIGH:COUNT[:log]"),
+        (("--friction", "0:0.3:3:log"), "'0:0.3:3:log': equal ratios need positive ends"),
+        (("--friction", "-1"), "--friction = -1.0: must be >= 0"),
+        (("--friction", "0.1,-1"), "--friction = -1.0: must be >= 0"),
+        (("--poisson-ratio", "0.7"), "--poisson-ratio = 0.7: must be in (-1, 0.5]"),
+        (("--quantities", "colour"), "--quantities = 'colour': must be out of approach"),
+        (("--quantities", "slip"), "must be given for the slip: either"),
+        (("--workers", "0"), "--workers = 0: must be a whole number >= 1"),
+        (("--output", "map.xls"), "map.xls: the suffix must be one of .nc, .csv"),
+        (("--at", "friction"), "argument --at: 'friction' is not NAME=VALUE"),
+        (("--load", "1,2"), "--load needs --profile"),
+        (("--profile", "cone", "--load", "1,2"), "--profile cone needs --half-angle"),
+        (("--profile", "cone", "--half-angle", "1", "--load", "1,0"), "--load = 0.0: must be"),
+        (("--profile", "cone", "--half-angle", "1"), "needs one of --contact-radius, --load"),
+    ],
+)
+def test_bad_options_are_named(capsys, options, said):
+    status, out, err = run(capsys, *options)
+    assert (status, out) == (2, "")
+    assert err.startswith("spectral-contact: ")
+    assert said in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--at", "nu=0.3"), "--at = 'nu': must be a dimension: normal_compliance"),
+        (("--at", "normal-compliance=0.1"), "none is left: cut all but one or two"),
+        (("--plot-quantity", "ending"), "--quantity = 'ending': must be out of approach"),
+    ],
+)
+def test_what_is_no_slice_is_named(capsys, tmp_path, options, said):
+    plot = ("--plot", str(tmp_path / "map.png"), "--normal-compliance", "0.1,0.5")
+    status, out, err = run(capsys, *plot, *APPROACH, *options)
+    assert status == 2
+    assert "2 scenes: 2 converged" in out  # the work is not lost
+    assert said in err
+
+
+def test_the_summary_counts_endings():
+    found = sweep(Scene(0.3, 0.5, 0.5, 0.1), rtol=1e-10, max_unknowns=10, quantities=["approach"])
+    assert cli_sweep.summary(found).startswith("1 scenes: 1 unknowns")
