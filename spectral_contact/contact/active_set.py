@@ -3,7 +3,7 @@
 Pressure and traction are constant on rings (`spectral.rings`). Every ring sticks at first; those
 that then break the law change their state, until none does. That needs no guess and no search, and
 without coupling it is a strictly convex problem whose solution is reached in any case. The rings
-around boundaries, and where the law holds most narrowly, are then split, and so on.
+around boundaries are then split, and so on.
 """
 
 from __future__ import annotations
@@ -33,8 +33,6 @@ _EXPONENT = 4
 _WIDEST = 1.5
 #: Rings are split in so many, on either side of a boundary.
 _PARTS, _AROUND = 4, 2
-#: Margins below which the law is in doubt, and most doubts around which rings are split.
-_NARROW, _DOUBTS = 0.1, 2
 #: Rings of a zone that is none: where wide ones meet narrow ones they err most, and near an onset a
 #: third of random scenes had up to three there that stick amid slip, or slip amid stick.
 _FEW = 3
@@ -161,22 +159,6 @@ class RingState:
         """
         return bool((self.pressure > 0.0).all())
 
-    @property
-    def doubts(self) -> Integers:
-        """The rings inside zones where the law holds most narrowly, the most doubtful first.
-
-        Other zones may be hidden there.
-        """
-        margin = np.abs(self.reserve)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # a slip that is smallest: its margin jumps with the width of rings
-            height = np.where(self.states == 0, margin, np.abs(self.slip) / self.limit)
-        same = np.concatenate([[False], np.diff(self.states) == 0, [True]])
-        around = np.concatenate([[-inf], height, [inf]])
-        least = same[:-1] & same[1:] & (height < around[:-2]) & (height < around[2:])
-        found = np.flatnonzero(least & (margin < _NARROW))
-        return found[np.argsort(margin[found])]
-
     def wanted(self) -> Integers:
         """Return the states by the law: rings slip that friction does not hold.
 
@@ -264,7 +246,7 @@ def ring_layout(
     rings : int
         Rings of the first grid, but for those next to the centre and the edge.
     splits : int
-        How often rings around boundaries and doubts are split.
+        How often rings around boundaries are split.
     """
     logits = graded_rings(rings, _EXPONENT, _WIDEST, DEEPEST, DEEPEST)
     states = np.zeros(len(logits) - 1, dtype=int)
@@ -313,11 +295,10 @@ def _boundaries(state: RingState) -> tuple[Integers, Array]:
 
 
 def _split(state: RingState) -> tuple[Array, Integers]:
-    """Return a grid with smaller rings where zones begin or might, and the states of its rings."""
+    """Return a grid with smaller rings where zones begin, and the states of its rings."""
     logits, rings = state.law.rings.logits, len(state.states)
     last, _ = _boundaries(state)
     near = [last + 1 + k for k in range(-_AROUND, _AROUND)]
-    near += [state.doubts[:_DOUBTS] + k for k in (-1, 0, 1)]
     near.append(np.flatnonzero(state.states[:1]))  # the stick disk is smaller than the first ring
     marked = np.unique(np.clip(np.concatenate(near), 0, rings - 1))
     lower, upper = logits[marked], logits[marked + 1]

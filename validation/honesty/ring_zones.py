@@ -142,7 +142,7 @@ def onsets() -> list[Row]:
             critical = solve(stick, 1e-12, ("critical_friction",)).critical_friction
             for rings in RINGS[:2]:
                 row: Row = {"kind": kind, "compliances": [alpha, beta], "coupled": coupled}
-                row |= {"rings": rings, "seen": [], "wrong": [], "doubt": []}
+                row |= {"rings": rings, "seen": [], "wrong": []}
                 above = layout(replace(stick, friction=1.01 * critical), rings)
                 row["shift"] = 1.01 * (1.0 - float(above.on_rings.reserve.min())) - 1.0
                 for gap in GAPS:
@@ -150,9 +150,6 @@ def onsets() -> list[Row]:
                     above = layout(replace(stick, friction=critical * (1.0 + gap)), rings)
                     row["seen"].append(len(below.states) > 1)
                     row["wrong"].append(len(above.states) > 1)
-                    row["doubt"].append(
-                        bool(len(below.on_rings.doubts) and len(above.on_rings.doubts))
-                    )
                 rows.append(row)
     return rows
 
@@ -165,18 +162,6 @@ def thresholds() -> list[Row]:
             found = layout(scene, rings)
             row: Row = {"scene": scene.to_dict(), "rings": rings, "states": found.states}
             row["boundaries"] = [[one.value, one.from_edge] for one in found.boundaries]
-            rings_of, doubts = found.on_rings, found.on_rings.doubts
-            zones = np.searchsorted(
-                [one.logit for one in found.boundaries], rings_of.law.rings.middles
-            )
-            row["doubts"] = [
-                [
-                    int(zones[i]),
-                    Radius.from_logit(float(rings_of.law.rings.middles[i])).from_edge,
-                    float(abs(rings_of.reserve[i])),
-                ]
-                for i in doubts
-            ]
             rows.append(row | {"settled": found.settled, "iterations": found.iterations})
     return rows
 
@@ -253,8 +238,8 @@ def table(record: Row) -> str:
         "Onsets at ν = 0.3: slip is seen from a relative gap below the critical friction on; above "
         "it, wrongly, up to another. The shift is that of the critical friction on rings.",
         "",
-        "| slip begins | α*, β* | coupled | rings | shift | seen from | wrong up to | in doubt |",
-        "|---" * 8 + "|",
+        "| slip begins | α*, β* | coupled | rings | shift | seen from | wrong up to |",
+        "|---" * 7 + "|",
     ]
     for r in record["onsets"]:
         # the least gap down to which all are seen
@@ -264,27 +249,23 @@ def table(record: Row) -> str:
         lines.append(
             f"| {r['kind']} | {r['compliances'][0]:g}, {r['compliances'][1]:g} "
             f"| {'yes' if r['coupled'] else 'no'} | {r['rings']} | {r['shift']:.0e} "
-            f"| {min(seen):.0e} | {f'{max(wrong):.0e}' if wrong else '–'} "
-            f"| {sum(r['doubt'])} of {len(GAPS)} |"
+            f"| {min(seen):.0e} | {f'{max(wrong):.0e}' if wrong else '–'} |"
         )
     lines += [
         "",
         "Scenes at thresholds:",
         "",
-        "| scene | rings | states | from the edge | doubts: zone, from the edge, margin |",
-        "|---" * 5 + "|",
+        "| scene | rings | states | from the edge |",
+        "|---" * 4 + "|",
     ]
     for r in record["thresholds"]:
         scene = Scene.from_dict(r["scene"])
         numbers = scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance
         ends = ", ".join(f"{edge:.4g}" for _, edge in r["boundaries"])
-        doubts = "; ".join(
-            f"{zone}, {edge:.2g}, {margin:.1e}" for zone, edge, margin in r["doubts"]
-        )
         lines.append(
             f"| {', '.join(f'{one:.6g}' for one in (*numbers, scene.friction))}"
             f"{', coupled' if scene.coupling else ''} | {r['rings']} | {r['states']} "
-            f"| {ends} | {doubts} |"
+            f"| {ends} |"
         )
     lines += ["", "| time | coupled | rings | U |", "|---" * 4 + "|"]
     for r in record["times"]:

@@ -139,15 +139,6 @@ def test_zones_at_thresholds(scene, states):
     assert found.states == states
 
 
-def test_slip_below_what_rings_see_is_in_doubt():
-    stick = solve(Scene(0.3, 0.05, 1.0, inf), 1e-9, ("critical_friction",))
-    found = layout(Scene(0.3, 0.05, 1.0, stick.critical_friction * (1.0 + 1e-5)))
-    ring = found.on_rings.doubts[0]
-    assert abs(found.on_rings.reserve[ring]) < 1e-3
-    place = Radius.from_logit(found.on_rings.law.rings.middles[ring]).value
-    assert place == pytest.approx(0.854723, abs=0.02)
-
-
 @pytest.mark.parametrize("coupled", [False, True])
 def test_a_stick_disk_smaller_than_any_ring_is_said_to_be_unseen(coupled):
     found = layout(Scene(0.3, 0.1, 0.1, 1e-80, coupling=coupled))
