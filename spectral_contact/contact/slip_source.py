@@ -14,13 +14,12 @@ from numpy.polynomial import chebyshev
 
 from spectral_contact.contact.resolution import TRIFLING
 from spectral_contact.fields.series import Array, PressureField, Radius
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import BoundedCache, kept
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, GradedNodes, root_sums
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Points, gap
 
-_RULES: BoundedCache[tuple[int, int], RimRule] = BoundedCache("slip rules", 64)
 _GRIDS: BoundedCache[tuple[LogPanels, int, int], _Grid] = BoundedCache("slip at a rim", 24)
 #: Width in ``-ln`` of the panels that are graded to an end: a unit takes 4.7 points, and 6 with 2.
 _WIDTH = 3.0
@@ -182,9 +181,10 @@ def _graded(finest: float, points: int) -> RimRule:
     """Return `_rule` graded to `finest`."""
     # the far end of the annulus is a singularity ln 2 before the first panel: that one is short
     panels = max(ceil((-log(finest) - 1.0) / _WIDTH), 0)
-    return _RULES.get((panels, points), lambda: _rule(panels, points))
+    return _rule(panels, points)
 
 
+@kept("slip rules", 64)
 def _rule(panels: int, points: int) -> RimRule:
     """Return nodes and weights on (0, 1), graded to 0, and what gathers the weights.
 

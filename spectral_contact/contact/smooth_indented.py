@@ -19,7 +19,7 @@ from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.annulus import sampled_series, transforms
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Parts, Points, gap
@@ -37,8 +37,6 @@ _DEGREE, _TO_TIP, _PANELS = 24, 40, 20
 _FARTHER = 32
 #: Gauss points on a panel for what is integrated plainly, and on one that begins at the centre.
 _POINTS, _CENTRAL = 16, 24
-
-_RULES: BoundedCache[tuple[LogPanels, bool], _PlainRule] = BoundedCache("plain rules", 8)
 
 
 class _PlainRule(NamedTuple):
@@ -242,27 +240,24 @@ def _to_the_break(series: LogSeries) -> tuple[LogSeries, float]:
     return replace(series, logarithm=slope), 0.0
 
 
+@kept("plain rules", 8)
 def _rule(panels: LogPanels, centred: bool) -> _PlainRule:
     """Return a rule on these panels and the tail (cached).
 
     Next to the centre of a disk it is clustered, as for square roots of the distance from there.
     """
-
-    def made() -> _PlainRule:
-        h, (g, w) = panels.width, gauss_rule(_POINTS)
-        x, dx = panels.sampling(_POINTS), np.tile(w * h / 2.0, (panels.panels, 1))
-        own, on_own = x.ravel(), dx.ravel()
-        if centred:
-            g, w = gauss_rule(_CENTRAL)
-            v = (1.0 + g) / 2.0
-            own = np.concatenate([h * v**2, x[1:].ravel()])
-            on_own = np.concatenate([w * h * v, dx[1:].ravel()])
-        tail, on_tail, _ = panels.tail_rule()
-        near = np.exp(-own)
-        return _PlainRule(
-            np.concatenate([near, tail]),
-            np.concatenate([-np.expm1(-own), 1.0 - tail]),
-            np.concatenate([near * on_own, on_tail]),
-        )
-
-    return _RULES.get((panels, centred), made)
+    h, (g, w) = panels.width, gauss_rule(_POINTS)
+    x, dx = panels.sampling(_POINTS), np.tile(w * h / 2.0, (panels.panels, 1))
+    own, on_own = x.ravel(), dx.ravel()
+    if centred:
+        g, w = gauss_rule(_CENTRAL)
+        v = (1.0 + g) / 2.0
+        own = np.concatenate([h * v**2, x[1:].ravel()])
+        on_own = np.concatenate([w * h * v, dx[1:].ravel()])
+    tail, on_tail, _ = panels.tail_rule()
+    near = np.exp(-own)
+    return _PlainRule(
+        np.concatenate([near, tail]),
+        np.concatenate([-np.expm1(-own), 1.0 - tail]),
+        np.concatenate([near * on_own, on_tail]),
+    )

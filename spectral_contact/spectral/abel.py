@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_sums_between
 from spectral_contact.spectral.blockwise import Blockwise
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     TAIL_EXTRA,
@@ -60,14 +60,7 @@ class Charges(Blockwise):
         self.d: Array = np.exp(-width * np.concatenate(middles))
 
 
-_CHARGES: BoundedCache[tuple[float, tuple[int, ...]], Charges] = BoundedCache(
-    "charges on panels", 128
-)
-
-
-def charges_on(width: float, degrees: tuple[int, ...]) -> Charges:
-    """Return functions up to these degrees on panels as charges (cached)."""
-    return _CHARGES.get((width, degrees), lambda: Charges(width, degrees))
+charges_on = kept("charges on panels", 128)(Charges)
 
 
 class Moments(Blockwise):
@@ -89,14 +82,7 @@ class Moments(Blockwise):
         return self.after(densities * self._weights)
 
 
-_MOMENTS: BoundedCache[tuple[LogPanels, tuple[int, ...]], Moments] = BoundedCache(
-    "moments with densities", 128
-)
-
-
-def moments_on(panels: LogPanels, degrees: tuple[int, ...]) -> Moments:
-    """Return the moments of the functions up to these degrees (cached)."""
-    return _MOMENTS.get((panels, degrees), lambda: Moments(panels, degrees))
+moments_on = kept("moments with densities", 128)(Moments)
 
 
 def _smooth(u: Array) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import LogSeries, Radius
 from spectral_contact.spectral.abel import deeper, deeper_blocks, deeper_tail, outer, outer_blocks
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import BoundedCache, kept
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     gauss_rule,
@@ -28,13 +28,6 @@ Array = NDArray[np.float64]
 #: Gauss points in ``d`` below the first panel; seen from beyond the first panel, a function of
 #: ``d`` there is analytic in an ellipse of parameter 27 or more.
 _DEEP_POINTS = 14
-
-_TRANSFORMS: BoundedCache[LogPanels, Transforms] = BoundedCache("Abel transforms", 12)
-
-
-def transforms(panels: LogPanels) -> Transforms:
-    """Return the transforms of these panels, whose blocks are assembled once (cached)."""
-    return _TRANSFORMS.get(panels, lambda: Transforms(panels))
 
 
 def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
@@ -162,6 +155,9 @@ class Transforms:
         mesh = panels.panels, panels.width, panels.degree
         blocks = outer_blocks(self._x[0], *mesh)
         return _in_a_row(blocks), outer(panels.tail_sampling(), *mesh)
+
+
+transforms = kept("Abel transforms", 12)(Transforms)
 
 
 def _in_a_row(blocks: Array) -> Array:

@@ -31,7 +31,7 @@ from spectral_contact.spectral.abel import (
     outer,
     rise,
 )
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import BoundedCache, kept
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     SAMPLES,
@@ -69,14 +69,7 @@ _DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
 #: Parts of a disk's nodes whose half-integrals are multiplied without most of their zeros.
 _STRIPS = 8
 
-# slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
-_OWN: BoundedCache[tuple[LogPanels, Degrees, Used, str], Block] = BoundedCache("own integrals", 256)
 _DEEPER: BoundedCache[tuple[int, Form], Array] = BoundedCache("half-integrals", 72)
-_HALVES: BoundedCache[tuple[LogPanels, Degrees, LogPanels, Used, bool], Block] = BoundedCache(
-    "halves", 128
-)
-_GATHERED: BoundedCache[tuple[LogPanels, Degrees], Array] = BoundedCache("gathered parts", 128)
-_GRAMS: BoundedCache[tuple[LogPanels, Degrees, bool], Array] = BoundedCache("disk Gram", 48)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,29 +119,28 @@ class Block:
         return sums if self.gathered is None else self.gathered.T @ sums
 
 
-def _own(panels: LogPanels, degrees: Degrees, used: Used, nodes: Nodes, way: str) -> Block:
+# slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
+@kept("own integrals", 256)
+def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     """Return the integrals of the functions of a part, of unit extent, at its own nodes (cached).
 
     Of what lies `toward` the boundary, which vanishes there, or `beyond` the nodes, where the
     boundary is the edge or `away` from it.
     """
     form, functions = (panels.panels, panels.width, panels.degree), panels.functions(degrees)
+    nodes = points_of(panels, used)
     d = nodes.d
-
-    def made() -> Block:
-        if way == "toward" and isinstance(nodes, GradedNodes):
-            seen = np.zeros((len(d), len(functions)))
-            half_integrals(panels, degrees, nodes, seen)
-            return _vanishing(seen)
-        if way == "toward":
-            return _vanishing(deeper(d, *form, panels.power)[:, functions])
-        if way == "beyond":
-            return _vanishing(outer(d, *form, panels.power, functions))
-        whole = _own(panels, degrees, used, nodes, "beyond").whole
-        at = beyond(np.zeros(1), *form)[0, functions]
-        return Block(at, rise(whole, functions, d, *form), whole, False)
-
-    return _OWN.get((panels, degrees, used, way), made)
+    if way == "toward" and isinstance(nodes, GradedNodes):
+        seen = np.zeros((len(d), len(functions)))
+        half_integrals(panels, degrees, nodes, seen)
+        return _vanishing(seen)
+    if way == "toward":
+        return _vanishing(deeper(d, *form, panels.power)[:, functions])
+    if way == "beyond":
+        return _vanishing(outer(d, *form, panels.power, functions))
+    whole = _own(panels, degrees, used, "beyond").whole
+    at = beyond(np.zeros(1), *form)[0, functions]
+    return Block(at, rise(whole, functions, d, *form), whole, False)
 
 
 def strips(nodes: GradedNodes, degrees: Degrees, size: int, whole: Array | None) -> list[Strip]:
@@ -205,15 +197,12 @@ def half_integrals(
     return found
 
 
+@kept("disk Gram", 48)
 def kept_disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     """Return `disk_gram` where the half-integrals are kept as one matrix (cached)."""
-
-    def made() -> Array:
-        nodes = graded_nodes(panels, degrees)
-        whole = _own(panels, degrees, degrees, nodes, "toward").whole
-        return disk_gram(nodes, strips(nodes, degrees, whole.shape[1], whole), shear)
-
-    return _GRAMS.get((panels, degrees, shear), made)
+    nodes = graded_nodes(panels, degrees)
+    whole = _own(panels, degrees, degrees, "toward").whole
+    return disk_gram(nodes, strips(nodes, degrees, whole.shape[1], whole), shear)
 
 
 def disk_gram(nodes: GradedNodes, each: list[Strip], shear: bool) -> Array:
@@ -268,27 +257,26 @@ def block(
     if (source.boundary, source.sign) == (target.boundary, target.sign):
         onward = "beyond" if target.boundary.from_edge == 0.0 else "away"
         way = onward if side == source.sign else "toward"
-        kept = _own(source.panels, degrees, used, nodes, way)
+        unit = _own(source.panels, degrees, used, way)
     else:
         apart = side * gap(target.boundary, source.boundary)
         if apart < 0.0 or (apart == 0.0 and side != source.sign):
             return None
         if apart == 0.0:
-            kept = _facing(source, degrees, target, nodes, differences)
+            unit = _facing(source, degrees, target, nodes, differences)
         elif (  # the other half of an annulus
             target.sign == side == -source.sign
             and source.reach == target.reach
             and round(apart / source.reach) == 2
         ):
             edge = target.boundary.from_edge == 0.0
-            of_halves = source.panels, degrees, target.panels, used, edge
-            kept = _HALVES.get(of_halves, lambda: _halves(source.panels, degrees, nodes.d, edge))
+            unit = _halves(source.panels, degrees, target.panels, used, edge)
         else:
-            kept = _apart(source, degrees, target, nodes, side, apart)
-    scale = kept.scale * float(np.sqrt(source.reach))
+            unit = _apart(source, degrees, target, nodes, side, apart)
+    scale = unit.scale * float(np.sqrt(source.reach))
     if target.boundary.from_edge == 0.0:
-        return replace(kept, at=np.zeros_like(kept.at), more=kept.whole, scale=scale)
-    return replace(kept, scale=scale)
+        return replace(unit, at=np.zeros_like(unit.at), more=unit.whole, scale=scale)
+    return replace(unit, scale=scale)
 
 
 def points_of(panels: LogPanels, used: Used) -> Nodes:
@@ -315,12 +303,16 @@ def _facing(
     return Block(at, -falls, whole, True)
 
 
-def _halves(panels: LogPanels, degrees: Degrees, d: Array, edge: bool) -> Block:
-    """Return what one half of an annulus contributes to the other, both of unit extent.
+@kept("halves", 128)
+def _halves(
+    panels: LogPanels, degrees: Degrees, target: LogPanels, used: Used, edge: bool
+) -> Block:
+    """Return what one half of an annulus contributes to the other, both of unit extent (cached).
 
     Few places stand for all panels of it but the first, at whose far end the halves meet.
     """
     count, form = degrees[0] + 1, (1, panels.width, panels.degree, panels.power)
+    d = points_of(target, used).d
     # as near as 1.5 a panel takes more points than a low degree has
     on_all, reach = moments_on(panels, (panels.degree,) * panels.panels), np.exp(-panels.width)
     fit = chebvander(2.0 * on_all.d / reach - 1.0, len(_DEEP_NODES) - 1)
@@ -369,13 +361,10 @@ def _apart(
     return Block(at, more, whole, True, float(np.sqrt(source.reach)), gathered)
 
 
+@kept("gathered parts", 128)
 def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
-
-    def made() -> Array:
-        # polynomials of degree 23 take more points than low degrees have
-        on_all = moments_on(panels, (panels.degree,) * panels.panels)
-        whole = on_all.with_densities(far_values(on_all.d).T)
-        return np.ascontiguousarray(whole[:, panels.functions(degrees)])
-
-    return _GATHERED.get((panels, degrees), made)
+    # polynomials of degree 23 take more points than low degrees have
+    on_all = moments_on(panels, (panels.degree,) * panels.panels)
+    whole = on_all.with_densities(far_values(on_all.d).T)
+    return np.ascontiguousarray(whole[:, panels.functions(degrees)])

@@ -8,9 +8,9 @@ import sys
 import threading
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, wraps
 from itertools import count
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar
 from weakref import WeakSet
 
 import numpy as np
@@ -20,6 +20,7 @@ _PLAIN = {bool, float, int, str, type(None)}
 
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
+P = ParamSpec("P")
 
 _ALL: WeakSet[BoundedCache] = WeakSet()  # type: ignore[type-arg]
 _OTHERS: list[Callable[[], None]] = []
@@ -62,8 +63,8 @@ class BoundedCache(Generic[K, V]):
         self._lock = threading.RLock()
         _ALL.add(self)
 
-    def get(self, key: K, make: Callable[[], V]) -> V:
-        """Return the entry of `key`, made by `make()` the first time; threads wait for it."""
+    def get(self, key: K, make: Callable[P, V], *own: P.args, **named: P.kwargs) -> V:
+        """Return the entry of `key`, made by `make` the first time; threads wait for it."""
         entry = self._entries.get(key)
         if entry is not None:  # most of the time, and then no lock is needed
             entry.used = next(_CLOCK)
@@ -72,7 +73,7 @@ class BoundedCache(Generic[K, V]):
             entry = self._entries.get(key)
             if entry is not None:  # another thread was faster
                 return entry.value
-            value = make()
+            value = make(*own, **named)
             self._entries[key] = _Entry(value, next(_CLOCK))
             if len(self._entries) > self.capacity:
                 del self._entries[min(self._entries, key=lambda one: self._entries[one].used)]
@@ -156,6 +157,22 @@ def _shrink() -> None:
 def cleared_too(*others: Callable[[], None]) -> None:
     """Have other caches emptied with these."""
     _OTHERS.extend(others)
+
+
+def kept(name: str, capacity: int) -> Callable[[Callable[P, V]], Callable[P, V]]:
+    """Return a decorator of functions of hashable arguments, or classes: what they made is kept."""
+
+    def decorated(make: Callable[P, V]) -> Callable[P, V]:
+        cache: BoundedCache[Any, V] = BoundedCache(name, capacity)
+
+        @wraps(make, updated=())
+        def found(*own: P.args, **named: P.kwargs) -> V:
+            key = (own, *named.items()) if named else own
+            return cache.get(key, make, *own, **named)
+
+        return found
+
+    return decorated
 
 
 def cache_sizes() -> dict[str, int]:

@@ -23,7 +23,7 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.threads import cached_property
@@ -34,8 +34,6 @@ Array = NDArray[np.float64]
 _MORE = 16
 #: Width in ``x`` of a panel that holds nothing but its end: the series is its tail.
 _NO_PANEL = 1e-15
-
-_SPACES: BoundedCache[tuple[DiskCells, tuple[int, ...]], CellSpace] = BoundedCache("cells", 16)
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +171,4 @@ class CellSpace(NodalSpace):
         return np.asarray(self._matrix @ coefficients[self.index])
 
 
-def cell_space(cells: DiskCells, degrees: tuple[int, ...]) -> CellSpace:
-    """Return the space on these cells (cached)."""
-    return _SPACES.get((cells, degrees), lambda: CellSpace(cells, degrees))
+cell_space = kept("cells", 16)(CellSpace)

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import (
     TAIL_TERMS,
     chebyshev_interpolation,
     gauss_rule,
-    legendre_expansion_matrix,
     legendre_interpolation_matrix,
 )
 from spectral_contact.threads import cached_property
@@ -37,13 +36,12 @@ SAMPLES = 20
 FAR_NODES, FAR_FIT = chebyshev_interpolation(24)
 #: Nodes on the tail, as many as some panel has: what is there is seen from any distance.
 _TAIL_POINTS = 48
-_NODES: BoundedCache[tuple[LogPanels, tuple[int, ...]], GradedNodes] = BoundedCache(
-    "graded nodes", 128
-)
 
 
 class GradedNodes:
     """Galerkin nodes on panels of these degrees, then on the tail, clustered at both ends of each.
+
+    The far end of a part is like the centre of a disk.
 
     Parameters
     ----------
@@ -121,12 +119,8 @@ class GradedNodes:
             start = stop
         return np.concatenate([*parts, values[start:]])
 
-    def unresolved(self, values: Array) -> float:
-        """Return the last two coefficients at their largest: what the samples leave out is less."""
-        stop = len(values) - _TAIL_POINTS
-        samples = values[self._direct : stop].reshape(-1, SAMPLES, values.shape[1])
-        last = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)[-2:]
-        return float(np.abs(last @ samples).sum(axis=1).max(initial=0.0))
+
+graded_nodes = kept("graded nodes", 128)(GradedNodes)
 
 
 class PlainNodes:
@@ -163,14 +157,6 @@ def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
 def far_values(d: Array) -> Array:
     """Return the matrix from values at `FAR_NODES`, as distances, to those at other distances."""
     return np.asarray(chebvander(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_FIT)
-
-
-def graded_nodes(panels: LogPanels, degrees: tuple[int, ...]) -> GradedNodes:
-    """Return the nodes of a part (cached).
-
-    The far end of a part is like the centre of a disk.
-    """
-    return _NODES.get((panels, degrees), lambda: GradedNodes(panels, degrees))
 
 
 def _node_count(degree: int) -> int:

@@ -16,14 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import moments_on
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import EXTRA, gauss_rule, legendre_values, tail_values
 from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
-
-_MOMENTS: BoundedCache[LogPanels, Array] = BoundedCache("moments", 64)
-_OUTER: BoundedCache[tuple[LogPanels, LogPanels, int], Array] = BoundedCache("outer moments", 24)
 
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
@@ -32,22 +29,20 @@ def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     return np.asarray(2.0 * on_all.with_densities(density(on_all.d)[None])[0])
 
 
+@kept("moments", 64)
 def moments(panels: LogPanels) -> Array:
     """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
-    return _MOMENTS.get(panels, lambda: load_vector(panels, np.ones_like))
+    return load_vector(panels, np.ones_like)
 
 
+@kept("outer moments", 24)
 def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
     """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent.
 
     The panels of phi and of psi are the same but for the endpoint weight (cached).
     """
-
-    def made() -> Array:
-        deeper = _deeper_moments(panels, other)
-        return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
-
-    return _OUTER.get((panels, other, sign), made)
+    deeper = _deeper_moments(panels, other)
+    return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
 
 
 def _deeper_moments(panels: LogPanels, inner: LogPanels) -> Array:

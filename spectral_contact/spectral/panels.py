@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import BoundedCache, cleared_too
+from spectral_contact.spectral.cache import cleared_too, kept
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     ROOT_TERMS,
@@ -26,17 +26,11 @@ Array = NDArray[np.float64]
 #: The estimate sheds two degrees and must keep one.
 LEAST_DEGREE = 2
 
-_FUNCTIONS: BoundedCache[tuple[LogPanels, tuple[int, ...], int], NDArray[np.int_]] = BoundedCache(
-    "functions in use", 1024
-)
-_DISTANCES: BoundedCache[LogPanels, Array] = BoundedCache("sampling points", 48)
 cleared_too(
     gauss_rule.cache_clear,
     legendre_expansion_matrix.cache_clear,
     legendre_projection_matrix.cache_clear,
 )
-_TAIL_RULES: BoundedCache[LogPanels, BasisRule] = BoundedCache("rules on tails", 256)
-_MASSES: BoundedCache[LogPanels, list[PartMass]] = BoundedCache("masses", 256)
 
 
 class BasisRule(NamedTuple):
@@ -99,22 +93,18 @@ class LogPanels:
         """Number of sampling points on the tail."""
         return self.tail_terms + 1
 
+    @kept("functions in use", 512)
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
-        return _FUNCTIONS.get((self, degrees, 0), lambda: self._functions(degrees))
-
-    def _functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         own = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
         return np.append(own, np.arange(self.size - self.tail_terms, self.size))
 
+    @kept("top degrees", 512)
     def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
         """Return places among these of so many top degrees of every panel, and of the tail's last.
 
         Constants are none of them. They are kept.
         """
-        return _FUNCTIONS.get((self, degrees, count), lambda: self._top(degrees, count))
-
-    def _top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
         functions, highest = self.functions(degrees), np.repeat(degrees, np.add(degrees, 1))
         own = functions[: -self.tail_terms] % (self.degree + 1)
         tops = np.flatnonzero(own > highest - np.minimum(count, highest))
@@ -139,19 +129,14 @@ class LogPanels:
         return self.end * (1.0 + g) / 2.0
 
     @property
+    @kept("sampling points", 48)
     def distances(self) -> Array:
         """Distances of the sampling points, those of the panels and then the tail's (cached)."""
+        return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
 
-        def made() -> Array:
-            return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
-
-        return _DISTANCES.get(self, made)
-
+    @kept("rules on tails", 256)
     def tail_rule(self) -> BasisRule:
         """Return distances and ``dd`` weights on the tail, and the polynomials there (cached)."""
-        return _TAIL_RULES.get(self, self._tail_rule)
-
-    def _tail_rule(self) -> BasisRule:
         g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)
         v = (1.0 + g) / 2.0
         d = self.end * v**2
@@ -167,7 +152,7 @@ class LogPanels:
         mass = np.zeros((last + self.tail_terms,) * 2)
         if self.power != 0.0:  # not square integrable: such panels serve zero compliance
             return mass
-        masses = _MASSES.get(self, self._masses)
+        masses = self._masses()
         extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
         blocks = constant * extents * masses[0].panel + rising * extents**2 * masses[1].panel
         stop = 0
@@ -177,6 +162,7 @@ class LogPanels:
         mass[last:, last:] = constant * masses[0].tail + rising * masses[1].tail
         return mass
 
+    @kept("masses", 256)
     def _masses(self) -> list[PartMass]:
         """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
         g, w = gauss_rule(self.degree + EXTRA)

@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule
 
 Array = NDArray[np.float64]
@@ -21,8 +21,6 @@ Array = NDArray[np.float64]
 #: Gauss points on every ring: entries are right to 3e-12 on rings as wide as 1.5 in the logit,
 #: but for the first ring's own shear, a logarithm squared at the centre: 2e-6.
 _POINTS = 16
-#: Grids whose operators are kept: the first ones, and some that were refined.
-_OPERATORS: BoundedCache[bytes, RingOperators] = BoundedCache("rings", 8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,9 +73,8 @@ def graded_rings(count: int, exponent: float, widest: float, centre: float, edge
 
 
 def ring_operators(logits: Array) -> RingOperators:
-    """Return the operators of a grid, kept in a cache."""
-    logits = np.ascontiguousarray(logits)
-    return _OPERATORS.get(logits.tobytes(), lambda: _assembled(logits))
+    """Return the operators of a grid (cached)."""
+    return _assembled(logits.tobytes())
 
 
 def _between(lower: Array, upper: Array) -> Array:
@@ -87,12 +84,14 @@ def _between(lower: Array, upper: Array) -> Array:
     return np.asarray(fall * np.exp(-np.logaddexp(0.0, lower) - np.logaddexp(0.0, -upper)))
 
 
-def _assembled(logits: Array) -> RingOperators:
+@kept("rings", 8)  # the first ones, and some that were refined
+def _assembled(grid: bytes) -> RingOperators:
     """Return the operators: F and G of every ring at Gauss points of every ring.
 
     The half-integrals have square roots at the ends of rings, which ``t**2 = a**2 + w sin(phi)**2``
     takes away; radii beyond t are measured from t, so that nothing cancels.
     """
+    logits = np.frombuffer(grid)
     a, b = logits[:-1], logits[1:]
     width = _between(a, b)
     radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)

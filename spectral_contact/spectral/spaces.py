@@ -26,7 +26,7 @@ from scipy.linalg import block_diag, eigh
 
 from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import Strip, block, disk_gram, half_integrals
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parts import Family, Parts
@@ -35,12 +35,6 @@ from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
-
-_SPACES: BoundedCache[tuple[Parts, tuple[Resolution, ...], bool], Space] = BoundedCache(
-    "spaces", 96
-)
-_ORDERS: BoundedCache[tuple[Resolution, ...], _Order] = BoundedCache("orders of functions", 96)
-
 
 #: A disk in one part.
 WHOLE = Parts((), pointed=False)
@@ -62,7 +56,7 @@ class Space(NodalSpace):
         pairs = zip(parts.ends, used, strict=True)
         self._families = families = [Family(*end, panels) for end, (panels, _) in pairs]
         self._used, self.shear = used, shear
-        self._order = order = _ORDERS.get(used, lambda: _Order(used))
+        self._order = order = _order(used)
         self.size, self.panels = order.size, order.panels
         self.index, self.panel = order.places
         #: where the unknowns are among the functions in use, part by part
@@ -211,14 +205,16 @@ class _Order:
         return matrix[np.ix_(self.place, self.place)]
 
 
+_order = kept("orders of functions", 96)(_Order)
+_space = kept("spaces", 96)(Space)
+
+
 def disk_space(parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> Space:
     """Return the space on these parts (cached where there are no breaks).
 
     Those of breaks are seldom the same, and what is kept of them are their blocks.
     """
-    if parts.breaks:
-        return Space(parts, used, shear=shear)
-    return _SPACES.get((parts, used, shear), lambda: Space(parts, used, shear=shear))
+    return (Space if parts.breaks else _space)(parts, used, shear=shear)
 
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:

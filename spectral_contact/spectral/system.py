@@ -26,7 +26,7 @@ from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import Block, block, kept_disk_gram
 from spectral_contact.spectral.blockwise import Blockwise
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.moments import moments, outer_moments
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -37,11 +37,6 @@ from spectral_contact.spectral.tangential import AT_END, Misfit, Tangential
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
-
-_STUCK: BoundedCache[tuple[LogPanels, LogPanels, Degrees], Array] = BoundedCache(
-    "full-stick matrices", 8
-)
-
 
 #: Degrees that ``p / s`` has more than p, and panels of the displacement more than those of the
 #: pressure: the far end of an annulus is a singularity ln 2 before the first panel.
@@ -233,7 +228,7 @@ class System(Tangential):
 
     def _misfit_at(self, values: Array, target: Family) -> Array:
         pressure, traction = [values[own] for own in self.pressure], self.traction(values)
-        inner = np.zeros((len(target.sampling().offset), values.shape[1]))
+        inner = np.zeros((len(target.panels.distances), values.shape[1]))
         total = np.zeros_like(inner)
         for k, part in enumerate(self.parts):
             seen = block(part.family, part.degrees, target, target.panels, -1, differences=False)
@@ -260,14 +255,8 @@ class System(Tangential):
     def _stuck_matrix(self) -> Array:
         """Return the matrix of full stick without masses: only kappa is not its form's."""
         [part], both = self.parts, (slice(self.count), slice(self.count, self.unknowns))
-
-        def unit() -> Array:
-            spaces = [Resolution(part.family.panels, part.degrees)]
-            own = spaces, self.parameters._replace(kappa=1.0)
-            return System(self.radii, self.states, *own)._assembled()
-
-        form = part.family.panels, part.shear.panels, part.degrees
-        matrix = _STUCK.get(form, unit).copy()
+        space, beta = Resolution(part.family.panels, part.degrees), self.parameters.beta
+        matrix = _unit_stick(space, beta == 0.0).copy()
         matrix[both[0], both[1]] *= self.parameters.kappa
         matrix[both[1], both[0]] *= self.parameters.kappa
         return matrix
@@ -340,3 +329,10 @@ class System(Tangential):
         for k, sums in stuck.tested(falls[:, None]):
             for j, one in inner.blocks.items():
                 matrix[self.shear[k], self.pressure[j]] += one.scale * sums * one.at
+
+
+@kept("full-stick matrices", 8)
+def _unit_stick(space: Resolution, rigid: bool) -> Array:
+    """Return the matrix of full stick without masses, for kappa = 1."""
+    parameters = Parameters(0.0, 0.0 if rigid else 1.0, 1.0, 0.0)
+    return System((), (0,), [space], parameters)._assembled()
