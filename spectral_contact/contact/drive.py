@@ -89,11 +89,6 @@ class Drive:
         demanded = _demanded(panels, contact.changes)
         return [Drive(*pair) for pair in zip(contact.changes, demanded, strict=True)]
 
-    def target(self, y: Array) -> Array:
-        """Return R at ``1 - t**2 = y``; infinite at the edge of a smooth surface."""
-        value = np.zeros(np.shape(y)) if self._outer is None else self._outer(y)
-        return value + self._of_weight(y)
-
     def value(self, y: float) -> float:
         """Return R at one place."""
         own = 0.0 if self._outer is None else self._outer.value(y)

@@ -71,7 +71,7 @@ def smooth_full_stick(drive: Drive) -> FullStick:
     nodes, contact = graded_nodes(space.panels, space.degrees), drive.contact
     return FullStick(
         approach=contact.approach,
-        total_shear=pi * float(nodes.weights @ drive.target(nodes.d)),
+        total_shear=pi * float(nodes.weights @ Drive.targets([drive], nodes.d)[0]),
         approach_error=contact.approach_error,
         shear_error=CLOSED_FORM_ROUNDING,
         pressure=drive.pressure,

@@ -56,7 +56,8 @@ def test_the_misfit_is_that_of_the_families(states):
     assert len(misfit) == system.stick[-1] + 1
     for i, missed in enumerate(misfit):
         points = system.parts[i].family.points(system.nodes[i].d[::7])
-        wanted, sizes = drive.target(points.y), np.abs(drive.target(points.y))
+        [wanted] = drive.targets([drive], points.y)
+        sizes = np.abs(wanted)
         for k, part in enumerate(system.parts):
             if part.state:
                 z = part.family.sampling().z
