@@ -147,8 +147,8 @@ class Driven(Tangential):
     # the equation
 
     def _slipping_load(self) -> Array:
-        loads = (self.states[zone] * source.loads for zone, source in self._sources.items())
-        return sum(loads, np.zeros(self.count))
+        rests = np.array([one.rest for one in self.radii])
+        return np.asarray(Drive.loads_outside(self.drives, rests) @ np.diff(self.states))
 
     def _pressure_at(self, k: int) -> Array:
         y = self.parts[k].family.boundary.rest

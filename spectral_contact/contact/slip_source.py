@@ -84,10 +84,7 @@ class SlipSource:
         z = np.concatenate([inner.square + offset, outer.square - depth])
         densities = PressureField.several(pressures, y)
         # with s ds = dz/2
-        densities *= np.concatenate([near_weights, half * far_weights]) / 2.0
-        #: ``int p s ds`` of the pressures
-        self.loads: Array = densities.sum(axis=1)
-        densities /= np.sqrt(z)
+        densities *= np.concatenate([near_weights, half * far_weights]) / (2.0 * np.sqrt(z))
         # seen from inside, what varies over the outer half is a polynomial: a few points do
         from_inner, from_outer = densities[:, : len(near)].T, gather @ densities[:, len(near) :].T
         #: distance of the points from the inner end in s**2
