@@ -166,8 +166,9 @@ class Driven(Tangential):
         return Misfit([], self._tangential(values, self.traction(values), imbalance))
 
     def traction(self, values: Array) -> dict[int, Array]:
-        """Return the coefficients of q/s of vectors on the parts that stick."""
-        return {k: values[own] for k, own in self.shear.items()}
+        """Return the coefficients of q/s of vectors on the parts that stick; none if all are 0."""
+        some = values[self.count :].any()
+        return {k: values[own] for k, own in self.shear.items()} if some else {}
 
     def matrix(self) -> Array:
         """Return the matrix of `residual`, but for roundings: the pressure is given."""

@@ -19,6 +19,7 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from spectral_contact.fields.series import EDGE
 from spectral_contact.spectral.abel import (
     beyond,
     deeper,
@@ -203,6 +204,19 @@ def kept_disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     nodes = graded_nodes(panels, degrees)
     whole = _own(panels, degrees, degrees, "toward").whole
     return disk_gram(nodes, strips(nodes, degrees, whole.shape[1], whole), shear)
+
+
+@kept("disk masses", 48)
+def kept_disk_mass(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
+    """Return `Family.mass` of the unit disk (cached)."""
+    return Family(EDGE, -1, 1.0, panels).mass(degrees, shear=shear)
+
+
+@kept("disk shears", 96)
+def kept_disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
+    """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
+    nodes, own = graded_nodes(panels, degrees), _own(panels, degrees, degrees, "toward")
+    return np.asarray(np.pi * nodes.weights @ own.whole)
 
 
 def disk_gram(nodes: GradedNodes, each: list[Strip], shear: bool) -> Array:

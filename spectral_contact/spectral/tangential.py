@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.annulus import Annulus
-from spectral_contact.spectral.blocks import kept_disk_gram
+from spectral_contact.spectral.blocks import kept_disk_gram, kept_disk_mass, kept_disk_shear
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -106,6 +106,14 @@ class Field(NamedTuple):
         whole = np.zeros((self.panels.size, *values.shape[1:]))
         whole[self.used] = values[self.own]
         return whole
+
+
+class Mass(NamedTuple):
+    """A compliance times the mass of a field: where the field is, a factor and a matrix."""
+
+    own: slice
+    factor: float
+    matrix: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,10 +236,9 @@ class Tangential(ABC):
             row[: self.count] = 2.0 * np.pi * self.parameters.friction * self._slipping_load()
         for k, own in self.shear.items():
             part = self.parts[k]
-            if part.zone == 0:  # int q s ds = int t G dt
-                seen = self._g[k].blocks[k]
-                weights = np.pi * self.nodes[k].weights * part.family.reach
-                row[own] = seen.scale * (weights @ seen.whole)
+            if part.zone == 0:
+                unit = kept_disk_shear(part.shear.panels, part.degrees)
+                row[own] = part.family.boundary.value**3 * unit
             else:
                 moments = moments_on(part.shear.panels, part.degrees)
                 roots = np.sqrt(part.shear.points(moments.d).z)
@@ -247,15 +254,19 @@ class Tangential(ABC):
         return float(self.shear_functional @ values)
 
     @cached_property
-    def masses(self) -> list[tuple[slice, Array]]:
-        """Masses of what is unknown times their compliances, by their place."""
+    def masses(self) -> list[Mass]:
+        """Masses of what is unknown and has a compliance."""
         blocks = []
         for one in self.fields:
             part, shear = self.parts[one.part], one.own.start >= self.count
-            compliance = self.parameters.beta if shear else self.parameters.alpha
-            if compliance > 0.0:
-                mass = (part.shear if shear else part.family).mass(one.degrees, shear=shear)
-                blocks.append((one.own, compliance * mass))
+            factor = self.parameters.beta if shear else self.parameters.alpha
+            family = part.shear if shear else part.family
+            if factor > 0.0 and part.zone == 0:
+                factor *= family.reach ** (2 if shear else 1)
+                mass = kept_disk_mass(family.panels, one.degrees, shear)
+                blocks.append(Mass(one.own, factor, mass))
+            elif factor > 0.0:
+                blocks.append(Mass(one.own, factor, family.mass(one.degrees, shear=shear)))
         return blocks
 
     @cached_property
@@ -310,15 +321,17 @@ class Tangential(ABC):
         rigid = self.parameters.beta == 0.0
         lifts = np.zeros_like(imbalance) if rigid else self.balances[1] @ values + imbalance
         for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
-            own: Array = self._driven(i, values) - self._g[i].more(traction)
+            own = self._driven(i, values)
+            if len(traction):
+                own = own - self._g[i].more(traction)
             missed.append(own + lifts[part.boundary] if part.boundary >= 0 else own)
         return missed
 
     def residual(self, values: Array, approach: Array, imbalance: Array) -> Array:
         """Return what the equations miss, tested with all functions; see `misfit`."""
         missed = self.tested(self.misfit(values, approach, imbalance))
-        for own, mass in self.masses:
-            missed[own] -= mass @ values[own]
+        for own, factor, mass in self.masses:
+            missed[own] -= factor * (mass @ values[own])
         return missed
 
     @abstractmethod
@@ -360,6 +373,6 @@ class Tangential(ABC):
 
     def _with_masses(self, matrix: Array) -> Array:
         """Return a matrix with the masses added to it."""
-        for own, mass in self.masses:
-            matrix[own, own] += mass
+        for own, factor, mass in self.masses:
+            matrix[own, own] += factor * mass
         return matrix
