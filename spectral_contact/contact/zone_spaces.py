@@ -22,6 +22,7 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
@@ -245,14 +246,27 @@ def _space(
     """
     # like scenes share their spaces
     begin = ceil(2.0 * begin) / 2.0
-    digits = -log(tolerance)
+    turns = tuple((ceil(2.0 * place) / 2.0, share) for place, share in bends)
+    return _settling(begin, turns, -log(tolerance), rate, first, power, spare)
+
+
+@kept("first spaces on zones", 128)
+def _settling(
+    begin: float,
+    bends: tuple[tuple[float, float], ...],
+    digits: float,
+    rate: float,
+    first: float,
+    power: float,
+    spare: float,
+) -> Resolution:
     depth = begin + ((digits + 2.0) / rate if rate else ROOT_DEPTH)
     panels = 2 * ceil(depth / PANEL_WIDTH / 2.0)
     x = PANEL_WIDTH * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - begin) / (digits + 2.0), 0.0, 1.0)
     more = np.zeros(panels)
     for place, share in bends:
-        more = np.maximum(more, share * nearness(panels, ceil(2.0 * place) / 2.0))
+        more = np.maximum(more, share * nearness(panels, place))
     if first:
         more[:2] = np.maximum(more[:2], (first, _TURN))
     degrees = np.ceil(1.0 + spare + digits * (_ALL * missing + more)).astype(int)
