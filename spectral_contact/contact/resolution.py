@@ -138,7 +138,7 @@ def starting_resolution(
     # like scenes share their spaces
     layer, *turns = (ceil(2.0 * x) / 2.0 for x in (layer, *bends))
     form = (layer, tolerance, rate, power, root_tail, tuple(turns))
-    return _FIRST_SPACES.get(form, lambda: _first_space(*form))
+    return _FIRST_SPACES.get((PANEL_WIDTH, *form), lambda: _first_space(*form))
 
 
 def _first_space(

@@ -247,11 +247,12 @@ def _space(
     # like scenes share their spaces
     begin = ceil(2.0 * begin) / 2.0
     turns = tuple((ceil(2.0 * place) / 2.0, share) for place, share in bends)
-    return _settling(begin, turns, -log(tolerance), rate, first, power, spare)
+    return _settling(PANEL_WIDTH, begin, turns, -log(tolerance), rate, first, power, spare)
 
 
 @kept("first spaces on zones", 128)
 def _settling(
+    width: float,
     begin: float,
     bends: tuple[tuple[float, float], ...],
     digits: float,
@@ -261,8 +262,8 @@ def _settling(
     spare: float,
 ) -> Resolution:
     depth = begin + ((digits + 2.0) / rate if rate else ROOT_DEPTH)
-    panels = 2 * ceil(depth / PANEL_WIDTH / 2.0)
-    x = PANEL_WIDTH * np.arange(panels)
+    panels = 2 * ceil(depth / width / 2.0)
+    x = width * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - begin) / (digits + 2.0), 0.0, 1.0)
     more = np.zeros(panels)
     for place, share in bends:
@@ -272,7 +273,7 @@ def _settling(
     degrees = np.ceil(1.0 + spare + digits * (_ALL * missing + more)).astype(int)
     degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
-    mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail=rate == 0.0)
+    mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
     return Resolution(mesh, tuple(degrees.tolist()))
 
 

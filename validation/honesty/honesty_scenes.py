@@ -15,14 +15,12 @@ import numpy as np
 from honesty_errors import compare, zones_alike
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, solve
-from spectral_contact.contact import resolution, slip_displacement, zone_spaces
+from spectral_contact.contact import resolution, zone_spaces
 from spectral_contact.precise import ReferenceSolution, reference
 from spectral_contact.records import Zone
-from spectral_contact.spectral.cache import BoundedCache
 
 #: Panel width of the true solutions; that of the library is 2.
 TRUE_WIDTHS = 1.5, 1.75
-_TRUE_SPACES = {w: BoundedCache(f"first spaces of the truth, {w}", 128) for w in TRUE_WIDTHS}
 #: A truth that breaks the friction law by more is none, nor is one whose shear is as uncertain.
 BROKEN, UNCERTAIN = 1e-6, 1e-9
 
@@ -99,10 +97,8 @@ def by_reference(seed: int, number: int) -> bool:
 def other_panels(width: float) -> Iterator[None]:
     """Solve on narrower panels than the library's, of which none shares an end but the first."""
     with ExitStack() as stack:
-        for module in (resolution, slip_displacement, zone_spaces):
+        for module in (resolution, zone_spaces):
             stack.enter_context(mock.patch.object(module, "PANEL_WIDTH", width))
-        # first spaces are cached by what is asked of them, which leaves out the width
-        stack.enter_context(mock.patch.object(resolution, "_FIRST_SPACES", _TRUE_SPACES[width]))
         yield
 
 
