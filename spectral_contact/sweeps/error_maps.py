@@ -33,7 +33,7 @@ _STICK_DEGREES: Final = ((1e-8, 14), (0.0, 20))
 _EDGE_SAFETY, _CRITICAL_SAFETY = 4.0, 8.0
 #: Rounding of the edge ratio, as `contact.full_stick` has it, and of the largest ratio, which is
 #: found among hundreds of places and their rounding.
-_EDGE_ROUNDING, _CRITICAL_ROUNDING = 20.0 * ROUNDING, 2.0 * TRACTION_ROUNDING
+_EDGE_ROUNDING, _CRITICAL_ROUNDING = 20.0 * ROUNDING, TRACTION_ROUNDING
 
 _NORMALS: BoundedCache[int, CertifiedNormal] = BoundedCache("normal spectra", 2)
 _STICKS: BoundedCache[int, CertifiedStick] = BoundedCache("full-stick spectra", 2)
