@@ -93,7 +93,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         spent = stalled >= 2 or len(history) >= _MAX_ATTEMPTS
         if best.error <= tolerance:
             ending = Ending.CONVERGED
-        elif spent or (finer := _finer(resolution, attempt, tolerance)) == resolution:
+        elif spent or (finer := _finer(resolution, attempt, tolerance, stalled)) == resolution:
             ending = Ending.ROUNDING
         elif _size(finer) > max_unknowns:
             ending = Ending.UNKNOWNS
@@ -117,11 +117,17 @@ def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
     return resolution
 
 
-def _finer(resolution: Resolution, attempt: Attempt[T], tolerance: float) -> Resolution:
-    """Raise the degree where the indicator asks for it, by what the decay predicts."""
+def _finer(
+    resolution: Resolution, attempt: Attempt[T], tolerance: float, stalled: int
+) -> Resolution:
+    """Raise the degree where the indicator asks for it, by what the decay predicts.
+
+    Where that did not help the error comes from elsewhere: what panels above a thin layer leave is
+    felt in it.
+    """
     aim = _MARGIN * tolerance
     need = np.log(np.maximum(attempt.indicators / aim, 1.0)) / -np.log(attempt.rates)
-    extra = np.minimum(np.ceil(need), _LEAP).astype(int)
+    extra = np.clip(np.ceil(need), 2 * stalled, _LEAP).astype(int)
     degrees = np.minimum(np.array(resolution.degrees) + extra, _DEGREE_LIMIT)
     highest = int(degrees.max())
     panels = resolution.panels

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import BoundedCache, kept
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
@@ -40,7 +40,6 @@ SAFETY = 4.5
 #: The share of its step that a correction leaves at least. With 1e-4 estimates of stick radii are
 #: 0.6 times as large in the mean of 91 scenes, and the largest error is 0.55 of one, else 0.50.
 LEFT = 1e-2
-_FIRST_SPACES: BoundedCache[tuple[object, ...], Resolution] = BoundedCache("first spaces", 128)
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
@@ -67,8 +66,6 @@ _SECTIONS = 65
 _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
     BoundedCache("last coefficients", 128)
 )
-#: A mesh with so many panels more than needed is used if it is there: three unknowns each.
-_SPARE = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,15 +106,7 @@ class NormalContact:
     rate: float = 0.0
 
 
-def starting_resolution(
-    layer: float,
-    tolerance: float,
-    *,
-    rate: float = 1.0,
-    power: float = 0.0,
-    root_tail: bool = False,
-    bends: tuple[float, ...] = (),
-) -> Resolution:
+def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) -> Resolution:
     """Return the first space for a solution that settles like ``exp(-rate x)`` past `layer`.
 
     Parameters
@@ -128,43 +117,24 @@ def starting_resolution(
         Relative accuracy asked.
     rate : float
         1 for ``y ln y`` terms at the boundary, 1/2 for square roots.
-    power : float
-        Endpoint weight of the basis, see `LogPanels`.
-    root_tail : bool
-        End in a tail of half-integer powers a little below `layer`.
-    bends : tuple of float
-        ``x`` of further features, where the solution turns from one law to another.
     """
     # like scenes share their spaces
-    layer, *turns = (ceil(2.0 * x) / 2.0 for x in (layer, *bends))
-    form = (layer, tolerance, rate, power, root_tail, tuple(turns))
-    return _FIRST_SPACES.get((PANEL_WIDTH, *form), lambda: _first_space(*form))
+    return _first_space(PANEL_WIDTH, ceil(2.0 * layer) / 2.0, -log(tolerance), rate)
 
 
-def _first_space(
-    layer: float,
-    tolerance: float,
-    rate: float,
-    power: float,
-    root_tail: bool,
-    bends: tuple[float, ...],
-) -> Resolution:
-    digits = -log(tolerance)
-    depth = layer + (ROOT_DEPTH if root_tail else (digits + 2.0) / rate)
-    panels = 4 * ceil(depth / PANEL_WIDTH / 4)  # few distinct meshes, so that caches are shared
+@kept("first spaces", 128)
+def _first_space(width: float, layer: float, digits: float, rate: float) -> Resolution:
+    # few distinct meshes, so that caches are shared
+    panels = 4 * ceil((layer + (digits + 2.0) / rate) / width / 4)
     top: Array = np.full(panels, LEAST_DEGREE + ceil(_DEGREES * digits))
-    x = PANEL_WIDTH * np.arange(panels)
-    # half-integer powers fall too slowly to taper the few panels above a root tail
-    taper = 0.0 if root_tail else rate
-    missing = np.clip(1.0 - taper * (x - layer - 2.0) / digits, 0.0, 1.0)
-    # a bend takes more, measured 5 degrees at 1e-12
-    near = [nearness(panels, bend) for bend in (layer, *bends) if bend > 1.0]
-    top = top + _AT_BEND * digits * np.max([np.zeros(panels), *near], axis=0)
+    if layer > 1.0:  # a bend takes more, measured 5 degrees at 1e-12
+        top = top + _AT_BEND * digits * nearness(panels, layer)
+    x = width * np.arange(panels)
+    missing = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
     # what falls like exp(-x) still bends on its panel: two degrees more than its share
     degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
-    mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail)
-    return Resolution(mesh, tuple(degrees.tolist()))
+    return Resolution(LogPanels(panels, width, capacity), tuple(degrees.tolist()))
 
 
 def nearness(panels: int, bend: float) -> Array:
@@ -172,18 +142,6 @@ def nearness(panels: int, bend: float) -> Array:
     middles = PANEL_WIDTH * (np.arange(panels) + 0.5)
     distance = np.abs(middles - bend) / (_FADING * PANEL_WIDTH)
     return np.asarray(np.clip(_REACH - distance, 0.0, 1.0))
-
-
-def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
-    """Return the space on a mesh that is already assembled, where that is little larger."""
-    own = resolution.panels
-    if mesh is None or mesh == own:
-        return resolution
-    more = mesh.panels - own.panels
-    alike = replace(own, panels=mesh.panels, degree=mesh.degree) == mesh
-    if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
-        return resolution
-    return Resolution(mesh, resolution.degrees + (LEAST_DEGREE,) * more)
 
 
 def slip_degree(tolerance: float) -> int:

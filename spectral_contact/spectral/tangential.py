@@ -108,14 +108,6 @@ class Field(NamedTuple):
         return whole
 
 
-class Mass(NamedTuple):
-    """A compliance times the mass of a field: where the field is, a factor and a matrix."""
-
-    own: slice
-    factor: float
-    matrix: Array
-
-
 @dataclass(frozen=True, slots=True)
 class Misfit:
     """W and E at the nodes of the parts; E is not felt farther out than the last that sticks."""
@@ -254,19 +246,18 @@ class Tangential(ABC):
         return float(self.shear_functional @ values)
 
     @cached_property
-    def masses(self) -> list[Mass]:
-        """Masses of what is unknown and has a compliance."""
+    def masses(self) -> list[tuple[slice, Array]]:
+        """Masses of what is unknown times their compliances, by their place."""
         blocks = []
         for one in self.fields:
             part, shear = self.parts[one.part], one.own.start >= self.count
-            factor = self.parameters.beta if shear else self.parameters.alpha
+            compliance = self.parameters.beta if shear else self.parameters.alpha
             family = part.shear if shear else part.family
-            if factor > 0.0 and part.zone == 0:
-                factor *= family.reach ** (2 if shear else 1)
-                mass = kept_disk_mass(family.panels, one.degrees, shear)
-                blocks.append(Mass(one.own, factor, mass))
-            elif factor > 0.0:
-                blocks.append(Mass(one.own, factor, family.mass(one.degrees, shear=shear)))
+            if compliance > 0.0 and part.zone == 0:
+                factor = compliance * family.reach ** (2 if shear else 1)
+                blocks.append((one.own, factor * kept_disk_mass(family.panels, one.degrees, shear)))
+            elif compliance > 0.0:
+                blocks.append((one.own, compliance * family.mass(one.degrees, shear=shear)))
         return blocks
 
     @cached_property
@@ -330,8 +321,8 @@ class Tangential(ABC):
     def residual(self, values: Array, approach: Array, imbalance: Array) -> Array:
         """Return what the equations miss, tested with all functions; see `misfit`."""
         missed = self.tested(self.misfit(values, approach, imbalance))
-        for own, factor, mass in self.masses:
-            missed[own] -= factor * (mass @ values[own])
+        for own, mass in self.masses:
+            missed[own] -= mass @ values[own]
         return missed
 
     @abstractmethod
@@ -373,6 +364,6 @@ class Tangential(ABC):
 
     def _with_masses(self, matrix: Array) -> Array:
         """Return a matrix with the masses added to it."""
-        for own, factor, mass in self.masses:
-            matrix[own, own] += factor * mass
+        for own, mass in self.masses:
+            matrix[own, own] += mass
         return matrix

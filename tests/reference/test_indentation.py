@@ -342,3 +342,15 @@ def test_a_load_next_to_a_corner_is_found_to_a_rounding_of_the_radius():
     scene = Scene(0.3, 1.911831906041158e-06, profile=profile, load=0.0015082260865139849)
     found = solve(scene, 1e-12, ["contact_radius", "load"], strict=False)
     assert found.contact_radius == pytest.approx(0.7440567719769855, rel=1e-15)
+
+
+@pytest.mark.parametrize("alpha", [1e-12, 1e-10])
+def test_a_thin_layer_converges_at_loose_tolerances_too(alpha):
+    # what the panels above leave is felt in the layer, where alone the error shows
+    scene = Scene(0.3, alpha, profile=profiles.Parabola(1.0), contact_radius=1.0)
+    true, y = solve(scene, 1e-11), np.concatenate([[0.0], np.logspace(-15, -0.1, 80)])
+    for rtol in (1e-2, 5.62e-3, 3.16e-3, 1.78e-3, 1.78e-4):
+        solution = solve(scene, rtol)  # raises if it does not converge
+        off = np.abs(solution.pressure(from_edge=y) - true.pressure(from_edge=y))
+        scale = np.maximum(true.pressure(from_edge=y), true.load / math.pi)
+        assert (off / scale).max() <= solution.error.pressure + true.error.pressure

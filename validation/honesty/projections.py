@@ -24,7 +24,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -38,6 +38,7 @@ from oracles.projection_oracle import FINE, FINER, mp
 
 from spectral_contact import __version__
 from spectral_contact.contact.resolution import starting_resolution
+from spectral_contact.spectral.panels import Resolution
 
 RESULTS = Path(__file__).parents[1] / "results"
 PARTIAL = RESULTS / "projections.partial"
@@ -45,15 +46,15 @@ TOLERANCE = 1e-12
 EPS = 2.0**-52
 SCHEMA, VERSION = "spectral_contact.validation.projections", 1
 
-FORMS = {
-    "0.5, plain": (0.5, {}),
-    "1e-6, plain": (1e-6, {}),
-    "1e-6, weight": (1e-6, {"power": -0.5}),
-    "1e-6, root tail": (1e-6, {"root_tail": True}),
-}
+SOFT, THIN = (starting_resolution(-math.log(layer), TOLERANCE) for layer in (0.5, 1e-6))
 MESHES = {
-    name: starting_resolution(-math.log(layer), TOLERANCE, **options)
-    for name, (layer, options) in FORMS.items()
+    "0.5, plain": SOFT,
+    "1e-6, plain": THIN,
+    "1e-6, weight": THIN._replace(panels=replace(THIN.panels, power=-0.5)),
+    # half-integer powers fall too slowly to taper panels above a root tail
+    "1e-6, root tail": Resolution(
+        replace(THIN.panels, panels=12, root_tail=True), (*THIN.degrees[:11], THIN.degrees[0])
+    ),
 }
 LIFTED = 1e-6
 NOTE = (
