@@ -63,6 +63,8 @@ _FASTEST, _SLOWEST, _LIKELY = 0.05, 0.6, 0.3
 _FIRST = 1e-3
 #: Places at which a function is looked at together, where its sign changes.
 _SECTIONS = 65
+#: A mesh with so many panels more than needed is used if it is there: three unknowns each.
+_SPARE = 8
 _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
     BoundedCache("last coefficients", 128)
 )
@@ -142,6 +144,18 @@ def nearness(panels: int, bend: float) -> Array:
     middles = PANEL_WIDTH * (np.arange(panels) + 0.5)
     distance = np.abs(middles - bend) / (_FADING * PANEL_WIDTH)
     return np.asarray(np.clip(_REACH - distance, 0.0, 1.0))
+
+
+def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
+    """Return the space on a mesh that is already assembled, where that is little larger."""
+    own = resolution.panels
+    if mesh is None or mesh == own:
+        return resolution
+    more = mesh.panels - own.panels
+    alike = replace(own, panels=mesh.panels, degree=mesh.degree) == mesh
+    if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
+        return resolution
+    return Resolution(mesh, resolution.degrees + (LEAST_DEGREE,) * more)
 
 
 def slip_degree(tolerance: float) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import inf, pi
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,8 +13,9 @@ import numpy as np
 from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.resolution import LEFT, ROUGH, TINY, TRIFLING, series_of
 from spectral_contact.contact.stick_radius import NOISE
-from spectral_contact.fields.series import Array
+from spectral_contact.fields.series import CENTRE, EDGE, Array
 from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.parts import gap
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -119,13 +121,16 @@ class ZoneState:
 
         A boundary that is off changes the fields, to first order, there alone: q jumps by its slope
         over that of friction. Imbalances take the jumps out. The slopes are taken `near` the
-        boundaries, scaled; a pressure that is given has drives.
+        boundaries, in units of the zones there; a pressure that is given has drives.
         """
         system, (pressure, shear) = self.system, self.system.split(self.solution)
-        jumps, d = np.zeros(len(system.radii)), near * _BESIDE
+        jumps, bounds = np.zeros(len(system.radii)), (CENTRE, *system.radii, EDGE)
         for k in (k for k in system.stick if system.parts[k].boundary >= 0):
             part, own = system.parts[k], system.parts[k].family
-            j, b, points = part.boundary, own.boundary, own.points(d)
+            j, b = part.boundary, own.boundary
+            narrower = min(gap(*pair) for pair in pairwise(bounds[j : j + 3]))
+            d = near * min(narrower / own.reach, 1.0) * _BESIDE
+            points = own.points(d)
             friction = sum(system.states[j : j + 2]) * system.parameters.friction
             p = drives[0].pressure.at(points.y) if drives else series_of(own.panels, pressure[k])(d)
             excess = np.sqrt(points.z) * series_of(part.shear.panels, shear[k])(d) - friction * p

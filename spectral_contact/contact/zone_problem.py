@@ -27,6 +27,7 @@ from spectral_contact.contact.resolution import (
     ROUNDING,
     TRIFLING,
     joined,
+    on_mesh,
 )
 from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
@@ -320,7 +321,7 @@ class StickDiskProblem(FreeBoundaryProblem):
 
     def start(self) -> Resolution:
         """Return the first space of the disk."""
-        return self.spaces(self.tolerance)[0]
+        return on_mesh(self.spaces(self.tolerance)[0], self.drive.contact.panels)
 
     def parted(self, resolution: Resolution) -> list[Resolution]:
         """Return the spaces of all parts: in slip nothing is unknown."""

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spectral_contact import Scene, solve
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.stick_radius import differences
 from spectral_contact.contact.zone_assessment import zones_error
@@ -77,3 +78,15 @@ def test_slopes_of_the_fields_are_those_of_differences(kappa, friction):
     truth = differences(conditions, problem.logits)
     told = state.slopes([], 1e-4)
     assert np.abs(np.linalg.solve(told, truth) - np.eye(2)).max() < 1e-3
+
+
+@pytest.mark.parametrize("rtol", [6.7e-4, 1e-3])
+def test_boundaries_of_a_narrow_slip_zone_have_room_for_their_error(rtol):
+    # slopes of their conditions are those next to them, in units of the zone
+    found, true = (
+        solve(Scene(0.0984060925, 0.00142439397751, 0.0164693960596, 0.4559430148132268), one)
+        for one in (rtol, 1e-12)
+    )
+    assert [zone.kind for zone in found.zones] == ["stick", "slip", "stick"]
+    error = abs(found.stick_radius / true.stick_radius - 1.0)
+    assert error <= found.error.stick_radius + true.error.stick_radius
