@@ -28,6 +28,7 @@ _AT_ONE_PLACE = 1.0 / 6.0
 #: Places of the first look, and the nodes of a polynomial between two of these: as q/p is analytic
 #: in ``x`` up to an imaginary part of pi or so, that is right to rounding.
 _GRID, _POINTS = 129, 16
+#: Further places in the tail, in ``-ln y`` past the panels: loose spaces have none there.
 _IN_TAIL = np.linspace(0.0, LEADING, 65)[1:]
 _NODES, _ = gauss_rule(_POINTS)
 #: From values at the nodes to the Legendre coefficients of the slope.

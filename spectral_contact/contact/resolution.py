@@ -63,11 +63,11 @@ _FASTEST, _SLOWEST, _LIKELY = 0.05, 0.6, 0.3
 _FIRST = 1e-3
 #: Places at which a function is looked at together, where its sign changes.
 _SECTIONS = 65
-#: A mesh with so many panels more than needed is used if it is there: three unknowns each.
-_SPARE = 8
 _LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
     BoundedCache("last coefficients", 128)
 )
+#: A mesh with so many panels more than needed is used if it is there: three unknowns each.
+_SPARE = 8
 
 
 @dataclass(frozen=True, slots=True)

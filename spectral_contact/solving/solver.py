@@ -105,10 +105,9 @@ def _from_looser(
     Next to a threshold a search fails by accident of rounding: of 16 scenes within 1e-12 of one
     that are refused at 1e-9 or 1e-12 this finds all.
     """
-    for factor in _LOOSER:
+    for tolerance in sorted({min(factor * rtol, 1e-2) for factor in _LOOSER} - {rtol}):
         shared = Shared(progress)
-        looser = _run(scene, todo, min(factor * rtol, 1e-2), max_unknowns, shared).solution()
-        if looser.converged:
+        if _run(scene, todo, tolerance, max_unknowns, shared).solution().converged:
             found = _run(scene, todo, rtol, max_unknowns, shared).solution()
             if found.converged:
                 return found

@@ -19,7 +19,6 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from spectral_contact.fields.series import EDGE
 from spectral_contact.spectral.abel import (
     beyond,
     deeper,
@@ -204,12 +203,6 @@ def kept_disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     nodes = graded_nodes(panels, degrees)
     whole = _own(panels, degrees, degrees, "toward").whole
     return disk_gram(nodes, strips(nodes, degrees, whole.shape[1], whole), shear)
-
-
-@kept("disk masses", 48)
-def kept_disk_mass(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return `Family.mass` of the unit disk (cached)."""
-    return Family(EDGE, -1, 1.0, panels).mass(degrees, shear=shear)
 
 
 @kept("disk shears", 96)

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.annulus import Annulus
-from spectral_contact.spectral.blocks import kept_disk_gram, kept_disk_mass, kept_disk_shear
+from spectral_contact.spectral.blocks import kept_disk_gram, kept_disk_shear
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -252,12 +252,9 @@ class Tangential(ABC):
         for one in self.fields:
             part, shear = self.parts[one.part], one.own.start >= self.count
             compliance = self.parameters.beta if shear else self.parameters.alpha
-            family = part.shear if shear else part.family
-            if compliance > 0.0 and part.zone == 0:
-                factor = compliance * family.reach ** (2 if shear else 1)
-                blocks.append((one.own, factor * kept_disk_mass(family.panels, one.degrees, shear)))
-            elif compliance > 0.0:
-                blocks.append((one.own, compliance * family.mass(one.degrees, shear=shear)))
+            if compliance > 0.0:
+                mass = (part.shear if shear else part.family).mass(one.degrees, shear=shear)
+                blocks.append((one.own, compliance * mass))
         return blocks
 
     @cached_property
