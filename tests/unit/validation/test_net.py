@@ -22,6 +22,7 @@ import honesty
 import net_checks
 import net_speed
 from honesty_errors import compare, violates
+from honesty_scenes import outcome
 from net import Section
 from net_kept import Kept, kept_row, row_of, scene_of
 
@@ -53,6 +54,13 @@ def test_a_truth_that_is_not_known_decides_nothing(own, violations, undecided):
     row = {"errors": {"approach": (1e-7, 1e-9, own), "pressure": (1e-12, 1e-9, own)}}
     assert len(honesty.violations_of(row)) == violations
     assert honesty.undecided(row) is undecided
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+def test_the_honesty_study_has_a_truth_for_every_kind_of_scene(coupled):
+    row = outcome(1, 1, exact=False, coupled=coupled)
+    assert "raised" not in row
+    assert honesty.violations_of(row) == []
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-9])
