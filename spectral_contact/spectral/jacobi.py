@@ -135,13 +135,13 @@ def legendre_expansion_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
 
     It is the discrete orthogonal projection, shape ``(degree + 1, points)``, of more points than
-    the highest degree.
+    the highest degree. Without the rounding of the nodes, as in `legendre_projection_matrix`: at
+    the ends of a panel interpolants were off by 40 roundings with it, and q at the centre by 1e-12.
     """
-    nodes, weights = gauss_rule(points)
     scale = np.arange(degree + 1) + 0.5
-    matrix = scale[:, None] * legendre_values(nodes, degree).T * weights
+    matrix = scale[:, None] * legendre_projection_matrix(points, degree).T
     matrix.setflags(write=False)
-    return matrix
+    return np.asarray(matrix)
 
 
 def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:

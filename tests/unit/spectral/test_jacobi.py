@@ -11,6 +11,7 @@ from spectral_contact.fields.legendre import legendre_sums_between
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,
+    legendre_interpolation_matrix,
     legendre_projection_matrix,
     legendre_values,
 )
@@ -124,6 +125,14 @@ def test_expansion_projects():
     matrix = legendre_expansion_matrix(8, 5)
     assert matrix.shape == (6, 8)
     assert_allclose(matrix @ legendre_values(nodes, 6)[:, 6], 0, atol=3e-15)
+
+
+@pytest.mark.parametrize("points", [20, 28, 36])
+def test_a_constant_is_interpolated_to_a_few_roundings_at_the_ends_too(points):
+    # what is off at the end of the first panel is felt 100 times by q at the centre
+    at = np.array([-1.0, -0.999, 0.3, 1.0])
+    values = legendre_interpolation_matrix(at, points) @ np.ones(points)
+    assert_allclose(values, 1.0, atol=2e-15)
 
 
 def test_projection_is_orthogonal_to_the_last_digit():
