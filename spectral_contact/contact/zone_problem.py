@@ -259,8 +259,8 @@ class FreeBoundaryProblem:
         least = TRIFLING * self.goal
         newton = self._newton(spaces, max(least, NOISE))
         state = newton.run(max(least, 2.0 * ROUNDING))
-        if not newton.settled:  # next to the onset of a zone steps say nothing of slopes
-            self._sloped(ROUNDING)
+        if not newton.settled and not self.tells(state):
+            self._sloped(ROUNDING)  # next to the onset of a zone steps say nothing of slopes
         return Assessment(self, spaces, state, newton.left).attempt()
 
 

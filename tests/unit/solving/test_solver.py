@@ -291,6 +291,30 @@ def test_at_the_onset_of_slip_the_estimates_leave_room_for_it(alpha, beta):
     assert (above.error.stick_radius, above.error.zones, above.error.slip) == (0.0, 0.0, 0.0)
 
 
+#: Scenes below the onset of slip inside by 1e-9, and where it lies, from the edge: by `reference`,
+#: to 20 digits, in minutes.
+ONSETS_INSIDE = [
+    (
+        Scene(-0.36371337542844984, 0.14851831347570135, 0.26539209564747696, 0.2946850524547913),
+        (0.0030839789231628624, 0.003076359907162817),
+    ),
+    (
+        Scene(0.2789795685070381, 0.01780633733781327, 0.05649155945632665, 0.23309647018606136),
+        (0.028573168860049056, 0.028563830394855678),
+    ),
+]
+
+
+@pytest.mark.parametrize("rtol", [1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize(("scene", "truth"), ONSETS_INSIDE)
+def test_next_to_the_onset_inside_boundaries_are_within_their_estimates(scene, truth, rtol):
+    # what moved them was taken from a small space, and 130 times too steep: so were the estimates
+    solution = solve(scene, rtol)
+    off = [abs(z.outer_from_edge / at - 1.0) for z, at in zip(solution.zones, truth, strict=False)]
+    assert len(solution.zones) == 3
+    assert max(off) <= solution.error.zones < 1e-5
+
+
 def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
     # the coupling of disk and annulus used to lose eps / sqrt(beta) = 2e-10
     critical = solve(Scene(0.2, 3e-13, 1e-12, math.inf), 1e-9).critical_friction
