@@ -99,10 +99,8 @@ def _driven(solved: Attempt[ZoneSolution], drive: Drive, *, ratios: bool) -> Ful
     )
     if not ratios:
         return stick
-    panels, at_edge = field.panels, 0.0
-    shares = [(panels, solved.indicators)]
-    if panels.power == 0.0:
-        at_edge = _at_edge(zones)
+    panels, shares = field.panels, [(field.panels, solved.indicators)]
+    at_edge = 0.0 if panels.power else _at_edge(zones)
     if contact.panels is not None and contact.changes:
         lost = contact.changes[0].coefficients
         share = share_of_change(contact.panels, lost, pressure.at_ends())

@@ -22,9 +22,9 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matr
 from spectral_contact.spectral.panels import LogPanels
 
 #: A share bounds the change on its whole panel by moduli of coefficients. At the place of the
-#: largest q/p that is too much by far: without this factor the estimate was 34 times the error at
-#: the least, over 45 random scenes whose error exceeds rounding.
-_AT_ONE_PLACE = 1.0 / 6.0
+#: largest q/p that is too much: with this factor none of 10,000 errors is above 0.6 of its
+#: estimate; with 1/6 one was 1.8 times that.
+_AT_ONE_PLACE = 0.5
 #: Places of the first look, and the nodes of a polynomial between two of these: as q/p is analytic
 #: in ``x`` up to an imaginary part of pi or so, that is right to rounding.
 _GRID, _POINTS = 129, 16
@@ -130,25 +130,21 @@ class LargestRatio(NamedTuple):
 
 def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
     """Return q/p at the edge and at its largest, on panels to a depth and in their tail."""
-    alike = pressure.series is not None and pressure.series.on_panels_of(traction.series)
+    series, at_edge = traction.series, pressure.value(0.0)
+    assert series is not None
+    alike = pressure.series is not None and pressure.series.on_panels_of(series)
 
     def ratio(x: Array) -> Array:
         y = np.exp(-x)
         s = np.sqrt(-np.expm1(-x))
-        assert traction.series is not None
         if not alike:
-            return np.abs(s * traction.series(y) / pressure.at(y))
-        above, below = PressureField.several([PressureField(None, traction.series), pressure], y)
+            return np.abs(s * series(y) / pressure.at(y))
+        above, below = PressureField.several([PressureField(None, series), pressure], y)
         return np.asarray(np.abs(s * above / below))
 
-    at_edge = pressure.value(0.0)
-    if at_edge == inf:
-        edge = 0.0
-    else:
-        assert traction.series is not None
-        edge = traction.series.limit / at_edge
-        if edge == inf:
-            return LargestRatio(inf, inf, 0.0)
+    edge = 0.0 if at_edge == inf else series.limit / at_edge
+    if edge == inf:
+        return LargestRatio(inf, inf, 0.0)
     x = np.concatenate([places(depth, _GRID), depth + _IN_TAIL])
     values = ratio(x)
     values[_GRID:] *= 1.0 - TRACTION_ROUNDING  # in the tail it differs from the edge by that

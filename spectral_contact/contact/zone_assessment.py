@@ -17,6 +17,7 @@ from spectral_contact.contact.resolution import (
     FIELD_ROUNDING,
     LEAST_RATE,
     LEFT,
+    MOST_ROUNDS,
     ROUNDING,
     SAFETY,
     TRACTION_ROUNDING,
@@ -244,7 +245,7 @@ class Assessment:
         state, system, fields = self.state, self.system, self.fields
         known = self.squared + self.noise + (0.0 if system.given else self.off)
         left = self.left + self.off
-        rounding = TRACTION_ROUNDING * (CENTRE_ROUNDS if self._rounds else 1.0)
+        rounding = TRACTION_ROUNDING * self._rounds
         errors = fields.pressure + left + FIELD_ROUNDING, fields.traction + left + rounding
         boundary_errors = tuple(
             boundary_error(float(d), r) for d, r in zip(self.shifts, system.radii, strict=True)
@@ -281,22 +282,26 @@ class Assessment:
         return self._by_energies(attempt) if system.symmetric and not system.given else attempt
 
     @property
-    def _rounds(self) -> bool:
-        """Whether q/s loses digits at the centre."""
+    def _rounds(self) -> float:
+        """By how much more q/s rounds at the centre than elsewhere."""
         (alpha, beta, _, _), radii = self.system.parameters, self.system.radii
-        if not radii:
-            return alpha == 0.0 or not self.system.given
-        return self.system.given and len(radii) == 1 and beta < HARMLESS * radii[0].value
+        little = beta < HARMLESS * (radii[0].value if radii else 1.0)
+        if not radii and not self.system.given:
+            return MOST_ROUNDS if little else CENTRE_ROUNDS
+        more = self.system.given and len(radii) == 1 and little if radii else alpha == 0.0
+        return CENTRE_ROUNDS if more else 1.0
 
     def _sheared(self) -> float:
         """Return the relative error of the shear by changes, and by how far boundaries are off."""
         shear, state = self.system.total_shear, self.state
         changes = max(abs(shear(one)) for one in self.moved)
         if self.system.given:
-            drive, _ = self.system.balances
-            imbalance = state.approach * np.abs(drive @ state.solution) * self.missed
-            felt = np.abs(self.system.shear_functional @ state.factored.responses)
-            return (changes + float(felt @ imbalance)) / abs(shear(self.whole))
+            missed, felt = self.missed, self.system.shear_functional @ state.factored.responses
+            if self.system.parameters.beta == 0.0:  # nothing responds: what all inside would bear
+                missed = np.max([np.abs(one.mismatch) for one in self.effects], axis=0)
+                felt = pi * np.array([one.square for one in self.system.radii])
+            imbalance = state.approach * np.abs(self.system.balances[0] @ state.solution) * missed
+            return (changes + float(np.abs(felt) @ imbalance)) / abs(shear(self.whole))
         rest = np.array([one.rest for one in self.system.radii])
         bend = 2.0 * float((self.shifts**2 * rest).max(initial=0.0))
         return changes / abs(shear(self.whole)) + bend

@@ -315,6 +315,20 @@ def test_next_to_the_onset_inside_boundaries_are_within_their_estimates(scene, t
     assert max(off) <= solution.error.zones < 1e-5
 
 
+def test_shear_that_superconverges_by_accident_is_bounded_without_tangential_compliance():
+    # the top two degrees of the pressure happen to cancel in it; truth by `reference`, 20 digits
+    scene = Scene(-0.253141025751616, 0.08682704177111077, 0.0, 0.17533363246347405)
+    solution = solve(scene, 3.5e-5)
+    assert abs(solution.total_shear / 0.17478248559484908951526 - 1.0) <= solution.error.total_shear
+    assert solution.error.total_shear < 3e-10
+
+
+def test_critical_friction_inside_is_bounded():
+    scene = Scene(-0.8765580041488746, 0.000604714890030345, 0.07766533295498862, math.inf)
+    rough, truth = (solve(scene, rtol).critical_friction for rtol in (2e-6, 1e-12))
+    assert abs(rough / truth - 1.0) <= solve(scene, 2e-6).error.critical_friction < 1e-8
+
+
 def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
     # the coupling of disk and annulus used to lose eps / sqrt(beta) = 2e-10
     critical = solve(Scene(0.2, 3e-13, 1e-12, math.inf), 1e-9).critical_friction

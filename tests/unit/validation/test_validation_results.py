@@ -106,7 +106,7 @@ def test_results_are_without_violations(study, counted, total):
 
 def test_estimates_are_sharp_at_the_tightest_tolerance():
     rows = [row for row in record("sharpness")["rows"] if row["rtol"] == 1e-12]
-    assert len(rows) == 7
+    assert len(rows) == 11
     # the traction's estimate makes room for the worst of 10,000 scenes, and for cancellation
     least = {row["quantity"]: 0.9 if row["quantity"] == "traction" else 0.95 for row in rows}
     assert all(row["share_within_100"] >= least[row["quantity"]] for row in rows)
