@@ -285,11 +285,11 @@ class Assessment:
     def _rounds(self) -> float:
         """By how much more q/s rounds at the centre than elsewhere."""
         (alpha, beta, _, _), radii = self.system.parameters, self.system.radii
-        little = beta < HARMLESS * (radii[0].value if radii else 1.0)
-        if not radii and not self.system.given:
-            return MOST_ROUNDS if little else CENTRE_ROUNDS
-        more = self.system.given and len(radii) == 1 and little if radii else alpha == 0.0
-        return CENTRE_ROUNDS if more else 1.0
+        share = beta / radii[0].value if radii else beta
+        if share < HARMLESS and len(radii) == int(self.system.given):
+            # under still less compliance a disk loses less
+            return MOST_ROUNDS if share > HARMLESS**4 or not radii else CENTRE_ROUNDS
+        return 1.0 if radii or (self.system.given and alpha > 0.0) else CENTRE_ROUNDS
 
     def _sheared(self) -> float:
         """Return the relative error of the shear by changes, and by how far boundaries are off."""
