@@ -31,14 +31,16 @@ from spectral_contact.spectral.abel import (
     outer,
     rise,
 )
-from spectral_contact.spectral.cache import BoundedCache, kept
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     SAMPLES,
     GradedNodes,
     PlainNodes,
+    clustered_rule,
     far_values,
     graded_nodes,
+    highest_degree,
 )
 from spectral_contact.spectral.jacobi import (
     chebyshev_interpolation,
@@ -68,8 +70,6 @@ _PLACES: Array = (1.0 + FAR_NODES) / 2.0
 _DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
 #: Parts of a disk's nodes whose half-integrals are multiplied without most of their zeros.
 _STRIPS = 8
-
-_DEEPER: BoundedCache[tuple[int, Form], Array] = BoundedCache("half-integrals", 72)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,9 +131,7 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     nodes = points_of(panels, used)
     d = nodes.d
     if way == "toward" and isinstance(nodes, GradedNodes):
-        seen = np.zeros((len(d), len(functions)))
-        half_integrals(panels, degrees, nodes, seen)
-        return _vanishing(seen)
+        return _vanishing(half_integrals(panels, degrees, nodes))
     if way == "toward":
         return _vanishing(deeper(d, *form, panels.power)[:, functions])
     if way == "beyond":
@@ -143,88 +141,94 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     return Block(at, rise(whole, functions, d, *form), whole, False)
 
 
-def strips(nodes: GradedNodes, degrees: Degrees, size: int, whole: Array | None) -> list[Strip]:
-    """Return strips of so many functions, zeros or of a matrix, on a disk: they have few zeros.
+def half_integrals(panels: LogPanels, degrees: Degrees, nodes: GradedNodes) -> Array:
+    """Return half-integrals of the functions up to these degrees at Galerkin nodes.
+
+    Of panels with as many nodes the blocks depend on how much deeper the functions are alone.
+    """
+    terms, form = panels.degree + 1, (panels.panels, panels.width, panels.degree, panels.power)
+    columns, own = panels.functions(degrees), nodes.degrees == degrees
+    tail = deeper_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
+    seen, root = np.zeros((len(nodes.d), len(columns))), nodes.d[:, None] ** (0.5 + panels.power)
+    row, first, last = 0, 0, len(columns) - tail.shape[1]
+    for j, start in enumerate(nodes.start):
+        rows = slice(row, row + len(start))
+        highest = highest_degree(len(start)) if own else panels.degree
+        each = _deeper(len(start), highest, form).take(columns[first:last] - j * terms, axis=1)
+        np.multiply(each, root[rows], out=seen[rows, first:last])
+        row, first = rows.stop, first + degrees[j] + 1
+    seen[:, last:] = tail
+    return seen
+
+
+@kept("half-integrals", 72)
+def _deeper(count: int, highest: int, form: Form) -> Array:
+    """Return half-integrals at so many nodes of a panel, of it and deeper ones (cached).
+
+    On it and the next functions are of the highest degree that is wanted there.
+    """
+    panels, width, degree, power = form
+    near, terms = _near(count, highest, width, power), degree + 1
+    blocks = np.zeros((count, panels * terms))
+    for k in range(min(panels, 2)):
+        own = near[:, k, :terms]
+        blocks[:, k * terms : k * terms + own.shape[1]] = own
+    places = 2.0 * clustered_rule(count, width)[0] / width - 1.0
+    spread = legendre_interpolation_matrix(places, SAMPLES)
+    np.matmul(spread, _far_samples(form), out=blocks[:, 2 * terms :])
+    return blocks
+
+
+@kept("half-integrals near by", 24)
+def _near(count: int, highest: int, width: float, power: float) -> Array:
+    """Return those of that panel and of the next, of any number of panels."""
+    start, _ = clustered_rule(count, width)
+    return near_blocks(start[::-1], start, 2, width, highest, power)
+
+
+@kept("half-integrals far off", 24)
+def _far_samples(form: Form) -> Array:
+    """Return those of the panels beyond, which are smooth, at the samples of a panel."""
+    g, _ = gauss_rule(SAMPLES)
+    return far_blocks(form[1] * (1.0 - g) / 2.0, *form).reshape(SAMPLES, -1)
+
+
+def disk_strips(panels: LogPanels, degrees: Degrees) -> list[Strip]:
+    """Return half-integrals on a disk in strips, which have few of its zeros.
 
     Nodes see functions on their own panel and deeper ones; those of the tail are with the last.
     """
+    whole, nodes = _own(panels, degrees, degrees, "toward").whole, graded_nodes(panels, degrees)
     rows = [0, *accumulate(map(len, nodes.end[:-1])), len(nodes.d)]
     seen, found = [0, *accumulate(n + 1 for n in degrees)], []
     for low, high in pairwise(sorted({len(degrees) * k // _STRIPS for k in range(_STRIPS + 1)})):
-        own = slice(rows[low], rows[high]), slice(seen[low], size)
-        shape = rows[high] - rows[low], size - seen[low]
-        found.append((own, np.zeros(shape) if whole is None else whole[own]))
-    return found
-
-
-def half_integrals(
-    panels: LogPanels, degrees: Degrees, nodes: GradedNodes, whole: Array | None = None
-) -> list[Strip]:
-    """Return half-integrals of the functions up to these degrees at Galerkin nodes, in strips.
-
-    Of a matrix of zeros, if there is one. Of panels with as many nodes the blocks depend on how
-    much deeper the functions are alone.
-    """
-    terms, form = panels.degree + 1, (panels.panels, panels.width, panels.degree, panels.power)
-    columns, root = panels.functions(degrees), nodes.d[:, None] ** (0.5 + panels.power)
-    alike = {len(end): (start, end) for start, end in zip(nodes.start, nodes.end, strict=True)}
-
-    def made(missing: list[tuple[int, Form]]) -> list[Array]:
-        ends = [alike[count] for count, _ in missing]
-        from_start, to_end = (np.concatenate(one) for one in zip(*ends, strict=True))
-        near = min(panels.panels, 2) * terms
-        blocks = np.empty((len(to_end), panels.panels * terms))
-        blocks[:, :near] = near_blocks(to_end, from_start, *form).reshape(len(to_end), near)
-        # of the panels beyond the next one they are smooth
-        g, _ = gauss_rule(SAMPLES)
-        far = far_blocks(panels.width * (1.0 - g) / 2.0, *form).reshape(SAMPLES, -1)
-        spread = legendre_interpolation_matrix(2.0 * from_start / panels.width - 1.0, SAMPLES)
-        np.matmul(spread, far, out=blocks[:, near:])
-        return np.split(blocks, np.cumsum([count for count, _ in missing])[:-1])
-
-    kept = dict(zip(alike, _DEEPER.several([(count, form) for count in alike], made), strict=True))
-    tail = deeper_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
-    found, last, j = strips(nodes, degrees, len(columns), whole), len(columns) - tail.shape[1], 0
-    for (rows, own), values in found:
-        stop, seen, first = rows.start, own.start, own.start
-        while j < len(degrees) and stop < rows.stop:
-            start, stop = stop, stop + len(nodes.end[j])
-            each = kept[stop - start].take(columns[seen:last] - j * terms, axis=1)
-            here = values[start - rows.start : stop - rows.start, seen - first : last - first]
-            np.multiply(each, root[start:stop], out=here)
-            seen, j = seen + degrees[j] + 1, j + 1
-        values[:, last - first :] = tail[rows]
+        own = slice(rows[low], rows[high]), slice(seen[low], whole.shape[1])
+        found.append((own, whole[own]))
     return found
 
 
 @kept("disk Gram", 48)
-def kept_disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return `disk_gram` where the half-integrals are kept as one matrix (cached)."""
-    nodes = graded_nodes(panels, degrees)
-    whole = _own(panels, degrees, degrees, "toward").whole
-    return disk_gram(nodes, strips(nodes, degrees, whole.shape[1], whole), shear)
-
-
-@kept("disk shears", 96)
-def kept_disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
-    """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
-    nodes, own = graded_nodes(panels, degrees), _own(panels, degrees, degrees, "toward")
-    return np.asarray(np.pi * nodes.weights @ own.whole)
-
-
-def disk_gram(nodes: GradedNodes, each: list[Strip], shear: bool) -> Array:
-    """Return the Gram matrix of half-integrals on a disk, of unit extent and radius.
+def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
+    """Return the Gram matrix of half-integrals on a disk, of unit extent and radius (cached).
 
     With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
+    nodes, strips = graded_nodes(panels, degrees), disk_strips(panels, degrees)
     t = np.sqrt(nodes.rest)
     root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-    gram = np.zeros((each[0][1].shape[1],) * 2)
-    for (rows, own), values in each:
+    gram = np.zeros((strips[0][1].shape[1],) * 2)
+    for (rows, own), values in strips:
         part = root[rows] * values
         # of a matrix and its own transpose NumPy computes one triangle, in half the time
         gram[own, own] += part.T @ part
     return gram
+
+
+@kept("disk shears", 96)
+def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
+    """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
+    nodes, own = graded_nodes(panels, degrees), _own(panels, degrees, degrees, "toward")
+    return np.asarray(np.pi * nodes.weights @ own.whole)
 
 
 def block(

@@ -6,9 +6,9 @@ import ctypes
 import os
 import sys
 import threading
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from functools import partial, wraps
+from functools import wraps
 from itertools import count
 from typing import Any, Generic, ParamSpec, TypeVar
 from weakref import WeakSet
@@ -83,14 +83,6 @@ class BoundedCache(Generic[K, V]):
                 BoundedCache._uncounted = 0
                 _shrink()
         return value
-
-    def several(self, keys: list[K], make: Callable[[list[K]], Iterable[V]]) -> list[V]:
-        """Return the entries of keys; `make()` makes those that are not there together."""
-        with self._lock:
-            found = {key: self._entries[key].value for key in keys if key in self._entries}
-            if missing := [key for key in keys if key not in found]:
-                found |= zip(missing, make(missing), strict=True)
-            return [self.get(key, partial(found.__getitem__, key)) for key in keys]
 
     def entries(self) -> list[tuple[K, _Entry[V]]]:
         """Return keys and entries; none while a thread works here.

@@ -60,11 +60,11 @@ class GradedNodes:
     """
 
     def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
-        self.panels, h = panels, panels.width
+        self.panels, self.degrees, h = panels, degrees, panels.width
         # integrals of functions on both neighbours have square roots at the ends of a panel
         around = [degrees[0] + 1, *degrees, TAIL_TERMS]  # at the centre the measure has one, too
         counts = [_node_count(max(around[j : j + 3])) for j in range(panels.panels)]
-        rules = {count: _clustered_rule(count, h) for count in set(counts)}
+        rules = {count: clustered_rule(count, h) for count in set(counts)}
         self.start: list[Array] = [rules[count][0] for count in counts]
         self.end: list[Array] = [start[::-1] for start in self.start]
         weights = np.concatenate([rules[count][1] for count in counts])
@@ -135,7 +135,7 @@ class PlainNodes:
         return far_values(self.d)
 
 
-def _clustered_rule(points: int, width: float) -> tuple[Array, Array]:
+def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
     """Return a rule on (0, width) for functions with square roots at both ends."""
     g, w = gauss_rule(points)
     phi = np.pi / 4 * (1.0 + g)
@@ -166,6 +166,11 @@ def _node_count(degree: int) -> int:
     to 3e-9 of low degrees are lost); at the centre it takes 18. Few distinct counts share blocks.
     """
     return 16 * ceil(degree / 8 + 1)
+
+
+def highest_degree(count: int) -> int:
+    """Return the highest degree that so many nodes are for."""
+    return count // 2 - 8
 
 
 #: Entries of a kernel that are evaluated at a time: they stay in the cache.

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
 from spectral_contact.fields.series import CENTRE
-from spectral_contact.spectral.blocks import Strip, block, disk_gram, half_integrals
+from spectral_contact.spectral.blocks import Strip, block, disk_gram, disk_strips
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -85,7 +85,7 @@ class Space(NodalSpace):
     @cached_property
     def _strips(self) -> list[Strip]:
         """Half-integrals on a disk in one part."""
-        return half_integrals(*self._used[0], self._nodes[0])
+        return disk_strips(*self._used[0])
 
     @cached_property
     def _seen(self) -> list[Seen]:
@@ -105,7 +105,7 @@ class Space(NodalSpace):
     def gram(self) -> Array:
         """Gram matrix of the half-integrals, in the order of `index`."""
         if len(self._used) == 1:
-            return self._order.of(disk_gram(self._nodes[0], self._strips, self.shear))
+            return self._order.of(disk_gram(*self._used[0], shear=self.shear))
         gram = np.zeros((self.unknowns,) * 2)
         columns = self._order.columns
         for seen, own in zip(self._seen, np.split(self.measure, self._ends), strict=True):

@@ -77,20 +77,6 @@ def test_objects_of_the_library_count_with_all_they_hold():
     assert len(cache) == 3  # and what the caches in them hold
 
 
-def test_entries_that_are_missing_are_made_together():
-    cache, made = BoundedCache("several", 2), []
-
-    def make(keys):
-        made.append(keys)
-        return [key.upper() for key in keys]
-
-    assert cache.several(["a"], make) == ["A"]
-    # the one that was there is returned, though three do not fit
-    assert cache.several(["b", "a", "c"], make) == ["B", "A", "C"]
-    assert made == [["a"], ["b", "c"]]
-    assert len(cache) == 2
-
-
 def test_a_cache_at_work_in_another_thread_is_left_alone():
     busy, other = BoundedCache("busy", 10), BoundedCache("other", 10)
     old = kilobytes(busy, "old", 3)
