@@ -10,6 +10,7 @@ places.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from typing import TypeAlias
@@ -68,8 +69,9 @@ _PLACES: Array = (1.0 + FAR_NODES) / 2.0
 #: Places, in [-1, 1], that stand for all panels but the first as seen from seven times their extent
 #: or farther: the error is 27**-12.
 _DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
-#: Parts of a disk's nodes whose half-integrals are multiplied without most of their zeros.
-_STRIPS = 8
+#: Parts of the nodes whose half-integrals are multiplied without most of their zeros, at most, and
+#: how many functions each of them is worth.
+_STRIPS, _WORTH = 8, 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,8 @@ class Block:
         All three are to be multiplied by it.
     gathered : ndarray, shape (places, functions), optional
         What the functions have at few places, to which the columns of the last two belong then.
+    strips : list of Strip
+        If not empty, the integrals without most of their zeros.
     """
 
     at: Array
@@ -98,6 +102,7 @@ class Block:
     sampled: bool
     scale: float = 1.0
     gathered: Array | None = None
+    strips: Sequence[Strip] = ()
 
     def of(self, columns: NDArray[np.int_]) -> Block:
         """Return that of some functions."""
@@ -106,7 +111,7 @@ class Block:
             return replace(self, at=at, gathered=self.gathered[:, columns])
         whole = self.whole[:, columns]
         more = whole if self.more is self.whole else self.more[:, columns]
-        return replace(self, at=at, more=more, whole=whole)
+        return replace(self, at=at, more=more, whole=whole, strips=())
 
     def onto(self, values: Array) -> Array:
         """Return coefficients, as columns, times the scale and in the columns of the integrals."""
@@ -117,6 +122,22 @@ class Block:
         """Return the transpose of `onto`."""
         sums = self.scale * sums
         return sums if self.gathered is None else self.gathered.T @ sums
+
+    def sums(self, values: Array, *, whole: bool) -> Array:
+        """Return by how much integrals of coefficients, as columns, are more, or whole ones."""
+        values = self.onto(values)
+        if self.strips:
+            return np.concatenate([one @ values[own] for (_, own), one in self.strips])
+        return np.asarray((self.whole if whole else self.more) @ values)
+
+    def tested(self, weighted: Array) -> Array:
+        """Return the sums of weighted values, as columns, times whole integrals."""
+        if not self.strips:
+            return self.back(self.whole.T @ weighted)
+        sums = np.zeros((self.whole.shape[1], weighted.shape[1]))
+        for (rows, own), one in self.strips:
+            sums[own] += one.T @ weighted[rows]
+        return self.back(sums)
 
 
 # slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
@@ -131,7 +152,8 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     nodes = points_of(panels, used)
     d = nodes.d
     if way == "toward" and isinstance(nodes, GradedNodes):
-        return _vanishing(half_integrals(panels, degrees, nodes))
+        whole = half_integrals(panels, degrees, nodes)
+        return replace(_vanishing(whole), strips=_strips(nodes, degrees, whole))
     if way == "toward":
         return _vanishing(deeper(d, *form, panels.power)[:, functions])
     if way == "beyond":
@@ -193,15 +215,15 @@ def _far_samples(form: Form) -> Array:
     return far_blocks(form[1] * (1.0 - g) / 2.0, *form).reshape(SAMPLES, -1)
 
 
-def disk_strips(panels: LogPanels, degrees: Degrees) -> list[Strip]:
-    """Return half-integrals on a disk in strips, which have few of its zeros.
+def _strips(nodes: GradedNodes, degrees: Degrees, whole: Array) -> list[Strip]:
+    """Return strips of half-integrals: nodes see functions on their own panel and deeper ones.
 
-    Nodes see functions on their own panel and deeper ones; those of the tail are with the last.
+    Those of the tail are with the last. Of few functions the zeros are not worth it.
     """
-    whole, nodes = _own(panels, degrees, degrees, "toward").whole, graded_nodes(panels, degrees)
+    count = min(max(whole.shape[1] // _WORTH, 1), _STRIPS)
     rows = [0, *accumulate(map(len, nodes.end[:-1])), len(nodes.d)]
     seen, found = [0, *accumulate(n + 1 for n in degrees)], []
-    for low, high in pairwise(sorted({len(degrees) * k // _STRIPS for k in range(_STRIPS + 1)})):
+    for low, high in pairwise(sorted({len(degrees) * k // count for k in range(count + 1)})):
         own = slice(rows[low], rows[high]), slice(seen[low], whole.shape[1])
         found.append((own, whole[own]))
     return found
@@ -213,14 +235,14 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
 
     With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
-    nodes, strips = graded_nodes(panels, degrees), disk_strips(panels, degrees)
+    nodes, own = graded_nodes(panels, degrees), _own(panels, degrees, degrees, "toward")
     t = np.sqrt(nodes.rest)
     root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-    gram = np.zeros((strips[0][1].shape[1],) * 2)
-    for (rows, own), values in strips:
+    gram = np.zeros((own.whole.shape[1],) * 2)
+    for (rows, seen), values in own.strips:
         part = root[rows] * values
         # of a matrix and its own transpose NumPy computes one triangle, in half the time
-        gram[own, own] += part.T @ part
+        gram[seen, seen] += part.T @ part
     return gram
 
 

@@ -162,6 +162,22 @@ class LogPanels:
         mass[last:, last:] = constant * masses[0].tail + rising * masses[1].tail
         return mass
 
+    def mass_times(
+        self, degrees: tuple[int, ...], values: Array, constant: float, rising: float = 0.0
+    ) -> Array:
+        """Return that mass times coefficients of these functions, as columns, without making it."""
+        table, product = np.zeros((2, self.size, values.shape[1]))
+        used, inner = self.functions(degrees), slice(-self.tail_terms)
+        table[used] = values
+        own = table[inner].reshape(self.panels, self.degree + 1, -1)
+        (first, tail), (second, rising_tail) = self._masses()
+        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        each = constant * extents * (first @ own) + rising * extents**2 * (second @ own)
+        product[inner] = each.reshape(-1, values.shape[1])
+        last = slice(-self.tail_terms, None)
+        product[last] = (constant * tail + rising * rising_tail) @ table[last]
+        return product[used]
+
     @kept("masses", 256)
     def _masses(self) -> list[PartMass]:
         """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""

@@ -72,13 +72,16 @@ class Family:
         """Return the points at scaled distances `d` in [0, 1]."""
         return Points(self.boundary, self.sign * self.reach * d)
 
-    def mass(self, degrees: tuple[int, ...], *, shear: bool) -> Array:
-        """Return ``int phi psi s ds`` of pressures, or ``int phi psi s**3 ds`` of q/s."""
-        half = self.reach / 2.0
-        if not shear:
-            return self.panels.mass(degrees, half)
-        rising = self.sign * self.reach
-        return self.panels.mass(degrees, half * self.boundary.square, half * rising)
+    def mass(self, degrees: tuple[int, ...], values: Array | None = None, *, shear: bool) -> Array:
+        """Return ``int phi psi s ds`` of pressures, or ``int phi psi s**3 ds`` of q/s.
+
+        Or that times values, if there are any: coefficients of the functions as columns.
+        """
+        half, rising = self.reach / 2.0, self.sign * self.reach
+        density = (half * self.boundary.square, half * rising) if shear else (half, 0.0)
+        if values is None:
+            return self.panels.mass(degrees, *density)
+        return self.panels.mass_times(degrees, values, *density)
 
     def sampling(self) -> Points:
         """Return the sampling points: panels, then tail."""

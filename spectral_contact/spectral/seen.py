@@ -41,8 +41,7 @@ class Seen:
         """Return by how much they are more at the nodes, or what they are there."""
         sums: list[Array | float] = [0.0, 0.0]
         for k, one in self.blocks.items():
-            matrix = one.whole if whole else one.more
-            sums[one.sampled] = sums[one.sampled] + matrix @ one.onto(values[k])
+            sums[one.sampled] = sums[one.sampled] + one.sums(values[k], whole=whole)
         direct, sampled = sums
         return np.asarray(
             direct if isinstance(sampled, float) else direct + self.nodes.spread(sampled)
@@ -53,7 +52,7 @@ class Seen:
         smooth = any(one.sampled for one in self.blocks.values())
         gathered = self.nodes.gathered(weighted) if smooth else weighted
         for k, one in self.blocks.items():
-            yield k, one.back(one.whole.T @ (gathered if one.sampled else weighted))
+            yield k, one.tested(gathered if one.sampled else weighted)
 
     def _columns(self, *, whole: bool) -> tuple[dict[int, slice], list[Array]]:
         """Return the integrals of all parts side by side, those at nodes and those at samples."""

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
 from spectral_contact.fields.series import CENTRE
-from spectral_contact.spectral.blocks import Strip, block, disk_gram, disk_strips
+from spectral_contact.spectral.blocks import block, disk_gram
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -83,11 +83,6 @@ class Space(NodalSpace):
         self._ends = np.cumsum([len(n.d) for n in nodes])[:-1]
 
     @cached_property
-    def _strips(self) -> list[Strip]:
-        """Half-integrals on a disk in one part."""
-        return disk_strips(*self._used[0])
-
-    @cached_property
     def _seen(self) -> list[Seen]:
         """Half-integrals of the parts at the nodes of each."""
         each = list(zip(self._families, self._used, strict=True))
@@ -124,21 +119,15 @@ class Space(NodalSpace):
         """Return the sums of the half-integrals times weighted values, in order of `index`."""
         rows = np.atleast_2d(weighted).T
         sums = np.zeros((self.unknowns, rows.shape[1]))
-        if len(self._used) == 1:
-            for (here, own), values in self._strips:
-                sums[own] += values.T @ rows[here]
-        else:
-            for seen, each in zip(self._seen, np.split(rows, self._ends), strict=True):
-                for k, one in seen.tested(each):
-                    sums[self._order.columns[k]] += one
+        for seen, each in zip(self._seen, np.split(rows, self._ends), strict=True):
+            for k, one in seen.tested(each):
+                sums[self._order.columns[k]] += one
         return np.asarray(sums[self._order.place].T.reshape(*weighted.shape[:-1], -1))
 
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
         values = np.empty((self.unknowns, 1))
         values[self._order.place, 0] = coefficients[self.index]
-        if len(self._used) == 1:
-            return np.concatenate([one @ values[own, 0] for (_, own), one in self._strips])
         each = [values[one] for one in self._order.columns]
         return np.concatenate([seen.more(each, whole=True)[:, 0] for seen in self._seen])
 

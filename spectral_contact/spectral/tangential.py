@@ -16,7 +16,7 @@ there is none is the condition of each boundary. Without tangential compliance `
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -245,17 +245,16 @@ class Tangential(ABC):
         """Return ``2 pi int q s ds`` of a vector."""
         return float(self.shear_functional @ values)
 
-    @cached_property
-    def masses(self) -> list[tuple[slice, Array]]:
-        """Masses of what is unknown times their compliances, by their place."""
-        blocks = []
+    def _masses(self, values: Array | None = None) -> Iterator[tuple[slice, Array]]:
+        """Yield masses of what is unknown times compliances, or these times values, by place."""
         for one in self.fields:
             part, shear = self.parts[one.part], one.own.start >= self.count
             compliance = self.parameters.beta if shear else self.parameters.alpha
             if compliance > 0.0:
-                mass = (part.shear if shear else part.family).mass(one.degrees, shear=shear)
-                blocks.append((one.own, compliance * mass))
-        return blocks
+                family, own = part.shear if shear else part.family, one.own
+                of = None if values is None else compliance * values[own]
+                mass = family.mass(one.degrees, of, shear=shear)
+                yield own, mass if of is not None else compliance * mass
 
     @cached_property
     def jumps(self) -> Array:
@@ -318,8 +317,8 @@ class Tangential(ABC):
     def residual(self, values: Array, approach: Array, imbalance: Array) -> Array:
         """Return what the equations miss, tested with all functions; see `misfit`."""
         missed = self.tested(self.misfit(values, approach, imbalance))
-        for own, mass in self.masses:
-            missed[own] -= mass @ values[own]
+        for own, massed in self._masses(values):
+            missed[own] -= massed
         return missed
 
     @abstractmethod
@@ -361,6 +360,6 @@ class Tangential(ABC):
 
     def _with_masses(self, matrix: Array) -> Array:
         """Return a matrix with the masses added to it."""
-        for own, mass in self.masses:
+        for own, mass in self._masses():
             matrix[own, own] += mass
         return matrix
