@@ -99,10 +99,11 @@ class Driven(Tangential):
                 found[zone] = SlipSource(self._pressures, inner, outer, *form, nodes, inside)
         return found
 
-    def _slip(self, k: int, points: Points) -> Array:
-        """Return q/s of a part that slips, under the pressure and its changes, as rows."""
+    def _slip(self, k: int, points: Points, count: int) -> Array:
+        """Return q/s of a part that slips, under the first of the pressures, as rows."""
         friction = self.parts[k].state * self.parameters.friction
-        return friction * PressureField.several(self._pressures, points.y) / np.sqrt(points.z)
+        pressures = PressureField.several(self._pressures[:count], points.y)
+        return friction * pressures / np.sqrt(points.z)
 
     @cached_property
     def _known(self) -> list[_Known]:
@@ -141,7 +142,9 @@ class Driven(Tangential):
             one = block(part.family, part.degrees, target, self._felt[i], 1)
             if one is not None:
                 used = part.family.panels.functions(part.degrees)
-                values = part.family.expand(self._slip(2 * zone, part.family.sampling()))
+                values = part.family.expand(
+                    self._slip(2 * zone, part.family.sampling(), self.count)
+                )
                 yield one, values[:, used].T
 
     # the equation
@@ -190,7 +193,7 @@ class Driven(Tangential):
         # the last change is in no vector but its own
         count = 1 + int(np.flatnonzero(values[: self.count].any(axis=1))[-1])
         own, drives, totals = values[:count], self.drives[:count], list[Array]()
-        each = [own.T @ self._slip(2 * zone, f.sampling())[:count] for f in annulus.families]
+        each = [own.T @ self._slip(2 * zone, f.sampling(), count) for f in annulus.families]
         for target, half in zip(annulus.families, annulus.integrals(each, 1), strict=True):
             points = target.sampling()
             total = (own.T @ Drive.targets(drives, points.y) - half).T

@@ -29,7 +29,7 @@ def guessed_radius(
     parameters : Parameters
         For kappa = 1.
     error : float
-        Of the radius as a logit, without tangential compliance; else a fit adds about 0.1.
+        Of the radius as a logit, without tangential compliance; else a fit adds about 0.005.
     near : tuple of float, optional
         A radius near by, and the slope there.
     accuracy : float
@@ -70,6 +70,7 @@ def _by_pressure(drive: Drive, parameters: Parameters, logit: float, accuracy: f
     slipping = float(source.at(radius)[0])
     if beta > 0.0:
         soft = beta / radius.value
-        more = 0.5 * log(1.0 + radius.rest / soft) / sqrt(radius.rest)
+        layer = 4.0 * radius.rest / (soft * (1.0 + 24.0 * radius.rest))
+        more = 2.0 / pi * log1p(layer) / sqrt(radius.rest)
         slipping += drive.pressure.value(radius.rest) * soft * (4.0 + more)
     return 1.0 - friction * slipping / drive.value(radius.rest)

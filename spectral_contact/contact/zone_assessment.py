@@ -334,8 +334,10 @@ class Assessment:
         if not any(system.states):
             return [], 0.0
         scale = state.approach
-        whole = state.lacking(self.whole, scale, scale * state.imbalance)
-        lost = _stuck(system, state.lacking(self.moved[0], 0.0, scale * self.effects[0].imbalance))
+        imbalance = scale * np.column_stack([state.imbalance, self.effects[0].imbalance])
+        values, approach = np.column_stack([self.whole, self.moved[0]]), np.array([scale, 0.0])
+        misfit = system.misfit(values, approach, imbalance).tangential
+        whole, lost = (_stuck(system, [one[:, k] for one in misfit]) for k in (0, 1))
         # at the boundaries E and q have steps
         jumps = np.abs(system.jumps @ self.loose.change)
         steps = np.abs(self.loose.imbalance) + system.parameters.beta * jumps
@@ -347,7 +349,7 @@ class Assessment:
         if system.given and len(system.radii) == 1:  # measured of one disk alone
             largest *= float(self.fields.rates[np.argmax(self.fields.indicators)])
         stray = largest + scale * float(steps.max(initial=0.0))
-        return _stuck(system, whole), SAFETY * stray
+        return whole, SAFETY * stray
 
 
 def _loosest(system: Tangential, errors: Sequence[tuple[float, float]]) -> float:

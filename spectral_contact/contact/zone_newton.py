@@ -88,7 +88,8 @@ class ZoneState:
         if self.system.parameters.beta == 0.0 or not len(jumps):
             return -self.system.balances[1] @ values, values
         responses = self.factored.responses
-        imbalance = -np.linalg.solve(jumps @ responses, jumps @ values)
+        felt, missed = jumps @ responses, jumps @ values
+        imbalance = -missed / felt[0] if len(felt) == 1 else -np.linalg.solve(felt, missed)
         return np.asarray(imbalance), np.asarray(values + responses @ imbalance)
 
     def corrected(self) -> tuple[ZoneState, Array]:
@@ -171,11 +172,6 @@ class ZoneState:
             -imbalance / self._demanded,
             raised,
         )
-
-    def lacking(self, values: Array, approach: float, imbalance: Array) -> list[Array]:
-        """Return E at the nodes of the parts, of a vector that has an approach and imbalances."""
-        misfit = self.system.misfit(values[:, None], np.array([approach]), imbalance[:, None])
-        return [one[:, 0] for one in misfit.tangential]
 
 
 #: From which share of the last step on, or of the fields, it is the factor or rounding that is not

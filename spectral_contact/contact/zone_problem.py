@@ -333,7 +333,7 @@ class StickDiskProblem(FreeBoundaryProblem):
         self.drives = [drive]
         if len(self.logits):
             begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
-            error = max(TRIFLING * self.tolerance**2, ROUNDING)
+            error = max((TRIFLING * self.tolerance) ** 2, ROUNDING)
             if self.parameters.beta == 0.0:  # no field is in the condition
                 logit, slope = guessed_radius(drive, form, error, begin, accuracy=ROUNDING)
             else:
