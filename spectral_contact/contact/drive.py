@@ -16,9 +16,9 @@ import numpy as np
 
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import Array, LogSeries, Radius
-from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.transforms import sampled_series, transforms
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -67,14 +67,6 @@ class Drive:
         if outer is None and contact.panels is not None:
             [outer] = _demanded(contact.panels, [contact])
         self._outer = outer
-
-    @cached_property
-    def _load(self) -> LogSeries | None:
-        """Mean of the pressure's series between a radius and the edge."""
-        contact, panels = self.contact, self.contact.panels
-        if panels is None:
-            return None
-        return sampled_series(panels, transforms(panels).mean(contact.coefficients))
 
     @cached_property
     def changes(self) -> list[Drive]:
@@ -161,7 +153,7 @@ class Drive:
 
         It is 1/(2 pi) of the load between a radius and the edge.
         """
-        values = LogSeries.several([one._load for one in drives], y) * (0.5 * y)
+        values = 0.5 * _integrals([one.pressure.series for one in drives], y)
         for row, weight in zip(values, (one.pressure.weight for one in drives), strict=True):
             if weight is not None:
                 root = np.sqrt(y + weight.shift) + sqrt(weight.shift)
@@ -175,3 +167,25 @@ def _demanded(panels: LogPanels, contacts: Sequence[NormalContact]) -> list[LogS
     values = own.outer(np.array([one.coefficients for one in contacts]))
     values *= 2.0 / np.sqrt(1.0 - panels.distances)
     return [sampled_series(panels, row) for row in values]
+
+
+def _integrals(series: Sequence[LogSeries | None], y: Array) -> Array:
+    """Return the integrals of series on the same panels from 0 to distances, (n,), as rows."""
+    first = next((one for one in series if one is not None), None)
+    if first is None:
+        return np.zeros((len(series), len(y)))
+    (count, terms), h, x = first.coefficients.shape, first.width, -np.log(y)
+    # what is left of a panel, of all of them first, and the tail, which is no function of x
+    own = np.concatenate([np.arange(count + 1), np.clip(x / h, 0.0, count).astype(int)])
+    start, d = np.concatenate([h * np.arange(count + 1), x]), np.concatenate([first.ends, y])
+    g, w = gauss_rule(terms)
+    left, share = (own + 1) * h - start, (1.0 + g) / 2.0
+    points = np.exp(-start[:, None] - left[:, None] * share)
+    weights = left[:, None] * points
+    tail = own == count
+    points[tail], weights[tail] = d[tail, None] * share, d[tail, None]
+    values = LogSeries.several(series, points.ravel()).reshape(len(series), *points.shape)
+    parts = (values * weights) @ (w / 2.0)
+    beyond = np.zeros((len(series), count + 1))
+    np.cumsum(parts[:, count:0:-1], axis=1, out=beyond[:, -2::-1])
+    return np.asarray(parts[:, count + 1 :] + beyond[:, own[count + 1 :]])

@@ -15,7 +15,7 @@ import numpy as np
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import ROUGH, ROUNDING
 from spectral_contact.contact.slip_source import SlipSource
-from spectral_contact.contact.zone_spaces import slip_annulus
+from spectral_contact.contact.zone_spaces import slip_panels
 from spectral_contact.fields.series import CENTRE, EDGE, Array, PressureField, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import Block, block
@@ -131,7 +131,7 @@ class Driven(Tangential):
             sampled, direct = np.vstack([far - at, near]), np.zeros((len(nodes.d), self.count))
             for one, values in self._own_slip(i):
                 at -= one.scale * (one.at @ values)
-                (sampled if one.sampled else direct)[:] -= one.more @ one.onto(values)
+                (sampled if one.sampled else direct)[:] -= one.sums(values, whole=False)
             known.append(_Known(drive.at, at, nodes.spread(sampled) + direct))
         return known
 
@@ -186,7 +186,8 @@ class Driven(Tangential):
     def slip_zone(self, zone: int) -> Annulus:
         """Return the panels of the displacement in a slip zone."""
         bounds, (alpha, beta, _, _) = (CENTRE, *self.radii, EDGE), self.parameters
-        return slip_annulus(bounds, zone, alpha, beta, self._tolerance)
+        panels = slip_panels(bounds, zone, alpha, beta, self._tolerance)
+        return Annulus(bounds[zone], bounds[zone + 1], *panels)
 
     def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
         """Return E at the sampling points of a slip zone, of vectors as columns."""
@@ -205,7 +206,7 @@ class Driven(Tangential):
                 part = self.parts[k]
                 seen = block(part.shear, part.degrees, target, target.panels, 1, differences=False)
                 if seen is not None:
-                    total -= seen.whole @ seen.onto(stuck)
+                    total -= seen.sums(stuck)
             totals.append(total)
         return totals
 

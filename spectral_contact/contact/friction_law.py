@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import inf, sqrt
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from spectral_contact.contact.resolution import DEEPEST, places
 from spectral_contact.fields.series import Array
-from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.parts import gap
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.annulus import Annulus
 
 Interval: TypeAlias = tuple[float, float]
 

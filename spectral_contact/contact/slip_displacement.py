@@ -27,13 +27,14 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.annulus import Annulus, sampled_series
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive
+    from spectral_contact.spectral.annulus import Annulus
 
 #: By how much less the displacement is off than E, through an integral over 1/sqrt(d) of it.
 #: Without it estimates of slip are 4 times as large; with it none of 300 errors is larger.
@@ -167,7 +168,7 @@ def _from_slipping(zone: Slipping, target: Family) -> Array:
         panels = family.panels
         seen = block(family, (panels.degree,) * panels.panels, target, target.panels, -1)
         assert seen is not None
-        total += seen.whole @ seen.onto(family.expand(values))
+        total += seen.sums(family.expand(values))
     return total
 
 

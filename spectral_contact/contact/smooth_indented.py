@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.annulus import sampled_series, transforms
+from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Parts, Points, gap
+from spectral_contact.spectral.transforms import sampled_series, transforms
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
@@ -199,9 +200,7 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
         clear = k + 1
         if family.sign > 0:  # the other half of an annulus
             values = values[: len(distances)]
-            other = densities[k + 1]
-            across = transforms(other.panels).across(other.coefficients, panels)
-            values += np.sqrt(family.reach) * across
+            values += across(densities[k + 1].coefficients, pieces[k + 1].family, family, 1)
             clear = k + 2
         points = family.points(distances)
         for outer in pieces[clear:]:

@@ -47,9 +47,9 @@ class Effect(NamedTuple):
 #: Where slopes are taken from fields, as multiples, and from those at both the one at the boundary:
 #: 100 scenes of a sweep take 271 systems, 318 with slopes from secants alone.
 _BESIDE, _TO_BOUNDARY = np.array([0, 1, 4]), np.array([4, -1]) / 3
-#: In units of the zones, where they are taken if q changes by less than this share nearer by: it is
-#: rounding then. Slopes at an annulus of 2e-13 are right to 1e-3, those nearer by off by a factor.
-_FARTHER, _FELT = 0.1, 1e-13
+#: In units of the zones, where they are taken if q changes by no more than rounding nearer by: over
+#: all of a zone. Slopes at an annulus of 2e-13 are right to 1e-3, those nearer by off by a factor.
+_FARTHER = 1.0 / float(_BESIDE.max())
 
 
 @dataclass(eq=False)
@@ -145,7 +145,7 @@ class ZoneState:
                 q = np.sqrt(points.z) * series_of(part.shear.panels, shear[k])(d)
                 excess = q - friction * p
                 rises = (excess[1:] - excess[0]) / points.offset[1:]
-                if abs(excess[1] - excess[0]) > _FELT * abs(q[0]):
+                if abs(excess[1] - excess[0]) > NOISE * abs(q[0]):
                     break
             jumps[j] = _TO_BOUNDARY @ rises * b.square * b.rest
         felt = np.linalg.inv(system.jumps @ self.factored.responses)

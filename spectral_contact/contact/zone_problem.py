@@ -68,7 +68,7 @@ _FAR, _FAR_THIN = 0.03, 1e-4
 #: what is added to a space here and there may not help, a better one does. And the least tolerance.
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
 #: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
-_NEAR = 1e-5
+_NEAR = ROUGH * PROBE
 
 
 class FreeBoundaryProblem:

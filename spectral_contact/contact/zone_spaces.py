@@ -21,7 +21,6 @@ from spectral_contact.contact.resolution import (
     slip_degree,
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
@@ -277,10 +276,10 @@ def _settling(
     return Resolution(mesh, tuple(degrees.tolist()))
 
 
-def slip_annulus(
+def slip_panels(
     bounds: Sequence[Radius], zone: int, alpha: float, beta: float, tolerance: float
-) -> Annulus:
-    """Return panels for the displacement in a slip zone under a given pressure.
+) -> list[LogPanels]:
+    """Return panels toward both ends of a slip zone for the displacement under a given pressure.
 
     Parameters
     ----------
@@ -305,5 +304,4 @@ def slip_annulus(
     # few distinct depths, so that caches are shared between scenes
     counts = (3 * ceil(d / PANEL_WIDTH / 3) for d in depths)
     degree = slip_degree(tolerance)
-    first, second = (LogPanels(count, PANEL_WIDTH, degree) for count in counts)
-    return Annulus(inner, outer, first, second)
+    return [LogPanels(count, PANEL_WIDTH, degree) for count in counts]

@@ -29,10 +29,10 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import Panel
-from spectral_contact.spectral.annulus import sampled_series
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.transforms import sampled_series
 
 #: Width of the panels towards the ends of a part, and by how much a term gains there, which the
 #: other end decides; those to the centre go to where the history begins.

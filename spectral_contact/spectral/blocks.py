@@ -10,7 +10,6 @@ places.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from typing import TypeAlias
@@ -50,6 +49,7 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
@@ -82,9 +82,9 @@ class Block:
     ----------
     at : ndarray, shape (functions,)
         At the boundary of the nodes; zero for the edge.
-    more : ndarray, shape (nodes or samples, functions)
+    more : ndarray or StripMatrix, shape (nodes or samples, functions)
         By how much it is more at the nodes.
-    whole : ndarray, shape (nodes or samples, functions)
+    whole : ndarray or StripMatrix, shape (nodes or samples, functions)
         The sum, which may be far less than either.
     sampled : bool
         Whether it is given at the samples of the nodes.
@@ -92,26 +92,23 @@ class Block:
         All three are to be multiplied by it.
     gathered : ndarray, shape (places, functions), optional
         What the functions have at few places, to which the columns of the last two belong then.
-    strips : list of Strip
-        If not empty, the integrals without most of their zeros.
     """
 
     at: Array
-    more: Array
-    whole: Array
+    more: Array | StripMatrix
+    whole: Array | StripMatrix
     sampled: bool
     scale: float = 1.0
     gathered: Array | None = None
-    strips: Sequence[Strip] = ()
 
     def of(self, columns: NDArray[np.int_]) -> Block:
         """Return that of some functions."""
         at = self.at[columns]
         if self.gathered is not None:
             return replace(self, at=at, gathered=self.gathered[:, columns])
-        whole = self.whole[:, columns]
-        more = whole if self.more is self.whole else self.more[:, columns]
-        return replace(self, at=at, more=more, whole=whole, strips=())
+        whole = self.dense(whole=True)[:, columns]
+        more = whole if self.more is self.whole else self.dense(whole=False)[:, columns]
+        return replace(self, at=at, more=more, whole=whole)
 
     def onto(self, values: Array) -> Array:
         """Return coefficients, as columns, times the scale and in the columns of the integrals."""
@@ -123,21 +120,52 @@ class Block:
         sums = self.scale * sums
         return sums if self.gathered is None else self.gathered.T @ sums
 
-    def sums(self, values: Array, *, whole: bool) -> Array:
-        """Return by how much integrals of coefficients, as columns, are more, or whole ones."""
-        values = self.onto(values)
-        if self.strips:
-            return np.concatenate([one @ values[own] for (_, own), one in self.strips])
-        return np.asarray((self.whole if whole else self.more) @ values)
+    def sums(self, values: Array, *, whole: bool = True) -> Array:
+        """Return the integrals of coefficients, as columns, or by how much these are more."""
+        return np.asarray((self.whole if whole else self.more) @ self.onto(values))
 
     def tested(self, weighted: Array) -> Array:
         """Return the sums of weighted values, as columns, times whole integrals."""
-        if not self.strips:
-            return self.back(self.whole.T @ weighted)
-        sums = np.zeros((self.whole.shape[1], weighted.shape[1]))
+        if isinstance(self.whole, StripMatrix):
+            return self.back(self.whole.tested(weighted))
+        return self.back(self.whole.T @ weighted)
+
+    def dense(self, *, whole: bool) -> Array:
+        """Return the whole integrals, or by how much they are more, as an array."""
+        matrix = self.whole if whole else self.more
+        return matrix.dense if isinstance(matrix, StripMatrix) else matrix
+
+
+class StripMatrix:
+    """A matrix in strips that have few of its zeros.
+
+    Parameters
+    ----------
+    shape : tuple of int
+    strips : list of (tuple of slice, ndarray)
+        Rows that follow each other and columns from some on, and what is there.
+    """
+
+    def __init__(self, shape: tuple[int, int], strips: list[Strip]) -> None:
+        self.shape, self.strips = shape, strips
+
+    def __matmul__(self, values: Array) -> Array:
+        return np.concatenate([one @ values[own] for (_, own), one in self.strips])
+
+    def tested(self, weighted: Array) -> Array:
+        """Return the transpose times weighted values, as columns."""
+        sums = np.zeros((self.shape[1], weighted.shape[1]))
         for (rows, own), one in self.strips:
             sums[own] += one.T @ weighted[rows]
-        return self.back(sums)
+        return sums
+
+    @cached_property
+    def dense(self) -> Array:
+        """The matrix with its zeros."""
+        whole = np.zeros(self.shape)
+        for place, values in self.strips:
+            whole[place] = values
+        return whole
 
 
 # slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
@@ -152,35 +180,46 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     nodes = points_of(panels, used)
     d = nodes.d
     if way == "toward" and isinstance(nodes, GradedNodes):
-        whole = half_integrals(panels, degrees, nodes)
-        return replace(_vanishing(whole), strips=_strips(nodes, degrees, whole))
+        return _vanishing(half_integrals(panels, degrees, nodes.degrees))
     if way == "toward":
         return _vanishing(deeper(d, *form, panels.power)[:, functions])
     if way == "beyond":
         return _vanishing(outer(d, *form, panels.power, functions))
-    whole = _own(panels, degrees, used, "beyond").whole
+    whole = _own(panels, degrees, used, "beyond").dense(whole=True)
     at = beyond(np.zeros(1), *form)[0, functions]
     return Block(at, rise(whole, functions, d, *form), whole, False)
 
 
-def half_integrals(panels: LogPanels, degrees: Degrees, nodes: GradedNodes) -> Array:
-    """Return half-integrals of the functions up to these degrees at Galerkin nodes.
+@kept("half-integrals in strips", 128)
+def half_integrals(panels: LogPanels, degrees: Degrees, used: Degrees) -> StripMatrix:
+    """Return half-integrals of functions at the Galerkin nodes for some degrees (cached).
 
-    Of panels with as many nodes the blocks depend on how much deeper the functions are alone.
+    Nodes see functions on their own panel and deeper ones; those of the tail are with the last. Of
+    panels with as many nodes the blocks depend on how much deeper the functions are alone.
     """
     terms, form = panels.degree + 1, (panels.panels, panels.width, panels.degree, panels.power)
-    columns, own = panels.functions(degrees), nodes.degrees == degrees
+    columns, nodes = panels.functions(degrees), graded_nodes(panels, used)
     tail = deeper_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
-    seen, root = np.zeros((len(nodes.d), len(columns))), nodes.d[:, None] ** (0.5 + panels.power)
-    row, first, last = 0, 0, len(columns) - tail.shape[1]
-    for j, start in enumerate(nodes.start):
-        rows = slice(row, row + len(start))
-        highest = highest_degree(len(start)) if own else panels.degree
-        each = _deeper(len(start), highest, form).take(columns[first:last] - j * terms, axis=1)
-        np.multiply(each, root[rows], out=seen[rows, first:last])
-        row, first = rows.stop, first + degrees[j] + 1
-    seen[:, last:] = tail
-    return seen
+    root, last = nodes.d[:, None] ** (0.5 + panels.power), len(columns) - tail.shape[1]
+    rows = [0, *accumulate(map(len, nodes.start[:-1])), len(nodes.d)]
+    seen, found = [0, *accumulate(n + 1 for n in degrees)], []
+    # of few functions the zeros are not worth it
+    count = min(max(len(columns) // _WORTH, 1), _STRIPS)
+    for low, high in pairwise(sorted({len(degrees) * k // count for k in range(count + 1)})):
+        first, begin = rows[low], seen[low]
+        values = np.zeros((rows[high] - first, len(columns) - begin))
+        for j in range(low, high):
+            start = nodes.start[j]
+            own = slice(rows[j], rows[j] + len(start))
+            highest = highest_degree(len(start)) if used == degrees else panels.degree
+            each = _deeper(len(start), highest, form).take(
+                columns[seen[j] : last] - j * terms, axis=1
+            )
+            here = values[own.start - first : own.stop - first, seen[j] - begin : last - begin]
+            np.multiply(each, root[own], out=here)
+        values[:, last - begin :] = tail[first : rows[high]]
+        found.append(((slice(first, rows[high]), slice(begin, len(columns))), values))
+    return StripMatrix((len(nodes.d), len(columns)), found)
 
 
 @kept("half-integrals", 72)
@@ -215,42 +254,28 @@ def _far_samples(form: Form) -> Array:
     return far_blocks(form[1] * (1.0 - g) / 2.0, *form).reshape(SAMPLES, -1)
 
 
-def _strips(nodes: GradedNodes, degrees: Degrees, whole: Array) -> list[Strip]:
-    """Return strips of half-integrals: nodes see functions on their own panel and deeper ones.
-
-    Those of the tail are with the last. Of few functions the zeros are not worth it.
-    """
-    count = min(max(whole.shape[1] // _WORTH, 1), _STRIPS)
-    rows = [0, *accumulate(map(len, nodes.end[:-1])), len(nodes.d)]
-    seen, found = [0, *accumulate(n + 1 for n in degrees)], []
-    for low, high in pairwise(sorted({len(degrees) * k // count for k in range(count + 1)})):
-        own = slice(rows[low], rows[high]), slice(seen[low], whole.shape[1])
-        found.append((own, whole[own]))
-    return found
-
-
 @kept("disk Gram", 48)
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     """Return the Gram matrix of half-integrals on a disk, of unit extent and radius (cached).
 
     With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
-    nodes, own = graded_nodes(panels, degrees), _own(panels, degrees, degrees, "toward")
+    nodes, seen = graded_nodes(panels, degrees), half_integrals(panels, degrees, degrees)
     t = np.sqrt(nodes.rest)
     root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-    gram = np.zeros((own.whole.shape[1],) * 2)
-    for (rows, seen), values in own.strips:
+    gram = np.zeros((seen.shape[1],) * 2)
+    for (rows, own), values in seen.strips:
         part = root[rows] * values
         # of a matrix and its own transpose NumPy computes one triangle, in half the time
-        gram[seen, seen] += part.T @ part
+        gram[own, own] += part.T @ part
     return gram
 
 
 @kept("disk shears", 96)
 def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
-    nodes, own = graded_nodes(panels, degrees), _own(panels, degrees, degrees, "toward")
-    return np.asarray(np.pi * nodes.weights @ own.whole)
+    nodes, seen = graded_nodes(panels, degrees), half_integrals(panels, degrees, degrees)
+    return np.asarray(np.pi * seen.tested(nodes.weights[:, None])[:, 0])
 
 
 def block(
@@ -312,6 +337,17 @@ def block(
     return replace(unit, scale=scale)
 
 
+def across(coefficients: Array, half: Family, other: Family, side: int) -> Array:
+    """Return what a function on one half of an annulus adds at the sampling points of the other.
+
+    To the half-integral (side +1) or the inner integral (-1) there, of functions (..., size).
+    """
+    degrees = (half.panels.degree,) * half.panels.panels
+    seen = block(half, degrees, other, other.panels, side)
+    assert seen is not None
+    return seen.sums(coefficients.T).T
+
+
 def points_of(panels: LogPanels, used: Used) -> Nodes:
     """Return the points of a part of unit extent; for `used` see `block`."""
     if isinstance(used, LogPanels):
@@ -319,7 +355,7 @@ def points_of(panels: LogPanels, used: Used) -> Nodes:
     return graded_nodes(panels, used)
 
 
-def _vanishing(matrix: Array) -> Block:
+def _vanishing(matrix: Array | StripMatrix) -> Block:
     return Block(np.zeros(matrix.shape[1]), matrix, matrix, False)
 
 

@@ -176,7 +176,7 @@ class LogPanels:
         product[inner] = each.reshape(-1, values.shape[1])
         last = slice(-self.tail_terms, None)
         product[last] = (constant * tail + rising * rising_tail) @ table[last]
-        return product[used]
+        return np.asarray(product[used])
 
     @kept("masses", 256)
     def _masses(self) -> list[PartMass]:

@@ -60,7 +60,7 @@ class Seen:
         parts: tuple[list[Array], list[Array]] = [], []
         ends = [0, 0]
         for k, one in self.blocks.items():
-            values = one.whole if whole else one.more
+            values = one.dense(whole=whole)
             start, ends[one.sampled] = ends[one.sampled], ends[one.sampled] + values.shape[1]
             places[k] = slice(start, ends[one.sampled])
             parts[one.sampled].append(values)

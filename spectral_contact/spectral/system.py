@@ -233,10 +233,10 @@ class System(Tangential):
         for k, part in enumerate(self.parts):
             seen = block(part.family, part.degrees, target, target.panels, -1, differences=False)
             if seen is not None:
-                inner += seen.whole @ seen.onto(pressure[k])
+                inner += seen.sums(pressure[k])
             seen = block(part.shear, self._finer[k], target, target.panels, 1, differences=False)
             if seen is not None:
-                total -= seen.whole @ seen.onto(traction[k])
+                total -= seen.sums(traction[k])
         root = np.sqrt(target.sampling().z)[:, None]
         return np.asarray(total + (2.0 * self.parameters.kappa / root) * inner)
 

@@ -18,14 +18,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
-from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import disk_gram, disk_shear
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
@@ -34,6 +33,9 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.seen import Fields, Seen
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.annulus import Annulus
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH
 from spectral_contact.fields import Array
-from spectral_contact.spectral.annulus import sampled_series, transforms
 from spectral_contact.spectral.jacobi import legendre_rows
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
+from spectral_contact.spectral.transforms import sampled_series, transforms
 
 Indices = NDArray[np.intp]
 

@@ -1,0 +1,89 @@
+"""Abel integrals and means of a function at the sampling points of its own panels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields.series import LogSeries
+from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
+from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.parts import sampled_coefficients
+from spectral_contact.threads import cached_property
+
+Array = NDArray[np.float64]
+
+
+def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
+    """Return the series through samples at the sampling points of the panels and the tail."""
+    return LogSeries(*sampled_coefficients(panels, values), panels.width)
+
+
+class Transforms:
+    """Abel integrals of a function at the sampling points of its own panels, without a matrix.
+
+    In ``x`` they are convolutions: one row of blocks, kept for a set of panels, serves every panel
+    by a shift. Points are the panels', then the tail's.
+
+    Parameters
+    ----------
+    panels : LogPanels
+        Without endpoint weight or root tail.
+    """
+
+    def __init__(self, panels: LogPanels) -> None:
+        self.panels = panels
+        self._x = panels.sampling()
+
+    def deeper(self, coefficients: Array) -> Array:
+        """Return the `deeper` integral, (..., sampling points), of functions (..., size)."""
+        panels, terms = self.panels, self.panels.degree + 1
+        blocks, tail = self._deeper
+        count, shape = panels.panels, coefficients.shape[:-1]
+        values = coefficients[..., count * terms :] @ tail.T
+        from_panels = coefficients[..., : count * terms].reshape(*shape, count, terms) @ blocks
+        sums = from_panels[..., -1, :].copy()
+        size = sums.shape[-1]
+        for j in range(1, count):
+            stop = size - j * panels.samples
+            sums[..., :stop] += from_panels[..., -1 - j, size - stop :]
+        values[..., :size] += np.exp(-0.5 * self._x).ravel() * sums
+        return np.asarray(values)
+
+    def outer(self, coefficients: Array) -> Array:
+        """Return the `outer` integral, (..., sampling points), of functions (..., size)."""
+        panels, terms = self.panels, self.panels.degree + 1
+        blocks, tail = self._outer
+        count, shape = panels.panels, coefficients.shape[:-1]
+        series = coefficients[..., : count * terms].reshape(*shape, count, terms)
+        scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
+        from_panels = scaled @ blocks
+        values = from_panels[..., 0, :].copy()
+        size = values.shape[-1]
+        for j in range(1, count):
+            start = j * panels.samples
+            values[..., start:] += from_panels[..., j, : size - start]
+        return np.concatenate([values, coefficients @ tail.T], axis=-1)
+
+    @cached_property
+    def _deeper(self) -> tuple[Array, Array]:
+        panels = self.panels
+        to_end = panels.width - self._x[0]
+        blocks = deeper_blocks(to_end, panels.panels, panels.width, panels.degree)
+        return _in_a_row(blocks[:, ::-1]), deeper_tail(panels.distances, panels.end)
+
+    @cached_property
+    def _outer(self) -> tuple[Array, Array]:
+        panels = self.panels
+        mesh = panels.panels, panels.width, panels.degree
+        blocks = outer_blocks(self._x[0], *mesh)
+        return _in_a_row(blocks), outer(panels.tail_sampling(), *mesh)
+
+
+transforms = kept("Abel transforms", 12)(Transforms)
+
+
+def _in_a_row(blocks: Array) -> Array:
+    """Return blocks (points, panels, terms) side by side, (terms, panels * points)."""
+    return blocks.transpose(2, 1, 0).reshape(blocks.shape[2], -1)
