@@ -49,14 +49,19 @@ def full_stick(
     drive : Drive, optional
         Of the pressure, if it was given.
     pointwise : bool
-        Whether the fields are wanted.
+        Whether the fields are wanted; under a pressure that is given they are at hand.
     ratios : bool
         Whether the ratios of traction to pressure are, under a pressure that is given.
     """
-    if drive is None:
-        stick = _coupled(found.best.value, pointwise=pointwise)
-    else:
-        stick = _driven(found.best, drive, ratios=ratios)
+    zones, own = found.best.value, found.best.value if drive is None else drive.contact
+    stick = FullStick(
+        approach=own.approach,
+        total_shear=zones.total_shear,
+        approach_error=own.approach_error,
+        shear_error=zones.shear_error,
+    )
+    if pointwise or drive is not None:
+        stick = _with_fields(stick, found.best, drive, ratios=ratios)
     best = replace(found.best, value=stick)  # type: ignore[arg-type]
     return replace(found, best=best)  # type: ignore[return-value]
 
@@ -82,60 +87,38 @@ def smooth_full_stick(drive: Drive) -> FullStick:
     )
 
 
-def _driven(solved: Attempt[ZoneSolution], drive: Drive, *, ratios: bool) -> FullStick:
-    """Return full stick under a given pressure."""
-    zones, contact, pressure = solved.value, drive.contact, drive.pressure
-    [shear], [field] = zones.shears, zones.system.fields
-    assert shear is not None
-    stick = FullStick(
-        approach=contact.approach,
-        total_shear=zones.total_shear,
-        approach_error=contact.approach_error,
-        shear_error=zones.shear_error,
+def _with_fields(
+    stick: FullStick, solved: Attempt[ZoneSolution], drive: Drive | None, *, ratios: bool
+) -> FullStick:
+    """Return full stick with its fields, and with their ratio where it means something."""
+    zones, system, [q], opening = solved.value, solved.value.system, solved.value.shears, None
+    assert q is not None
+    panels = system.fields[-1].panels
+    if drive is None:
+        p, q = ended(zones.pressures[0], q, system.parameters, 1.0)
+        pressure, opening = PressureField(None, p), _opening(p)
+        ratios = opening is None and not p.oscillation
+        each = shares_of(system, zones.solution[:, 1], sizes_of(system, zones.solution[:, 0]))
+        shares = [(panels, one) for one in each]
+    else:
+        pressure, shares = drive.pressure, [(panels, solved.indicators)]
+    stick = replace(
+        stick,
         pressure=pressure,
-        traction=DiskSeries(EDGE, shear),
-        pressure_error=contact.pressure_error,
+        traction=DiskSeries(EDGE, q),
+        opening=opening,
+        pressure_error=zones.pressure_error if drive is None else drive.contact.pressure_error,
         traction_error=zones.traction_error,
     )
     if not ratios:
         return stick
-    panels, shares = field.panels, [(field.panels, solved.indicators)]
-    at_edge = 0.0 if panels.power else _at_edge(zones)
-    if contact.panels is not None and contact.changes:
-        lost = contact.changes[0].coefficients
-        share = share_of_change(contact.panels, lost, pressure.at_ends())
-        shares.append((contact.panels, SAFETY * contact.rate**2 * share))
-        at_edge += abs(series_of(contact.panels, lost).limit / pressure.value(0.0))
+    at_edge = 0.0 if any(one.panels.power for one in system.fields) else _at_edge(zones)
+    if drive is not None and drive.contact.panels is not None and drive.contact.changes:
+        mesh, lost = drive.contact.panels, drive.contact.changes[0].coefficients
+        share = share_of_change(mesh, lost, pressure.at_ends())
+        shares.append((mesh, SAFETY * drive.contact.rate**2 * share))
+        at_edge += abs(series_of(mesh, lost).limit / pressure.value(0.0))
     return stick.with_ratios(panels.panels * panels.width, shares, at_edge)
-
-
-def _coupled(solved: ZoneSolution, *, pointwise: bool) -> FullStick:
-    """Return full stick of one system, with the ratio of its fields where it means something."""
-    stick = FullStick(
-        approach=solved.approach,
-        total_shear=solved.total_shear,
-        approach_error=solved.approach_error,
-        shear_error=solved.shear_error,
-    )
-    if not pointwise:
-        return stick
-    system, [pressure], [shear] = solved.system, solved.pressures, solved.shears
-    assert shear is not None
-    p, q = ended(pressure, shear, system.parameters, 1.0)
-    stick = replace(
-        stick,
-        pressure=PressureField(None, p),
-        traction=DiskSeries(EDGE, q),
-        opening=_opening(p),
-        pressure_error=solved.pressure_error,
-        traction_error=solved.traction_error,
-    )
-    if stick.opening is not None or p.oscillation:
-        return stick
-    changes = shares_of(system, solved.solution[:, 1], sizes_of(system, solved.solution[:, 0]))
-    panels = system.parts[0].family.panels
-    shares = [(panels, one) for one in changes]
-    return stick.with_ratios(panels.panels * panels.width, shares, _at_edge(solved))
 
 
 def _at_edge(solved: ZoneSolution) -> float:
