@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
-from spectral_contact.spectral.cache import BoundedCache, kept
+from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
@@ -64,11 +64,6 @@ _FASTEST, _SLOWEST, _LIKELY = 0.05, 0.6, 0.3
 _FIRST = 1e-3
 #: Places at which a function is looked at together, where its sign changes.
 _SECTIONS = 65
-_LAST_PLACES: BoundedCache[tuple[tuple[int, ...], int], tuple[NDArray[np.int_], Array]] = (
-    BoundedCache("last coefficients", 128)
-)
-#: A mesh with so many panels more than needed is used if it is there: three unknowns each.
-_SPARE = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,18 +142,6 @@ def nearness(panels: int, bend: float) -> Array:
     return np.asarray(np.clip(_REACH - distance, 0.0, 1.0))
 
 
-def on_mesh(resolution: Resolution, mesh: LogPanels | None) -> Resolution:
-    """Return the space on a mesh that is already assembled, where that is little larger."""
-    own = resolution.panels
-    if mesh is None or mesh == own:
-        return resolution
-    more = mesh.panels - own.panels
-    alike = replace(own, panels=mesh.panels, degree=mesh.degree) == mesh
-    if not (alike and 0 <= more <= _SPARE and mesh.degree >= own.degree):
-        return resolution
-    return Resolution(mesh, resolution.degrees + (LEAST_DEGREE,) * more)
-
-
 def slip_degree(tolerance: float) -> int:
     """Return the degree of panels toward the ends of a slip zone, for a relative accuracy.
 
@@ -201,7 +184,7 @@ def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
     Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
     """
     terms = table.shape[1]
-    places, least = _LAST_PLACES.get((degrees, terms), lambda: _last_places(degrees, terms))
+    places, least = _last_places(degrees, terms)
     one, two, three, four = np.abs(table.ravel()[places])
     last, before = np.maximum(one, two), np.maximum(three, four)
     ratio = np.divide(last, before, out=np.ones(len(last)), where=before > 0.0)
@@ -212,6 +195,7 @@ def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
     return np.asarray(np.minimum(np.maximum(rate, _FASTEST), _SLOWEST))
 
 
+@kept("last coefficients", 128)
 def _last_places(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
     """Return where the last four coefficients are in a table, (4, rows), and the least rates."""
     highest = np.array(degrees)

@@ -27,7 +27,6 @@ from spectral_contact.contact.resolution import (
     ROUNDING,
     TRIFLING,
     joined,
-    on_mesh,
 )
 from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
@@ -321,7 +320,7 @@ class StickDiskProblem(FreeBoundaryProblem):
 
     def start(self) -> Resolution:
         """Return the first space of the disk."""
-        return on_mesh(self.spaces(self.tolerance)[0], self.drive.contact.panels)
+        return self.spaces(self.tolerance)[0]
 
     def parted(self, resolution: Resolution) -> list[Resolution]:
         """Return the spaces of all parts: in slip nothing is unknown."""

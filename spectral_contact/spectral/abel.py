@@ -266,7 +266,7 @@ def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0)
     matrix = np.zeros((len(d), panels, degree + 1))
     clear = np.flatnonzero(own < -1)
     if len(clear):
-        matrix[clear] = _plain(-d[clear], panels, width, degree, power)
+        matrix[clear] = plain(-d[clear], panels, width, degree, power)
     found: list[tuple[Array, Array]] = []
     for i in np.unique(own[(own < panels) & (own >= -1)]):
         rows = np.flatnonzero(own == i)
@@ -301,8 +301,8 @@ def outer(
     matrix[:, len(inner) :] = _outer_tail(d, end, power)
     # far below the panels the plain rule keeps the distance itself
     clear = own > panels
-    plain = _plain(-d[clear], panels, width, degree, power)
-    matrix[clear, : len(inner)] = plain.reshape(-1, panels * terms)[:, inner]
+    far_off = plain(-d[clear], panels, width, degree, power)
+    matrix[clear, : len(inner)] = far_off.reshape(-1, panels * terms)[:, inner]
     found: list[tuple[Array, Array]] = []
     number = np.bincount(own, minlength=1)[: panels + 1]
     for place in np.flatnonzero(number).tolist():
@@ -318,7 +318,7 @@ def outer(
     return matrix
 
 
-def _plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+def plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` on the panels, e clear of ``-d'``."""
     source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
     values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))

@@ -29,6 +29,7 @@ from spectral_contact.spectral.abel import (
     moments_on,
     near_blocks,
     outer,
+    plain,
     rise,
 )
 from spectral_contact.spectral.cache import kept
@@ -389,7 +390,9 @@ def _halves(
     gathered = block_diag(np.eye(count), rest)
     at_end = 2.0 - reach * (1.0 + _DEEP_NODES) / 2.0
     root, whole = np.sqrt(at_end), np.sqrt(at_end - d[:, None])
-    first = deeper(2.0 - d, *form)[:, :count]
+    near, first = d > reach, np.empty((len(d), count))
+    first[near] = deeper(2.0 - d[near], *form)[:, :count]
+    first[~near] = plain(d[~near] - 2.0, *form)[:, 0, :count]  # clear of the singularity there
     seen = np.hstack([first, 1.0 / whole])
     if edge:
         return Block(np.zeros(gathered.shape[1]), seen, seen, False, gathered=gathered)
