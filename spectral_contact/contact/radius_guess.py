@@ -62,8 +62,7 @@ def _by_pressure(drive: Drive, parameters: Parameters, logit: float, accuracy: f
     """Return ``1 - ((f/kappa) P(c) + m) / R(c)`` with the m that a disk needs, roughly.
 
     Without tangential compliance that is 0. A disk of great compliance takes 4 times the jump
-    of its displacement; what is added for less is fitted. Of 233 radii, as logits, half are 0.002
-    off or less and nine tenths 0.03.
+    of its displacement; what is added for less is fitted, to 0.03 of nine in ten of 233 logits.
     """
     alpha, beta, _, friction = parameters
     radius = Radius.from_logit(logit)

@@ -49,13 +49,11 @@ class Annulus:
         The half-integral, over what lies outside of the points (+1), or the inner integral (-1), of
         values (..., points). In scaled distances the transforms depend on the panels alone.
         """
-        panels = [family.panels for family in self.families]
-        own = [transforms(one) for one in panels]
-        each = [f.expand(one) for f, one in zip(self.families, values, strict=True)]
-        # one half sees the other, too
-        one, other = (0, 1) if side > 0 else (1, 0)
-        found = [own[other].deeper(each[other])]
-        found.insert(one, own[one].outer(each[one]))
-        found = [np.sqrt(self.families[0].reach) * values for values in found]
-        found[one] += across(each[other], self.families[other], self.families[one], side)
+        each, found = [f.expand(v) for f, v in zip(self.families, values, strict=True)], []
+        for k, family in enumerate(self.families):
+            own, away = transforms(family.panels), (k == 0) == (side > 0)
+            seen = own.outer(each[k]) if away else own.deeper(each[k])
+            found.append(np.sqrt(family.reach) * seen)
+            if away:  # one half sees the other, too
+                found[k] += across(each[1 - k], self.families[1 - k], family, side)
         return found

@@ -40,13 +40,13 @@ from spectral_contact.spectral.graded import (
     PlainNodes,
     clustered_rule,
     far_values,
+    from_samples,
     graded_nodes,
     highest_degree,
 )
 from spectral_contact.spectral.jacobi import (
     chebyshev_interpolation,
     gauss_rule,
-    legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
@@ -70,8 +70,7 @@ _PLACES: Array = (1.0 + FAR_NODES) / 2.0
 #: Places, in [-1, 1], that stand for all panels but the first as seen from seven times their extent
 #: or farther: the error is 27**-12.
 _DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
-#: Parts of the nodes whose half-integrals are multiplied without most of their zeros, at most, and
-#: how many functions each of them is worth.
+#: Strips of half-integrals, which have few of their zeros, and how many functions one is worth.
 _STRIPS, _WORTH = 8, 24
 
 
@@ -230,15 +229,10 @@ def _deeper(count: int, highest: int, form: Form) -> Array:
     On it and the next functions are of the highest degree that is wanted there.
     """
     panels, width, degree, power = form
-    near, terms = _near(count, highest, width, power), degree + 1
-    blocks = np.zeros((count, panels * terms))
-    for k in range(min(panels, 2)):
-        own = near[:, k, :terms]
-        blocks[:, k * terms : k * terms + own.shape[1]] = own
-    places = 2.0 * clustered_rule(count, width)[0] / width - 1.0
-    spread = legendre_interpolation_matrix(places, SAMPLES)
-    np.matmul(spread, _far_samples(form), out=blocks[:, 2 * terms :])
-    return blocks
+    near, blocks = _near(count, highest, width, power), np.zeros((count, panels, degree + 1))
+    blocks[:, :2, : highest + 1] = near[:, :panels, : degree + 1]
+    blocks[:, 2:] = np.tensordot(from_samples(count, width), _far_samples(form), 1)
+    return blocks.reshape(count, -1)
 
 
 @kept("half-integrals near by", 24)
@@ -252,7 +246,7 @@ def _near(count: int, highest: int, width: float, power: float) -> Array:
 def _far_samples(form: Form) -> Array:
     """Return those of the panels beyond, which are smooth, at the samples of a panel."""
     g, _ = gauss_rule(SAMPLES)
-    return far_blocks(form[1] * (1.0 - g) / 2.0, *form).reshape(SAMPLES, -1)
+    return far_blocks(form[1] * (1.0 - g) / 2.0, *form)
 
 
 @kept("disk Gram", 48)

@@ -94,11 +94,8 @@ class GradedNodes:
     @cached_property
     def _from_samples(self) -> list[tuple[int, Array]]:
         """How many panels in a row have as many nodes, and the matrix from samples to these."""
-        places = [2.0 * one / self.panels.width - 1.0 for one in self.start[1:]]
-        runs = [(len(list(run)), n) for n, run in groupby(map(len, places))]
-        each = {len(one): one for one in places}
-        matrices = {n: legendre_interpolation_matrix(one, SAMPLES) for n, one in each.items()}
-        return [(count, matrices[n]) for count, n in runs]
+        runs = [(len(list(run)), n) for n, run in groupby(map(len, self.start[1:]))]
+        return [(count, from_samples(n, self.panels.width)) for count, n in runs]
 
     def spread(self, values: Array) -> Array:
         """Return what has values at the samples, as columns, at the nodes."""
@@ -141,6 +138,13 @@ def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
     phi = np.pi / 4 * (1.0 + g)
     sine, cosine = np.sin(phi), np.cos(phi)
     return width * sine**2, width * (w * np.pi / 2.0 * sine * cosine)
+
+
+@kept("from samples", 24)
+def from_samples(points: int, width: float) -> Array:
+    """Return the matrix from the samples of a panel to so many nodes (cached)."""
+    places = 2.0 * clustered_rule(points, width)[0] / width - 1.0
+    return legendre_interpolation_matrix(places, SAMPLES)
 
 
 def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:

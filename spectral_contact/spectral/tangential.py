@@ -254,9 +254,8 @@ class Tangential(ABC):
             compliance = self.parameters.beta if shear else self.parameters.alpha
             if compliance > 0.0:
                 family, own = part.shear if shear else part.family, one.own
-                of = None if values is None else compliance * values[own]
-                mass = family.mass(one.degrees, of, shear=shear)
-                yield own, mass if of is not None else compliance * mass
+                of = None if values is None else values[own]
+                yield own, compliance * family.mass(one.degrees, of, shear=shear)
 
     @cached_property
     def jumps(self) -> Array:
