@@ -6,16 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

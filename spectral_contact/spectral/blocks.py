@@ -249,9 +249,8 @@ def _far_samples(form: Form) -> Array:
     return far_blocks(form[1] * (1.0 - g) / 2.0, *form)
 
 
-@kept("disk Gram", 48)
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return the Gram matrix of half-integrals on a disk, of unit extent and radius (cached).
+    """Return the Gram matrix of half-integrals on a disk, of unit extent and radius.
 
     With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
     """
@@ -264,6 +263,9 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
         # of a matrix and its own transpose NumPy computes one triangle, in half the time
         gram[own, own] += part.T @ part
     return gram
+
+
+kept_disk_gram = kept("disk Gram", 48)(disk_gram)
 
 
 @kept("disk shears", 96)

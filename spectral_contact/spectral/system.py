@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import CENTRE, EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
-from spectral_contact.spectral.blocks import Block, block, disk_gram
+from spectral_contact.spectral.blocks import Block, block, kept_disk_gram
 from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
@@ -267,7 +267,7 @@ class System(Tangential):
         for i, part in enumerate(self.parts):
             f, kept = self._f[i], None
             if part.zone == 0 and self._plain[0]:
-                gram = disk_gram(part.family.panels, part.degrees, shear=False)
+                gram = kept_disk_gram(part.family.panels, part.degrees, shear=False)
                 kept = part.family.boundary.value * gram
             for k, j, product in f.products(f, self._weights[i], whole=True, own=kept):
                 matrix[self.pressure[k], self.pressure[j]] += product

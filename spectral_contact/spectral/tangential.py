@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
-from spectral_contact.spectral.blocks import disk_gram, disk_shear
+from spectral_contact.spectral.blocks import disk_shear, kept_disk_gram
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -353,7 +353,7 @@ class Tangential(ABC):
             stuck, weights = self._stuck(i), self._shear_tests[i]
             kept = None
             if part.zone == 0 and self._plain[1]:
-                gram = disk_gram(part.shear.panels, part.degrees, shear=True)
+                gram = kept_disk_gram(part.shear.panels, part.degrees, shear=True)
                 kept = part.family.boundary.value**3 * gram
             pairs = stuck.products(self._g[i], weights, whole=self._plain[1], own=kept)
             for k, j, product in pairs:

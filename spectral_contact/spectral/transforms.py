@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spectral_contact.fields.series import LogSeries
+from spectral_contact.fields.series import Array, LogSeries
 from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import sampled_coefficients
 from spectral_contact.threads import cached_property
-
-Array = NDArray[np.float64]
 
 
 def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
