@@ -225,6 +225,8 @@ class _Pace:
         How many there were, but for the first.
     drift : float
         How far the boundaries of the factors are, of the narrowest zone.
+    lossy : bool
+        Whether factors lose the digits of small coefficients, next to a narrow zone at the edge.
     """
 
     thinnest: float
@@ -232,11 +234,13 @@ class _Pace:
     before: float = 1.0
     alike: int = -_FIRST
     drift: float = 0.0
+    lossy: bool = False
 
     def add(self, size: float, drift: float) -> None:
         """Count another one."""
         self.before, self.size, self.drift = self.size, size, drift
         self.alike += 1
+        self.lossy = self.lossy or ((self.alike == 0 or self._astray) and size > _SLOW)
 
     @property
     def _astray(self) -> bool:
@@ -402,7 +406,7 @@ class ZonesNewton:
         self._factors = type(self._factors)(self.state.system)
         self.state = replace(self.state, factored=self._factors)
         self._begin = self._problem.logits
-        self._pace.alike = 0
+        self._pace.alike = -1 - _FIRST if self._pace.lossy else 0
 
 
 def through_secants(slopes: Array, secants: list[tuple[Array, Array]]) -> Array:
