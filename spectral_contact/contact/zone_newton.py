@@ -136,15 +136,11 @@ class ZoneState:
             friction = sum(system.states[j : j + 2]) * system.parameters.friction
             for share in (near, _FARTHER):
                 d = share * min(narrower / own.reach, 1.0) * _BESIDE
-                points = own.points(d)
-                p = (
-                    drives[0].pressure.at(points.y)
-                    if drives
-                    else series_of(own.panels, pressure[k])(d)
-                )
-                q = np.sqrt(points.z) * series_of(part.shear.panels, shear[k])(d)
+                at = own.points(d)
+                p = drives[0].pressure.at(at.y) if drives else series_of(own.panels, pressure[k])(d)
+                q = np.sqrt(at.z) * series_of(part.shear.panels, shear[k])(d)
                 excess = q - friction * p
-                rises = (excess[1:] - excess[0]) / points.offset[1:]
+                rises = (excess[1:] - excess[0]) / at.offset[1:]
                 if abs(excess[1] - excess[0]) > NOISE * abs(q[0]):
                     break
             jumps[j] = _TO_BOUNDARY @ rises * b.square * b.rest

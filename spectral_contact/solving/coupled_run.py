@@ -59,7 +59,7 @@ class CoupledRun(Run):
 
     def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
         """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
-        self._take(self._coupled_stick())
+        self._take(self._coupled_stick(self.rtol))
 
     @property
     def parameters(self) -> Parameters:
@@ -74,7 +74,7 @@ class CoupledRun(Run):
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if states[COUPLING] is not StepState.RUN:
             return
-        stick = self._coupled_stick()
+        stick = self._coupled_stick(self.rtol)
         self._take(stick)
         if "pressure" in self.plan.quantities:
             self.values["opening"] = stick.opening
@@ -87,11 +87,11 @@ class CoupledRun(Run):
         if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
             self._slipping(stick)
 
-    def _coupled_stick(self) -> FullStick:
+    def _coupled_stick(self, rtol: float) -> FullStick:
         scene, begin = self.scene, perf_counter()
         asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
         integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
-        tolerance = self.rtol if scene.friction == math.inf else min(self.rtol, _DECIDES)
+        tolerance = rtol if scene.friction == math.inf else min(rtol, _DECIDES)
         solved = self.stuck(self.parameters, tolerance=tolerance, pointwise=not integrals)
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         return stick
@@ -121,6 +121,11 @@ class CoupledRun(Run):
                 tell("zones of stick and slip")  # without a compliance it takes seconds
             found = None if hidden else self._found(search, unsure)
         if found is None:
+            if _ROOM * unsure > 0.5 * self.rtol:  # hardly more than what is not known of full stick
+                stick = self._coupled_stick(closer_tolerance(self.rtol))
+                self._take(stick)
+                lack = max(1.0 - parameters.friction / stick.critical, 0.0)
+                unsure = lack + stick.critical_error
             self._about_to_slip(stick, unsure, unresolved_slip(stick, parameters))
             return
         if "opening" in self.values:

@@ -212,9 +212,8 @@ def half_integrals(panels: LogPanels, degrees: Degrees, used: Degrees) -> StripM
             start = nodes.start[j]
             own = slice(rows[j], rows[j] + len(start))
             highest = highest_degree(len(start)) if used == degrees else panels.degree
-            each = _deeper(len(start), highest, form).take(
-                columns[seen[j] : last] - j * terms, axis=1
-            )
+            blocks = _deeper(len(start), min(highest, panels.degree), form)
+            each = blocks.take(columns[seen[j] : last] - j * terms, axis=1)
             here = values[own.start - first : own.stop - first, seen[j] - begin : last - begin]
             np.multiply(each, root[own], out=here)
         values[:, last - begin :] = tail[first : rows[high]]
