@@ -332,12 +332,13 @@ class StickDiskProblem(FreeBoundaryProblem):
         self.drives = [drive]
         if len(self.logits):
             begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
-            error = max((TRIFLING * self.tolerance) ** 2, ROUNDING)
+            # to rounding at any tolerance: it is the same from wherever the search begins, and the
+            # slope is that of this space; next to the onset that of a small one is off by a factor
             if self.parameters.beta == 0.0:  # no field is in the condition
-                logit, slope = guessed_radius(drive, form, error, begin, accuracy=ROUNDING)
+                logit, slope = guessed_radius(drive, form, ROUNDING, begin, accuracy=ROUNDING)
             else:
                 mismatch = partial(self._mismatch, spaces)
-                logit, slope = root_near(mismatch, *begin, error, known=ROUGH)
+                logit, slope = root_near(mismatch, *begin, known=ROUGH)
             self.logits, self.slopes = np.array([logit]), np.array([[slope]])
         return self.assessed(spaces)
 
