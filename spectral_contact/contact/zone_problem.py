@@ -332,8 +332,7 @@ class StickDiskProblem(FreeBoundaryProblem):
         self.drives = [drive]
         if len(self.logits):
             begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
-            # to rounding at any tolerance: it is the same from wherever the search begins, and the
-            # slope is that of this space; next to the onset that of a small one is off by a factor
+            # to rounding at any tolerance: next to the onset the slope of a small space is far off
             if self.parameters.beta == 0.0:  # no field is in the condition
                 logit, slope = guessed_radius(drive, form, ROUNDING, begin, accuracy=ROUNDING)
             else:
