@@ -121,8 +121,10 @@ class CoupledRun(Run):
                 tell("zones of stick and slip")  # without a compliance it takes seconds
             found = None if hidden else self._found(search, unsure)
         if found is None:
-            if _ROOM * unsure > 0.5 * self.rtol:  # hardly more than what is not known of full stick
-                stick = self._coupled_stick(closer_tolerance(self.rtol))
+            closer = closer_tolerance(self.rtol)
+            # hardly more than what is not known of full stick
+            if closer < min(self.rtol, _DECIDES) and _ROOM * unsure > 0.5 * self.rtol:
+                stick = self._coupled_stick(closer)
                 self._take(stick)
                 lack = max(1.0 - parameters.friction / stick.critical, 0.0)
                 unsure = lack + stick.critical_error

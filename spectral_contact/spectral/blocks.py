@@ -44,10 +44,7 @@ from spectral_contact.spectral.graded import (
     graded_nodes,
     highest_degree,
 )
-from spectral_contact.spectral.jacobi import (
-    chebyshev_interpolation,
-    gauss_rule,
-)
+from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, gap
 from spectral_contact.threads import cached_property
@@ -229,7 +226,7 @@ def _deeper(count: int, highest: int, form: Form) -> Array:
     """
     panels, width, degree, power = form
     near, blocks = _near(count, highest, width, power), np.zeros((count, panels, degree + 1))
-    blocks[:, :2, : highest + 1] = near[:, :panels, : degree + 1]
+    blocks[:, :2, : highest + 1] = near[:, :panels]
     blocks[:, 2:] = np.tensordot(from_samples(count, width), _far_samples(form), 1)
     return blocks.reshape(count, -1)
 

@@ -55,8 +55,8 @@ class GradedNodes:
         Distances in (0, 1], and ``1 - d`` to full relative accuracy.
     weights : ndarray
         Weights of ``int_0^1 . dd``.
-    start, end : list of ndarray
-        Distances in ``x`` to both ends of their panel, of the nodes of every panel.
+    start : list of ndarray
+        Distances in ``x`` to the shallow end of their panel, of the nodes of every panel.
     """
 
     def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
@@ -64,10 +64,9 @@ class GradedNodes:
         # integrals of functions on both neighbours have square roots at the ends of a panel
         around = [degrees[0] + 1, *degrees, TAIL_TERMS]  # at the centre the measure has one, too
         counts = [_node_count(max(around[j : j + 3])) for j in range(panels.panels)]
-        rules = {count: clustered_rule(count, h) for count in set(counts)}
-        self.start: list[Array] = [rules[count][0] for count in counts]
-        self.end: list[Array] = [start[::-1] for start in self.start]
-        weights = np.concatenate([rules[count][1] for count in counts])
+        rules = [clustered_rule(count, h) for count in counts]
+        self.start: list[Array] = [start for start, _ in rules]
+        weights = np.concatenate([own for _, own in rules])
         x = np.concatenate([np.minimum(j * h + a, (j + 1) * h) for j, a in enumerate(self.start)])
         self.tail, on_tail = _tail_rule(panels)
         d = np.exp(-x)
@@ -132,8 +131,9 @@ class PlainNodes:
         return far_values(self.d)
 
 
+@kept("clustered rules", 24)
 def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
-    """Return a rule on (0, width) for functions with square roots at both ends."""
+    """Return a rule on (0, width) for functions with square roots at both ends (cached)."""
     g, w = gauss_rule(points)
     phi = np.pi / 4 * (1.0 + g)
     sine, cosine = np.sin(phi), np.cos(phi)

@@ -1,4 +1,4 @@
-"""Abel integrals and means of a function at the sampling points of its own panels."""
+"""Abel integrals of a function at the sampling points of its own panels."""
 
 from __future__ import annotations
 

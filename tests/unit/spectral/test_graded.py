@@ -27,6 +27,11 @@ def nodes_of(panels):
     return nodes, nodes.weights / (2.0 * np.sqrt(nodes.rest))
 
 
+def ends(nodes):
+    """Return the distances to the deep ends of the panels: nodes are as dense at both ends."""
+    return [one[::-1] for one in nodes.start]
+
+
 @MESHES
 def test_nodes_know_both_distances_and_those_to_the_ends(panels):
     nodes, _ = nodes_of(panels)
@@ -34,9 +39,9 @@ def test_nodes_know_both_distances_and_those_to_the_ends(panels):
     assert np.all((nodes.rest > 0) & (nodes.d > 0) & (nodes.weights > 0))
     assert np.all(np.diff(nodes.d) < 0)
     assert np.all(np.diff(nodes.samples) < 0)
-    to_start, to_end = np.concatenate(nodes.start), np.concatenate(nodes.end)
+    to_start, to_end = np.concatenate(nodes.start), np.concatenate(ends(nodes))
     assert_allclose(to_start + to_end, panels.width, rtol=1e-15)
-    number = np.repeat(np.arange(panels.panels), [len(one) for one in nodes.end])
+    number = np.repeat(np.arange(panels.panels), [len(one) for one in ends(nodes)])
     x = -np.log(nodes.d[: len(to_end)])
     assert_allclose(x + to_end, (number + 1) * panels.width, rtol=1e-15)
     assert np.all((to_end > 0) & (to_end < panels.width))
@@ -70,10 +75,10 @@ def test_nodes_integrate_products_of_roots_at_the_deep_ends(panels):
     nodes, weights = nodes_of(panels)
     h = mp.mpf(panels.width)
     for j in {0, panels.panels - 1}:
-        start = sum(len(one) for one in nodes.end[:j])
-        part = slice(start, start + len(nodes.end[j]))
+        start = sum(len(one) for one in ends(nodes)[:j])
+        part = slice(start, start + len(ends(nodes)[j]))
         for m in (1, 4 * panels.degree + 2):
-            values = (nodes.end[j] / panels.width) ** (m / 2)
+            values = (ends(nodes)[j] / panels.width) ** (m / 2)
             # in units of the panel's size, for the tolerance of mpmath is absolute
             value = weights[part] @ (values * nodes.d[part]) * np.exp(2 * j * panels.width)
 
@@ -91,7 +96,7 @@ def test_nodes_integrate_products_with_square_roots_at_the_ends_of_a_panel():
     assert_allclose(nodes.rest + nodes.d, 1.0, rtol=1e-15)
     # sqrt(x (h - x)) on the second panel, over dx
     rows = slice(len(nodes.start[0]), len(nodes.start[0]) + len(nodes.start[1]))
-    values = np.sqrt(nodes.start[1] * nodes.end[1]) / nodes.d[rows]
+    values = np.sqrt(nodes.start[1] * ends(nodes)[1]) / nodes.d[rows]
     assert nodes.weights[rows] @ values == pytest.approx(np.pi / 2.0, rel=1e-14)
 
 
