@@ -147,11 +147,12 @@ def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resol
     # square roots of the distance in s**2 at a tip
     rate = 0.5 if boundary is CENTRE else 1.0
     space = starting_resolution(depth, problem.tolerance, rate=rate)
-    if len(problem.parts.ends) == 1:
-        return space
     digits, degrees = -log(problem.tolerance), list(space.degrees)
-    for j, share in enumerate((_FIRST, _SECOND)):
-        degrees[j] = max(degrees[j], ceil(share * digits))
+    least = [share * digits for share in (_FIRST, _SECOND)]
+    if len(problem.parts.ends) == 1:
+        # what they leave acts on a thin layer like a flat punch: it grows by the root of the width
+        least = [2.0 + (digits + depth / 2.0) / 5] * 2
+    degrees[:2] = [max(one, ceil(other)) for one, other in zip(degrees, least, strict=False)]
     return Resolution(space.panels, tuple(degrees))
 
 
