@@ -135,6 +135,13 @@ class Driven(Tangential):
             known.append(_Known(drive.at, at, nodes.spread(sampled) + direct))
         return known
 
+    def extrapolate(self, last: Driven, before: Driven, share: float) -> None:
+        """Take what is known as linear in that of others, from which this is off by a share."""
+        self._known = [
+            _Known(*(farther(*each, share) for each in zip(one, other, strict=True)))
+            for one, other in zip(last._known, before._known, strict=True)
+        ]
+
     def _own_slip(self, i: int) -> Iterator[tuple[Block, Array]]:
         """Yield what a slip zone adds to half-integrals at a part of it."""
         zone, target = self.parts[i].zone, self.parts[i].family
@@ -198,10 +205,9 @@ class Driven(Tangential):
         for target, half in zip(annulus.families, annulus.integrals(each, 1), strict=True):
             points = target.sampling()
             total = (own.T @ Drive.targets(drives, points.y) - half).T
-            for outside, source in self._sources.items():
-                if outside > zone:
-                    slip = self.states[outside] * self.parameters.friction
-                    total -= slip * source.half_integral(points)[:, :count] @ own
+            for outside in (k for k in range(zone + 1, len(self.states)) if self.states[k]):
+                slip = self.states[outside] * self.parameters.friction
+                total -= slip * self._sources[outside].half_integral(points)[:, :count] @ own
             for k, stuck in self.traction(values).items():
                 part = self.parts[k]
                 seen = block(part.shear, part.degrees, target, target.panels, 1, differences=False)
@@ -209,6 +215,13 @@ class Driven(Tangential):
                     total -= seen.sums(stuck)
             totals.append(total)
         return totals
+
+
+def farther(last: Array, before: Array, share: float) -> Array:
+    """Return the last of two arrays, in whose columns the first is farther by a share."""
+    found = last.copy()
+    found[..., 0] += share * (found[..., 0] - before[..., 0])
+    return found
 
 
 class _Known(NamedTuple):

@@ -101,6 +101,15 @@ class ZoneState:
             imbalance = self.imbalance + imbalance
         return replace(self, solution=solution, imbalance=imbalance), solution - self.solution
 
+    def extrapolated(self, before: ZoneState, share: float, system: Tangential) -> ZoneState:
+        """Return that of a system farther by a share of the way here from another one."""
+        count, own = self.system.count, before.system.count
+        solution, imbalance = self.solution.copy(), self.imbalance - before.imbalance
+        solution[count:] += share * (solution[count:] - before.solution[own:])
+        return replace(
+            self, system=system, solution=solution, imbalance=self.imbalance + share * imbalance
+        )
+
     def bearing(self, values: Array) -> float:
         """Return ``int p s ds``."""
         return float(self.system.load @ values[: self.system.count])

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from math import inf
+from typing import cast
 
 import numpy as np
 
@@ -253,14 +254,18 @@ class FreeBoundaryProblem:
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""
         spaces = self.parted(resolution)
-        if self.drives:  # from now on with what is known of the errors of the pressure
-            self.drives = [self.drives[0], *self.drives[0].changes]
+        if self.drives:
+            self._know_errors()
         least = TRIFLING * self.goal
         newton = self._newton(spaces, max(least, NOISE))
         state = newton.run(max(least, 2.0 * ROUNDING))
         if not newton.settled and not self.tells(state):
             self._sloped(ROUNDING)  # next to the onset of a zone steps say nothing of slopes
         return Assessment(self, spaces, state, newton.left).attempt()
+
+    def _know_errors(self) -> None:
+        """Solve from now on with what is known of the errors of the pressure."""
+        self.drives = [self.drives[0], *self.drives[0].changes]
 
 
 class StickDiskProblem(FreeBoundaryProblem):
@@ -328,24 +333,44 @@ class StickDiskProblem(FreeBoundaryProblem):
 
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""
-        spaces, drive = self.parted(resolution), self.drive
-        self.drives = [drive]
-        if len(self.logits):
-            begin, form = (float(self.logits[0]), float(self.slopes[0, 0])), self.parameters
-            # to rounding at any tolerance: next to the onset the slope of a small space is far off
-            if self.parameters.beta == 0.0:  # no field is in the condition
-                logit, slope = guessed_radius(drive, form, ROUNDING, begin, accuracy=ROUNDING)
-            else:
-                mismatch = partial(self._mismatch, spaces)
-                logit, slope = root_near(mismatch, *begin, known=ROUGH)
-            self.logits, self.slopes = np.array([logit]), np.array([[slope]])
-        return self.assessed(spaces)
+        spaces = self.parted(resolution)
+        self.drives = [self.drive]
+        return self.assessed(spaces, self._at_root(spaces) if len(self.logits) else None)
 
-    def assessed(self, spaces: list[Resolution]) -> Attempt[ZoneSolution]:
+    def _at_root(self, spaces: list[Resolution]) -> ZoneState | None:
+        """Find the radius; return the solution there if two others tell it."""
+        begin, seen = (float(self.logits[0]), float(self.slopes[0, 0])), dict[float, ZoneState]()
+
+        def mismatch(logit: float) -> float:
+            seen[logit] = self.at(spaces, np.array([logit]))
+            self._know_errors()  # a first one is not the last
+            return float(seen[logit].mismatch[0])
+
+        # to rounding at any tolerance: next to the onset the slope of a small space is far off
+        if self.parameters.beta == 0.0:  # no field is in the condition
+            form = self.drive, self.parameters, ROUNDING
+            logit, slope = guessed_radius(*form, begin, accuracy=ROUNDING)
+        else:
+            logit, slope = root_near(mismatch, *begin, known=ROUGH)
+        self.logits, self.slopes = np.array([logit]), np.array([[slope]])
+        if len(seen) < 2:
+            return None
+        (before, one), (last, two) = list(seen.items())[-2:]
+        step, share = logit - last, (logit - last) / (last - before)
+        # what is linear in both is right to the product of the distances
+        if abs(share) > 1.0 or abs(step * (logit - before)) > ROUNDING:
+            return None
+        systems = self.system(spaces, self.logits), two.system, one.system
+        system, *others = cast("list[Driven]", systems)
+        system.extrapolate(others[0], others[1], share)
+        return two.extrapolated(one, share, system)
+
+    def assessed(
+        self, spaces: list[Resolution], state: ZoneState | None = None
+    ) -> Attempt[ZoneSolution]:
         """Return the solution with the radius as it is, with its errors."""
-        # with what is known of the errors of the pressure
-        self.drives = [self.drive, *self.drive.changes]
-        state, own = self.at(spaces, self.logits), len(spaces[0].degrees)
+        self._know_errors()
+        state, own = state or self.at(spaces, self.logits), len(spaces[0].degrees)
         attempt = Assessment(self, spaces, state, 0.0).attempt()
         return replace(
             attempt,
