@@ -5,15 +5,9 @@ from __future__ import annotations
 from bisect import bisect
 from dataclasses import dataclass
 from math import log
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from spectral_contact.fields.series import CENTRE, EDGE, Radius
-
-if TYPE_CHECKING:
-    from spectral_contact.contact.slip_displacement import Stuck
 
 
 class NoBoundariesError(ArithmeticError):
@@ -87,41 +81,3 @@ class ZoneNumbers:
     traction_error: float
     radius_error: float
     zones_error: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SolvedZones(ZoneNumbers):
-    """The solution on given zones, before it is held against the friction law.
-
-    Attributes
-    ----------
-    radii : tuple of Radius
-        Boundaries between zones, outward.
-    states : tuple of int
-        0 for stick, +1 or -1 for slip with this sign of the traction.
-    stuck : list of Stuck
-        Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
-    loose : float
-        By what share of a slip zone its ends may be off, at the most.
-    stray : float
-        Estimate of the largest error of E.
-    slopes : ndarray
-        By how much the conditions of the boundaries rise with their logits.
-    """
-
-    radii: tuple[Radius, ...]
-    states: tuple[int, ...]
-    stuck: list[Stuck]
-    loose: float
-    stray: float
-    slopes: NDArray[np.float64]
-
-    @property
-    def bounds(self) -> tuple[Radius, ...]:
-        """Ends of the zones, from the centre to the edge."""
-        return CENTRE, *self.radii, EDGE
-
-    @property
-    def layout(self) -> Layout:
-        """The zones, as a like scene may begin with them."""
-        return Layout(tuple(one.logit for one in self.radii), self.states, self.slopes)

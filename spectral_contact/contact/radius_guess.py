@@ -49,7 +49,7 @@ def _from_limits(drive: Drive, parameters: Parameters) -> tuple[float, float]:
     if alpha > 0.0:  # closer to the edge than alpha the pressure does not grow any more
         start = min(start, 2.0 - log(alpha))
     if beta > 0.0:  # c grows like 2 beta f/kappa at first
-        start = max(start, 2.0 * log(2.0 * beta * friction))
+        start = max(start, 2.0 * (log(2.0 * beta) + log(friction)))
     start = min(max(start, LEAST_LOGIT), LARGEST_LOGIT)
     if beta > 0.0:  # what a disk of great compliance needs falls like 1/c
         radius = Radius.from_logit(start)

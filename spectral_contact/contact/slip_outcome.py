@@ -20,9 +20,9 @@ from spectral_contact.contact.friction_law import (
     obeys,
     stick_excess,
 )
-from spectral_contact.contact.layout import Layout, SolvedZones, ZoneNumbers
+from spectral_contact.contact.layout import Layout, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import FIELD_ROUNDING, PROBE, ROUNDING, SAFETY, TINY
+from spectral_contact.contact.resolution import FIELD_ROUNDING, PROBE, ROUNDING, TINY
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
 from spectral_contact.fields.series import (
     CENTRE,
@@ -100,11 +100,12 @@ class PartialSlip(ZoneNumbers):
 
 
 def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
-    """Return full stick: the slip there is is narrower than what can be resolved."""
-    from spectral_contact.contact.onset import unresolved_slip
+    """Return full stick: what slips is narrower than can be resolved, if friction nearly does."""
+    from spectral_contact.contact.onset import UNRESOLVED_SLIP, unresolved_slip
 
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)
+    excess = stick.critical / parameters.friction - 1.0 if stick.critical < inf else 0.0
     return PartialSlip(
         zones=(Zone.between("stick", CENTRE, EDGE),),
         pressure=stick.pressure,
@@ -119,35 +120,21 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
         radius_error=radius_error,
         zones_error=max(radius_error, 1.0),
         slip_error=1.0,
+        violation=max(excess, 0.0),
+        consistent=excess <= max(UNRESOLVED_SLIP, 2.0 * stick.critical_error),
     )
 
 
 def all_slip(problem: StickDiskProblem) -> PartialSlip:
-    """Return slip everywhere: the stick disk, that of a problem, is smaller than 1e-65."""
-    parameters, drive = problem.parameters, problem.drive
-    contact, states = drive.contact, problem.states
-    system = problem.system(problem.spaces(PROBE), problem.logits)
-    annulus, alone = system.slip_zone(1), np.eye(system.unknowns, 1)
-    solved = SolvedZones(
-        radii=system.radii,
-        states=states,
-        approach=contact.approach,
-        total_shear=parameters.friction,
-        stuck=[],
-        approach_error=contact.approach_error,
-        shear_error=0.0,
-        pressure_error=contact.pressure_error,
-        traction_error=0.0,
-        radius_error=1.0,
-        zones_error=1.0,
-        loose=0.0,
-        stray=SAFETY * contact.pressure_error,
-        slopes=np.zeros((1, 1)),
-    )
-    misfit = [one[:, 0] for one in system.slip_misfit(alone, 1, annulus)]
-    slipping = [Slipping(annulus, 1, misfit)]
-    found = _held(solved, drive.pressure, {}, 0.0, slipping, parameters)
-    return replace(everywhere(found, parameters.friction), layout=None)
+    """Return slip everywhere: the stick disk, that of a problem, is smaller than 1e-54."""
+    solved, parameters = unfelt(problem.assessed(problem.spaces(PROBE)).value), problem.parameters
+    found = zones_outcome(solved, parameters, problem.drives[0], felt=False)
+    return everywhere(found, parameters.friction)
+
+
+def unfelt(solved: ZoneSolution) -> ZoneSolution:
+    """Return a solution whose stick disk moves nothing."""
+    return replace(solved, stuck=[], stray=0.0, loose=0.0)
 
 
 def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
@@ -164,6 +151,7 @@ def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
         radius_error=1.0,
         zones_error=1.0,
         missing=(),
+        layout=None,
     )
 
 
@@ -196,7 +184,7 @@ def zones_outcome(
 
 
 def _held(
-    solved: SolvedZones,
+    solved: ZoneSolution,
     pressure: PressureField | ZonalField,
     sticks: dict[int, DiskSeries | AnnulusSeries],
     excess: float,

@@ -11,8 +11,8 @@ from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parameters import Parameters
 
-#: Stick radii are searched between 1e-65 and 1 - 1e-43; beyond, rounding leaves nothing to find.
-LEAST_LOGIT, LARGEST_LOGIT = -300.0, 100.0
+#: Stick radii are searched between 1e-54 and 1 - 1e-43: the fifth power of one is a double, too.
+LEAST_LOGIT, LARGEST_LOGIT = -250.0, 100.0
 #: The logit of the smallest stick disk that is looked for without a layer of p.
 LEAST_PLAIN = -40.0
 #: What rounding leaves of conditions and fields; 1e-15 and 1e-12 change no space of 91 scenes.
@@ -37,7 +37,7 @@ class NoStickDiskError(ArithmeticError):
     Attributes
     ----------
     at_centre : bool
-        Whether the root lies below the range: the stick disk is smaller than 1e-65. Else the
+        Whether the root lies below the range: the stick disk is smaller than 1e-54. Else the
         slip annulus is narrower than that, or slip is not one annulus at the edge.
     """
 

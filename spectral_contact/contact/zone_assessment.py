@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from spectral_contact.contact.layout import NoBoundariesError, SolvedZones
+from spectral_contact.contact.layout import Layout, NoBoundariesError, ZoneNumbers
 from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
@@ -125,11 +125,23 @@ _NOISE, _GIVEN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ZoneSolution(SolvedZones):
-    """The solution on any zones, with the vector that it is made of.
+class ZoneSolution(ZoneNumbers):
+    """The solution on any zones, before it is held against the friction law.
 
     Attributes
     ----------
+    radii : tuple of Radius
+        Boundaries between zones, outward.
+    states : tuple of int
+        0 for stick, +1 or -1 for slip with this sign of the traction.
+    stuck : list of Stuck
+        Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
+    loose : float
+        By what share of a slip zone its ends may be off, at the most.
+    stray : float
+        Estimate of the largest error of E.
+    slopes : ndarray
+        By how much the conditions of the boundaries rise with their logits.
     pressures, shears : list of LogSeries
         p on the disk and toward both ends of every zone around it, and q/s where they stick (None
         elsewhere).
@@ -140,11 +152,27 @@ class ZoneSolution(SolvedZones):
         How far the boundaries may be off, as logits.
     """
 
+    radii: tuple[Radius, ...]
+    states: tuple[int, ...]
+    stuck: list[Stuck]
+    loose: float
+    stray: float
+    slopes: Array
     pressures: list[LogSeries]
     shears: list[LogSeries | None]
     system: Tangential
     solution: Array
     shifts: Array
+
+    @property
+    def bounds(self) -> tuple[Radius, ...]:
+        """Ends of the zones, from the centre to the edge."""
+        return CENTRE, *self.radii, EDGE
+
+    @property
+    def layout(self) -> Layout:
+        """The zones, as a like scene may begin with them."""
+        return Layout(tuple(one.logit for one in self.radii), self.states, self.slopes)
 
     @property
     def slipping(self) -> tuple[list[Slipping], float]:

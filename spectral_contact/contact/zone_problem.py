@@ -21,14 +21,7 @@ from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.radius_guess import guessed_radius
 from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import (
-    LEFT,
-    PROBE,
-    ROUGH,
-    ROUNDING,
-    TRIFLING,
-    joined,
-)
+from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TRIFLING, joined
 from spectral_contact.contact.stick_radius import (
     LARGEST_LOGIT,
     LEAST_LOGIT,
@@ -101,7 +94,7 @@ class FreeBoundaryProblem:
         self.parameters, self.pointwise = parameters, pointwise
         self.drives = [] if drive is None else [drive]
         self.goal = tolerance if goal is None else goal
-        self.tolerance = tolerance if pointwise else float(np.sqrt(tolerance))
+        self.tolerance = tolerance if pointwise or self.drives else float(np.sqrt(tolerance))
         self.states = layout.states
         self.logits = np.array(layout.logits)
         slopes = layout.slopes if layout.logits else np.zeros((0, 0))
@@ -169,7 +162,8 @@ class FreeBoundaryProblem:
     def spaces(self, tolerance: float, logits: Array | None = None) -> list[Resolution]:
         """Return the first spaces, at boundaries as they are known or at others."""
         alpha, beta, _, _ = self.parameters
-        radii = _radii(self.logits if logits is None else logits)
+        at = self.logits if logits is None else logits
+        radii = tuple(map(Radius.from_logit, at.tolist()))
         first = driven_spaces if self.drives else first_spaces
         return first(alpha, beta, radii, self.states, tolerance)
 
@@ -200,7 +194,7 @@ class FreeBoundaryProblem:
         NoBoundariesError
             If a zone vanishes.
         """
-        radii = _radii(logits)
+        radii = tuple(map(Radius.from_logit, logits.tolist()))
         narrowest = _NARROWEST * self.parameters.alpha
         if len(radii) > 1 and radii[-1].rest < narrowest:
             raise NoBoundariesError("the last zone vanishes")
@@ -271,25 +265,13 @@ class FreeBoundaryProblem:
 class StickDiskProblem(FreeBoundaryProblem):
     """Spaces for a stick disk under a given pressure; the radius, if any, is found in each."""
 
-    def __init__(
-        self,
-        parameters: Parameters,
-        layout: Layout,
-        tolerance: float,
-        drive: Drive,
-        *,
-        pointwise: bool = True,
-    ) -> None:
-        super().__init__(parameters, layout, tolerance, pointwise=pointwise, drive=drive)
-        self.drive, self.tolerance = drive, tolerance
-
     def find(self, layout: Layout) -> None:
         """Find the radius, and the slope there: roughly, or near that of a layout."""
         logit, slope = self._found(layout)
         self.logits, self.slopes = np.array([logit]), np.array([[slope]])
 
     def _found(self, layout: Layout) -> tuple[float, float]:
-        form, near, slopes = (self.drive, self.parameters), None, layout.slopes
+        form, near, slopes = (self.drives[0], self.parameters), None, layout.slopes
         for guess in layout.logits:
             if slopes is None:  # in a space that sees a narrow annulus
                 spaces = self.spaces(self.tolerance, np.array([guess]))
@@ -334,7 +316,7 @@ class StickDiskProblem(FreeBoundaryProblem):
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""
         spaces = self.parted(resolution)
-        self.drives = [self.drive]
+        self.drives = self.drives[:1]
         return self.assessed(spaces, self._at_root(spaces) if len(self.logits) else None)
 
     def _at_root(self, spaces: list[Resolution]) -> ZoneState | None:
@@ -348,7 +330,7 @@ class StickDiskProblem(FreeBoundaryProblem):
 
         # to rounding at any tolerance: next to the onset the slope of a small space is far off
         if self.parameters.beta == 0.0:  # no field is in the condition
-            form = self.drive, self.parameters, ROUNDING
+            form = self.drives[0], self.parameters, ROUNDING
             logit, slope = guessed_radius(*form, begin, accuracy=ROUNDING)
         else:
             logit, slope = root_near(mismatch, *begin, known=ROUGH)
@@ -386,7 +368,7 @@ class _GivenRadius(StickDiskProblem):
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space; the slope is that by the logarithm of the friction."""
         spaces, mismatches = self.parted(resolution), list[float]()
-        self.drives, factors = [self.drive], None
+        self.drives, factors = self.drives[:1], None
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
             state = self.at(spaces, self.logits, factors)
@@ -412,7 +394,7 @@ def solve_stick(
     stuck = Layout((), (0,))
     if drive is None:
         return solve_zones(parameters, stuck, tolerance, max_unknowns, pointwise=pointwise)
-    problem = StickDiskProblem(parameters, stuck, tolerance, drive, pointwise=pointwise)
+    problem = StickDiskProblem(parameters, stuck, tolerance, pointwise=pointwise, drive=drive)
     return refine(problem, tolerance, max_unknowns)
 
 
@@ -427,7 +409,7 @@ def solve_stick_disk(
     # 1 - c falls like exp(-pi f/(2 kappa))
     if parameters.beta == 0.0 and parameters.friction > LARGEST_LOGIT:
         raise NoStickDiskError(at_centre=False)
-    problem = StickDiskProblem(parameters, layout, tolerance, drive)
+    problem = StickDiskProblem(parameters, layout, tolerance, drive=drive)
     problem.find(layout)
     return refine(problem, tolerance, max_unknowns)
 
@@ -440,12 +422,8 @@ def solve_given_radius(
     ``shifts`` are the error of its logarithm; raises `NoStickDiskError` if none has this disk.
     """
     known = Layout((radius.logit,), (0, 1), np.eye(1))
-    problem = _GivenRadius(parameters, known, tolerance, drive)
+    problem = _GivenRadius(parameters, known, tolerance, drive=drive)
     return refine(problem, tolerance, max_unknowns), problem.parameters.friction
-
-
-def _radii(logits: Array) -> tuple[Radius, ...]:
-    return tuple(Radius.from_logit(float(x)) for x in logits)
 
 
 def solve_zones(
@@ -461,14 +439,12 @@ def solve_zones(
     The tolerance bounds the fields pointwise, or approach and shear. Whether the friction law holds
     is for the caller to check; raises `NoBoundariesError` if there are no such boundaries.
     """
-    best: Refinement[ZoneSolution] | None = None
+    found = list[Refinement[ZoneSolution]]()
     for k in range(_TRIES):
         aim = max(_FINER**k * tolerance, _TIGHTEST)
         problem = FreeBoundaryProblem(parameters, layout, aim, pointwise=pointwise)
-        found = refine(problem, tolerance, max_unknowns // 2)
-        if best is None or found.best.error < best.best.error:
-            best = found
+        found.append(refine(problem, tolerance, max_unknowns // 2))
+        best = min(found, key=lambda one: one.best.error)
         if best.ending is not Ending.ROUNDING or aim == _TIGHTEST:
             break
-    assert best is not None
     return best

@@ -20,12 +20,13 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import DEEPEST
+from spectral_contact.contact.resolution import DEEPEST, TINY
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     all_slip,
     everywhere,
     no_slip,
+    unfelt,
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
@@ -275,8 +276,8 @@ class DrivenSearch(ZoneSearch):
             solved = solve_stick_disk(*form, layout, self.tolerance, self.max_unknowns)
         except NoStickDiskError as missing:
             if missing.at_centre:
-                point = Layout((_POINT,), layout.states, np.zeros((1, 1)))
-                problem = StickDiskProblem(self.parameters, point, self.tolerance, self.drive)
+                point = Layout((_POINT,), layout.states, np.array([[1.0 / TINY]]))
+                problem = StickDiskProblem(self.parameters, point, self.tolerance, drive=self.drive)
                 return all_slip(problem)
             raise
         disk: ZoneSolution = self.record(PARTIAL_SLIP, solved, begin)
@@ -420,13 +421,11 @@ class CoupledSearch(ZoneSearch):
         from spectral_contact.contact.little_friction import unfelt_disk
         from spectral_contact.contact.zone_problem import solve_zones
 
-        begin, unfelt = perf_counter(), unfelt_disk(self.parameters)
-        zones = solve_zones(*unfelt, self.tolerance, self.max_unknowns)
+        begin = perf_counter()
+        zones = solve_zones(*unfelt_disk(self.parameters), self.tolerance, self.max_unknowns)
         self.record(PARTIAL_SLIP, zones, begin)
         begin = perf_counter()
-        # the disk itself does not move anything
-        solved = replace(zones.best.value, stuck=[], stray=0.0, loose=0.0)
-        point = zones_outcome(solved, self.parameters, felt=False)
+        point = zones_outcome(unfelt(zones.best.value), self.parameters, felt=False)
         if self.parameters.alpha == 0.0:
             point = self._to_the_centre(point)
         outcome = everywhere(point, self.parameters.friction)

@@ -109,7 +109,7 @@ def partial_slip_scenes(draw: DrawFn) -> Scene:
     assume(share < 0.99)
     critical = _critical_friction(scene)
     if not math.isfinite(critical):
-        # without tangential compliance c is about 4 exp(-2 kappa/f), and sought above 1e-65 only
+        # without tangential compliance c is about 4 exp(-2 kappa/f), and sought above 1e-54 only
         critical, share = 5.0 * scene.kappa, max(share, 0.02)
     return Scene(
         scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, share * critical

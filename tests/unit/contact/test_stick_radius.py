@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from spectral_contact import Scene, solve
+from spectral_contact import Ending, Scene, solve
 from spectral_contact.contact.stick_radius import (
     NoStickDiskError,
     root_near,
@@ -110,3 +110,35 @@ def test_slip_that_begins_at_the_edge_is_as_wide_as_the_estimate_allows(friction
     assert found.error.zones < 0.5
     width = found.zones[-1].inner_from_edge
     assert abs(width / NARROW[friction] - 1.0) <= found.error.zones
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(-0.6659276655789166, 1.8751328276289617e-12, 7.4053956977086e-7, 3.27878113764637e-60),
+        Scene(0.45, 2e-9, 1.1698e-8, 1.0457790202965334e-59),
+        Scene(-0.7285895585092464, 0.0, 26.280870036668396, 4.871179186328644e-67),
+        Scene(0.3, 0.1, 0.1, 1e-317),
+    ],
+    ids=["thin layers", "both thin", "smooth", "subnormal"],
+)
+@pytest.mark.parametrize("rtol", [1e-3, 1e-11])
+def test_a_disk_below_all_that_are_looked_for_is_none(scene, rtol):
+    """With this little friction all slips; where the stick radius is next to 1e-60 full stick
+    was the answer, and called converged.
+    """
+    solution = solve(scene, rtol, ("stick_radius", "total_shear", "zones"))
+    assert solution.converged
+    assert solution.stick_radius < 1e-50
+    assert solution.total_shear == pytest.approx(scene.friction, rel=1e-14, abs=0.0)
+
+
+def test_full_stick_is_no_answer_where_friction_bears_far_less(monkeypatch):
+    from spectral_contact.contact.zone_search import DrivenSearch
+
+    monkeypatch.setattr(DrivenSearch, "_tried", lambda self: iter(()))
+    scene = Scene(0.3, 0.1, 0.1, 0.05)
+    solution = solve(scene, 1e-6, strict=False)
+    assert solution.ending is Ending.ZONES
+    assert not solution.converged
+    assert solution.error.violation == pytest.approx(solution.critical_friction / 0.05 - 1.0)
