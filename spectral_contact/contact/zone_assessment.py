@@ -237,7 +237,7 @@ class Assessment:
     def off(self) -> float:
         """What the fields are off as the boundaries still are."""
         step = float((self.inverse @ np.abs(self.state.mismatch)).max(initial=0.0))
-        if step > 0.0 and self.system.parameters.beta > 0.0:
+        if step > ROUNDING and self.system.parameters.beta > 0.0:
             return min(self.problem.size(self.state, self.loose.change), 2.0 * step)
         # q/s of one disk changes by half of that, or, measured in 120 scenes, by 16 times what is
         # missed: at a small disk the first is twice what counts, else both are rounding
