@@ -170,11 +170,14 @@ def zones_outcome(
     from spectral_contact.contact import zone_fields as fields
 
     slipping, lost = solved.slipping
-    solved, given = replace(solved, stray=solved.stray + lost), None
-    if drive is not None:
-        given, own = drive.pressure, drive.contact
-        solved = replace(solved, approach=own.approach, approach_error=own.approach_error)
-        solved = replace(solved, pressure_error=own.pressure_error)
+    given, own = (None, solved) if drive is None else (drive.pressure, drive.contact)
+    solved = replace(
+        solved,
+        stray=solved.stray + lost,
+        approach=own.approach,
+        approach_error=own.approach_error,
+        pressure_error=own.pressure_error,
+    )
     sticks = dict(fields.stick_series(solved.states, solved.bounds, solved.shears)) if felt else {}
     excess = stick_excess(parameters.friction, fields.in_stick(solved, given) if felt else ())
     pressure = given or fields.pressure_field(solved, parameters)

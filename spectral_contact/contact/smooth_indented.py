@@ -144,7 +144,7 @@ class _KnownPart:
         panels = self.family.panels
         if self.family.sign > 0:
             panels = replace(panels, panels=panels.panels + _FARTHER)
-        family = replace(self.family, panels=panels)
+        family = self.family._replace(panels=panels)
         points = family.sampling()
         t = np.sqrt(points.z)
         values = self._rates(t, points) / t

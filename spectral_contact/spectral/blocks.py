@@ -10,9 +10,8 @@ places.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -71,8 +70,7 @@ _DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
 _STRIPS, _WORTH = 8, 24
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
+class Block(NamedTuple):
     """Integrals of the functions of a part at the nodes of another.
 
     Attributes
@@ -102,10 +100,10 @@ class Block:
         """Return that of some functions."""
         at = self.at[columns]
         if self.gathered is not None:
-            return replace(self, at=at, gathered=self.gathered[:, columns])
+            return self._replace(at=at, gathered=self.gathered[:, columns])
         whole = self.dense(whole=True)[:, columns]
         more = whole if self.more is self.whole else self.dense(whole=False)[:, columns]
-        return replace(self, at=at, more=more, whole=whole)
+        return self._replace(at=at, more=more, whole=whole)
 
     def onto(self, values: Array) -> Array:
         """Return coefficients, as columns, times the scale and in the columns of the integrals."""
@@ -326,8 +324,8 @@ def block(
             unit = _apart(source, degrees, target, nodes, side, apart)
     scale = unit.scale * float(np.sqrt(source.reach))
     if target.boundary.from_edge == 0.0:
-        return replace(unit, at=np.zeros_like(unit.at), more=unit.whole, scale=scale)
-    return replace(unit, scale=scale)
+        return unit._replace(at=np.zeros_like(unit.at), more=unit.whole, scale=scale)
+    return unit._replace(scale=scale)
 
 
 def across(coefficients: Array, half: Family, other: Family, side: int) -> Array:
@@ -359,7 +357,7 @@ def _facing(
     form = source.panels.panels, source.panels.width
     e = target.reach / source.reach * nodes.samples
     if not differences:
-        return replace(_vanishing(beyond(e, *form, degrees)), sampled=True)
+        return _vanishing(beyond(e, *form, degrees))._replace(sampled=True)
     whole, falls = fall(e, form[1], degrees)
     at = beyond(np.zeros(1), *form, degrees)[0]
     return Block(at, -falls, whole, True)

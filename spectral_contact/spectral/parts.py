@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,7 @@ def gap(a: Radius, b: Radius) -> float:
     return difference * (a.value + b.value)
 
 
-@dataclass(frozen=True, slots=True)
-class Points:
+class Points(NamedTuple):
     """Radii given by ``s**2 = anchor**2 + offset``, so that differences keep their digits."""
 
     anchor: Radius
@@ -47,8 +46,7 @@ class Points:
         return self.anchor.rest - self.offset
 
 
-@dataclass(frozen=True, slots=True)
-class Family:
+class Family(NamedTuple):
     """Panels in the logarithm of the distance to one end of an annulus.
 
     Attributes

@@ -41,8 +41,7 @@ Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(NamedTuple):
     """Half a zone, or the central disk: a family of panels, and how the surface moves on it.
 
     Attributes
@@ -81,7 +80,7 @@ def zone_parts(
         state, family = states[zone], Family(*end, own)
         power = own.power if state else -0.5 if beta == 0.0 and boundary < 0 else 0.0
         alike = power == own.power
-        shear = family if alike else replace(family, panels=replace(own, power=power))
+        shear = family if alike else family._replace(panels=replace(own, power=power))
         parts.append(Part(zone, state, boundary, family, shear, used))
     return parts
 
