@@ -138,7 +138,7 @@ class Driven(Tangential):
     def extrapolate(self, last: Driven, before: Driven, share: float) -> None:
         """Take what is known as linear in that of others, from which this is off by a share."""
         self._known = [
-            _Known(*(farther(*each, share) for each in zip(one, other, strict=True)))
+            _Known(*(_farther(*each, share) for each in zip(one, other, strict=True)))
             for one, other in zip(last._known, before._known, strict=True)
         ]
 
@@ -217,7 +217,7 @@ class Driven(Tangential):
         return totals
 
 
-def farther(last: Array, before: Array, share: float) -> Array:
+def _farther(last: Array, before: Array, share: float) -> Array:
     """Return the last of two arrays, in whose columns the first is farther by a share."""
     found = last.copy()
     found[..., 0] += share * (found[..., 0] - before[..., 0])
