@@ -135,7 +135,7 @@ class Driven(Tangential):
             known.append(_Known(drive.at, at, nodes.spread(sampled) + direct))
         return known
 
-    def extrapolate(self, last: Driven, before: Driven, share: float) -> None:
+    def extrapolate(self, last: Driven, before: Driven, *, share: float) -> None:
         """Take what is known as linear in that of others, from which this is off by a share."""
         self._known = [
             _Known(*(_farther(*each, share) for each in zip(one, other, strict=True)))

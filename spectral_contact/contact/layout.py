@@ -9,6 +9,8 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.resolution import TINY
+
 
 class NoBoundariesError(ArithmeticError):
     """There are no such boundaries near by."""
@@ -56,6 +58,11 @@ class Layout:
                 logits = (*logits[:zone], *ends, *logits[zone:])
                 states = (*states[: zone + 1], *further, *states[zone + 1 :])
         return Layout(logits, states)
+
+
+def unmoved(logit: float) -> Layout:
+    """Return one stick disk whose boundary stays, so steep are the slopes of its condition."""
+    return Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, unmoved
 from spectral_contact.contact.resolution import ROUNDING, TINY
 from spectral_contact.contact.stick_radius import least_logit
 from spectral_contact.fields.series import Radius
@@ -36,5 +36,4 @@ def unfelt_disk(parameters: Parameters) -> tuple[Parameters, Layout]:
     # with less friction the traction has no digits; what sticks would have one of its own, which
     # costs digits by as much as it exceeds friction: none with so much compliance
     felt = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    # slopes so steep that the boundary does not move
-    return felt, Layout((stand_in(parameters).logit,), (0, 1), np.array([[1.0 / TINY]]))
+    return felt, unmoved(stand_in(parameters).logit)

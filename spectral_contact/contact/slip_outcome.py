@@ -127,14 +127,9 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
 
 def all_slip(problem: StickDiskProblem) -> PartialSlip:
     """Return slip everywhere: the stick disk, that of a problem, is smaller than 1e-54."""
-    solved, parameters = unfelt(problem.assessed(problem.spaces(PROBE)).value), problem.parameters
+    solved, parameters = problem.assessed(problem.spaces(PROBE)).value, problem.parameters
     found = zones_outcome(solved, parameters, problem.drives[0], felt=False)
     return everywhere(found, parameters.friction)
-
-
-def unfelt(solved: ZoneSolution) -> ZoneSolution:
-    """Return a solution whose stick disk moves nothing."""
-    return replace(solved, stuck=[], stray=0.0, loose=0.0)
 
 
 def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
@@ -165,11 +160,13 @@ def zones_outcome(
     drive : Drive, optional
         Of the pressure, if it was given.
     felt : bool
-        Whether what sticks is; if not, it is a point, and not looked at.
+        Whether what sticks is; if not, it is a point, moves nothing and is not looked at.
     """
     from spectral_contact.contact import zone_fields as fields
 
     slipping, lost = solved.slipping
+    if not felt:
+        solved = replace(solved, stuck=[], stray=0.0, loose=0.0)
     given, own = (None, solved) if drive is None else (drive.pressure, drive.contact)
     solved = replace(
         solved,

@@ -344,7 +344,7 @@ class StickDiskProblem(FreeBoundaryProblem):
             return None
         systems = self.system(spaces, self.logits), two.system, one.system
         system, *others = cast("list[Driven]", systems)
-        system.extrapolate(others[0], others[1], share)
+        system.extrapolate(*others, share=share)
         return two.extrapolated(one, share, system)
 
     def assessed(

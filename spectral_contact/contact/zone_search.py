@@ -17,16 +17,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.layout import Layout, NoBoundariesError
+from spectral_contact.contact.layout import Layout, NoBoundariesError, unmoved
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import DEEPEST, TINY
+from spectral_contact.contact.resolution import DEEPEST
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     all_slip,
     everywhere,
     no_slip,
-    unfelt,
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import NoStickDiskError
@@ -276,9 +275,8 @@ class DrivenSearch(ZoneSearch):
             solved = solve_stick_disk(*form, layout, self.tolerance, self.max_unknowns)
         except NoStickDiskError as missing:
             if missing.at_centre:
-                point = Layout((_POINT,), layout.states, np.array([[1.0 / TINY]]))
-                problem = StickDiskProblem(self.parameters, point, self.tolerance, drive=self.drive)
-                return all_slip(problem)
+                point = self.parameters, unmoved(_POINT), self.tolerance
+                return all_slip(StickDiskProblem(*point, drive=self.drive))
             raise
         disk: ZoneSolution = self.record(PARTIAL_SLIP, solved, begin)
         begin = perf_counter()
@@ -425,7 +423,7 @@ class CoupledSearch(ZoneSearch):
         zones = solve_zones(*unfelt_disk(self.parameters), self.tolerance, self.max_unknowns)
         self.record(PARTIAL_SLIP, zones, begin)
         begin = perf_counter()
-        point = zones_outcome(unfelt(zones.best.value), self.parameters, felt=False)
+        point = zones_outcome(zones.best.value, self.parameters, felt=False)
         if self.parameters.alpha == 0.0:
             point = self._to_the_centre(point)
         outcome = everywhere(point, self.parameters.friction)
