@@ -138,7 +138,7 @@ class Drive:
         # x + 1 would lose the digits of small distances
         rise = 2.0 * d[split:] / analytic
         x = rise - 1.0
-        near = chebyshev_sums(np.tile(x, (len(drives), 1)), (_QUOTIENT @ fit)[:, :, None])
+        near = chebyshev_sums(x, (_QUOTIENT @ fit)[:, :, None])
         return Targets(at, values[:, 1 + len(_NODES) :], rise * near)
 
     def mean_inside(self, y: Array) -> Array:

@@ -99,11 +99,10 @@ class Driven(Tangential):
                 found[zone] = SlipSource(self._pressures, inner, outer, *form, nodes, inside)
         return found
 
-    def _slip(self, k: int, points: Points, count: int) -> Array:
-        """Return q/s of a part that slips, under the first of the pressures, as rows."""
-        friction = self.parts[k].state * self.parameters.friction
-        pressures = PressureField.several(self._pressures[:count], points.y)
-        return friction * pressures / np.sqrt(points.z)
+    def _slip(self, zone: int, y: Array, z: Array, count: int) -> Array:
+        """Return q/s in a slip zone, under the first of the pressures, as rows."""
+        friction = self.states[zone] * self.parameters.friction
+        return friction * PressureField.several(self._pressures[:count], y) / np.sqrt(z)
 
     @cached_property
     def _known(self) -> list[_Known]:
@@ -135,11 +134,11 @@ class Driven(Tangential):
             known.append(_Known(drive.at, at, nodes.spread(sampled) + direct))
         return known
 
-    def extrapolate(self, last: Driven, before: Driven, *, share: float) -> None:
-        """Take what is known as linear in that of others, from which this is off by a share."""
+    def extrapolate(self, others: Sequence[Driven], weights: Sequence[float]) -> None:
+        """Take what is known as a sum of that of others; of changes what the last one has."""
         self._known = [
-            _Known(*(_farther(*each, share) for each in zip(one, other, strict=True)))
-            for one, other in zip(last._known, before._known, strict=True)
+            _Known(*(_sum(each, weights) for each in zip(*parts, strict=True)))
+            for parts in zip(*(one._known for one in others), strict=True)
         ]
 
     def _own_slip(self, i: int) -> Iterator[tuple[Block, Array]]:
@@ -149,9 +148,8 @@ class Driven(Tangential):
             one = block(part.family, part.degrees, target, self._felt[i], 1)
             if one is not None:
                 used = part.family.panels.functions(part.degrees)
-                values = part.family.expand(
-                    self._slip(2 * zone, part.family.sampling(), self.count)
-                )
+                points = part.family.sampling()
+                values = part.family.expand(self._slip(zone, points.y, points.z, self.count))
                 yield one, values[:, used].T
 
     # the equation
@@ -201,10 +199,12 @@ class Driven(Tangential):
         # the last change is in no vector but its own
         count = 1 + int(np.flatnonzero(values[: self.count].any(axis=1))[-1])
         own, drives, totals = values[:count], self.drives[:count], list[Array]()
-        each = [own.T @ self._slip(2 * zone, f.sampling(), count) for f in annulus.families]
-        for target, half in zip(annulus.families, annulus.integrals(each, 1), strict=True):
-            points = target.sampling()
-            total = (own.T @ Drive.targets(drives, points.y) - half).T
+        z = np.concatenate([one.sampling().z for one in annulus.families])
+        slips = annulus.halves(own.T @ self._slip(zone, annulus.y, z, count))
+        demanded = annulus.halves(own.T @ Drive.targets(drives, annulus.y))
+        each = zip(annulus.families, demanded, annulus.integrals(slips, 1), strict=True)
+        for target, wanted, half in each:
+            points, total = target.sampling(), (wanted - half).T
             for outside in (k for k in range(zone + 1, len(self.states)) if self.states[k]):
                 slip = self.states[outside] * self.parameters.friction
                 total -= slip * self._sources[outside].half_integral(points)[:, :count] @ own
@@ -217,10 +217,10 @@ class Driven(Tangential):
         return totals
 
 
-def _farther(last: Array, before: Array, share: float) -> Array:
-    """Return the last of two arrays, in whose columns the first is farther by a share."""
-    found = last.copy()
-    found[..., 0] += share * (found[..., 0] - before[..., 0])
+def _sum(arrays: Sequence[Array], weights: Sequence[float]) -> Array:
+    """Return the last of some arrays, whose first column is a sum of the first ones of all."""
+    found = arrays[-1].copy()
+    found[..., 0] = sum(w * one[..., 0] for w, one in zip(weights, arrays, strict=True))
     return found
 
 

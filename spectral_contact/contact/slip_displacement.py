@@ -100,16 +100,15 @@ def slip_displacement(
     for zone in zones:
         annulus, weighted = zone.annulus, zone.weighted_misfit
         halves, own = list[LogSeries](), list[Array]()
-        integrals = annulus.integrals(weighted, -1)
-        for family, e, total in zip(annulus.families, weighted, integrals, strict=True):
+        resisted = annulus.halves(beta * zone.sign * friction * pressure.at(annulus.y))
+        each = zip(annulus.families, weighted, annulus.integrals(weighted, -1), resisted, strict=True)
+        for family, e, total, q in each:
             for inner in _inside(stuck, annulus.inner):
                 total += _from_stuck_at_samples(inner, family)
             for inner_zone in zones[: len(fields)]:
                 total += _from_slipping(inner_zone, family)
             points = family.sampling()
-            values = total / (-pi * np.sqrt(points.z))
-            if beta > 0.0:
-                values += beta * zone.sign * friction * pressure.at(points.y)
+            values = q - total / (pi * np.sqrt(points.z))
             halves.append(sampled_series(family.panels, values))
             inner_error = family.truncated(e, 0.5) / _SMOOTHED
             unresolved = max(unresolved, inner_error + family.unresolved(halves[-1]))
@@ -136,7 +135,7 @@ def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
         return _from_stuck(zone, points)
     reach = -family.reach
     fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
-    return chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None])
+    return chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])[0]
 
 
 def _from_stuck(zone: Stuck, points: Points) -> Array:

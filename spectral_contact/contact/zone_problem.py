@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from math import inf
+from math import inf, prod
 from typing import cast
 
 import numpy as np
@@ -62,6 +62,8 @@ _FAR, _FAR_THIN = 0.03, 1e-4
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
 #: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
 _NEAR = ROUGH * PROBE
+_FEW_DIGITS, _TRIFLE, _NEARLY = 1e-9, 1e-4, 1e-4
+_AT_MOST, _MOST_WEIGHT = 3, 3.0
 
 
 class FreeBoundaryProblem:
@@ -265,6 +267,9 @@ class FreeBoundaryProblem:
 class StickDiskProblem(FreeBoundaryProblem):
     """Spaces for a stick disk under a given pressure; the radius, if any, is found in each."""
 
+    #: relative error of the slope
+    known = inf
+
     def find(self, layout: Layout) -> None:
         """Find the radius, and the slope there: roughly, or near that of a layout."""
         logit, slope = self._found(layout)
@@ -281,8 +286,12 @@ class StickDiskProblem(FreeBoundaryProblem):
         if self.parameters.beta == 0.0:
             return guessed_radius(*form, _NEAR, near)
         near = near or guessed_radius(*form, PROBE)
+        if self.tolerance >= _FEW_DIGITS:
+            return near
         small = self.spaces(ROUGH, np.array(near[:1]))
-        return root_near(lambda x: self._mismatch(small, x, rough=True), *near, _NEAR)
+        found = root_near(lambda x: self._mismatch(small, x, rough=True), *near, _NEAR)
+        self.known = ROUGH
+        return found
 
     def _mismatch(self, spaces: list[Resolution], logit: float, *, rough: bool = False) -> float:
         return float(self.at(spaces, np.array([logit]), rough=rough).mismatch[0])
@@ -325,27 +334,29 @@ class StickDiskProblem(FreeBoundaryProblem):
 
         def mismatch(logit: float) -> float:
             seen[logit] = self.at(spaces, np.array([logit]))
-            self._know_errors()  # a first one is not the last
-            return float(seen[logit].mismatch[0])
+            missed = float(seen[logit].mismatch[0])
+            if abs(missed) < _NEARLY:  # what is farther is not the last
+                self._know_errors()
+            return missed
 
-        # to rounding at any tolerance: next to the onset the slope of a small space is far off
+        error = max(ROUNDING, _TRIFLE * self.tolerance)
         if self.parameters.beta == 0.0:  # no field is in the condition
             form = self.drives[0], self.parameters, ROUNDING
             logit, slope = guessed_radius(*form, begin, accuracy=ROUNDING)
         else:
-            logit, slope = root_near(mismatch, *begin, known=ROUGH)
-        self.logits, self.slopes = np.array([logit]), np.array([[slope]])
-        if len(seen) < 2:
+            logit, slope = root_near(mismatch, *begin, error, known=self.known)
+        self.logits, self.slopes, self.known = np.array([logit]), np.array([[slope]]), ROUGH
+        self._know_errors()
+        states, apart = list(seen.values())[-_AT_MOST:], [x - logit for x in seen][-_AT_MOST:]
+        if len(states) < 2 or states[-1].system.count < len(self.drives):
             return None
-        (before, one), (last, two) = list(seen.items())[-2:]
-        step, share = logit - last, (logit - last) / (last - before)
-        # what is linear in both is right to the product of the distances
-        if abs(share) > 1.0 or abs(step * (logit - before)) > ROUNDING:
+        # a polynomial through these is right to the product of the distances
+        weights = [prod(b / (b - a) for b in apart if b != a) for a in apart]
+        if sum(map(abs, weights)) > _MOST_WEIGHT or abs(prod(apart)) > error:
             return None
-        systems = self.system(spaces, self.logits), two.system, one.system
-        system, *others = cast("list[Driven]", systems)
-        system.extrapolate(*others, share=share)
-        return two.extrapolated(one, share, system)
+        system = cast("Driven", self.system(spaces, self.logits))
+        system.extrapolate([cast("Driven", one.system) for one in states], weights)
+        return states[-1].extrapolated(states, weights, system)
 
     def assessed(
         self, spaces: list[Resolution], state: ZoneState | None = None

@@ -36,16 +36,16 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     ----------
     x : ndarray, shape (n,)
     coefficients : ndarray, shape (series, terms)
-    own : ndarray of int, shape (n,), optional
-        Which series each point has; by default there is one for all.
+    own : ndarray of int, shape (k, n), optional
+        Which series each point has, k times; by default it has all of them.
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape (k, n) or (series, n)
     """
     # as Chebyshev series: their recurrence has no factors that depend on the degree
     table = _to_chebyshev(coefficients.shape[1]) @ coefficients.T
-    return chebyshev_sums(x, table if own is None else np.take(table, own, axis=1))
+    return chebyshev_sums(x, table[:, :, None] if own is None else table.take(own, axis=1))
 
 
 def chebyshev_sums(x: Array, table: Array) -> Array:
@@ -53,16 +53,18 @@ def chebyshev_sums(x: Array, table: Array) -> Array:
 
     Parameters
     ----------
-    x : ndarray, shape (..., n)
-    table : ndarray, shape (terms, ..., n) or (terms, ..., 1)
-        Coefficients of the series that each point has, or of one for all.
+    x : ndarray, shape (n,)
+    table : ndarray, shape (terms, k, n) or (terms, k, 1)
+        Coefficients of the k series that each point has, or of those that all have.
 
     Returns
     -------
-    ndarray, shape (..., n)
+    ndarray, shape (k, n)
     """
-    rows = list(table)
-    doubled, product, later, last = 2.0 * x, np.empty(x.shape), np.zeros(x.shape), np.empty(x.shape)
+    rows, shape = list(table), (table.shape[1], len(x))
+    # of one shape, which is faster
+    x = np.concatenate([x] * shape[0]).reshape(shape)
+    doubled, product, later, last = 2.0 * x, np.empty(shape), np.zeros(shape), np.empty(shape)
     last[...] = rows[-1]
     for row in rows[-2:0:-1]:
         np.subtract(np.multiply(doubled, last, out=product), later, out=later)

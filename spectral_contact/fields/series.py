@@ -78,12 +78,13 @@ class LogSeries:
         return np.asarray(self.several([self], d)[0].reshape(shape))
 
     def on_panels_of(self, other: LogSeries | None) -> bool:
-        """Return whether another series has these panels and as many terms."""
-        return (
-            other is not None
-            and self.coefficients.shape == other.coefficients.shape
-            and (self.width, self.power) == (other.width, other.power)
-        )
+        """Return whether another series has these panels, as many terms and such a tail."""
+        return other is not None and self._form == other._form
+
+    @property
+    def _form(self) -> tuple[object, ...]:
+        shapes = self.coefficients.shape, self.tail.shape
+        return *shapes, self.width, self.power, self.root_tail, self.oscillation
 
     @staticmethod
     def several(series: Sequence[LogSeries | None], d: Array) -> Array:
@@ -94,7 +95,7 @@ class LogSeries:
         known = [one for one in series if one is not None]
         if not known:
             return np.zeros((len(series), len(d)))
-        first, count = known[0], len(known)
+        first = known[0]
         panels = len(first.coefficients)
         end = math.exp(-panels * first.width)
         local = np.log(np.maximum(d, end * 1e-2))
@@ -103,33 +104,32 @@ class LogSeries:
         local -= own + 0.5
         local *= 2.0
         np.minimum(np.maximum(local, -1.0, out=local), 1.0, out=local)
-        table = first.coefficients
-        if count > 1:
-            table = np.concatenate([one.coefficients for one in known])
-            own = (own + panels * np.arange(count)[:, None]).ravel()
-            local = np.tile(local, count)
-        result = legendre_sums(local, table, own).reshape(count, -1)
+        table = np.concatenate([one.coefficients for one in known])
+        result = legendre_sums(local, table, own + panels * np.arange(len(known))[:, None])
         deep = d < end
         if deep.any():
-            for row, one in zip(result, known, strict=True):
-                row[deep] = one._deep(d[deep], end)
+            result[:, deep] = LogSeries._deep(known, d[deep], end)
         if first.power != 0.0:
             with np.errstate(divide="ignore"):
                 result *= d**first.power
         return result
 
-    def _deep(self, d: Array, end: float) -> Array:
-        """Evaluate the tail."""
-        if self.oscillation == 0.0:
-            ratio = np.sqrt(d / end) if self.root_tail else d / end
-            sums = legendre_sums(2.0 * ratio - 1.0, self.tail[None, :])
-            if self.logarithm != 0.0:
-                with np.errstate(divide="ignore"):
-                    sums -= self.logarithm * np.log(d / end)
+    @staticmethod
+    def _deep(known: Sequence[LogSeries], d: Array, end: float) -> Array:
+        """Evaluate the tails of series, as rows."""
+        first = known[0]
+        tails = np.array([one.tail for one in known])
+        if first.oscillation == 0.0:
+            ratio = np.sqrt(d / end) if first.root_tail else d / end
+            sums = legendre_sums(2.0 * ratio - 1.0, tails)
+            for row, one in zip(sums, known, strict=True):
+                if one.logarithm != 0.0:
+                    with np.errstate(divide="ignore"):
+                        row -= one.logarithm * np.log(d / end)
             return sums
         inside = d > 0.0
-        phase = -self.oscillation * np.log(np.where(inside, d, end) / end)
-        wave = self.tail[0] * np.cos(phase) + self.tail[1] * np.sin(phase)
+        phase = -first.oscillation * np.log(np.where(inside, d, end) / end)
+        wave = tails @ np.array([np.cos(phase), np.sin(phase)])
         return np.where(inside, wave, np.nan)
 
     def value(self, d: float) -> float:
@@ -137,7 +137,7 @@ class LogSeries:
         panels = len(self.coefficients)
         end = math.exp(-panels * self.width)
         if d < end and (self.oscillation != 0.0 or self.logarithm != 0.0):
-            value = float(self._deep(np.array([d]), end)[0])
+            value = float(self._deep([self], np.array([d]), end)[0, 0])
         elif d < end:
             ratio = math.sqrt(d / end) if self.root_tail else d / end
             value = legendre_sum(2.0 * ratio - 1.0, self.tail.tolist())

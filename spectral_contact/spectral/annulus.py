@@ -40,6 +40,16 @@ class Annulus:
             Family(self.outer, -1, half, self.toward_outer),
         )
 
+    @cached_property
+    def y(self) -> Array:
+        """``1 - s**2`` at the sampling points of both halves."""
+        return np.concatenate([one.sampling().y for one in self.families])
+
+    def halves(self, values: Array) -> list[Array]:
+        """Return values (..., points) at the sampling points of either half."""
+        inner = len(self.toward_inner.distances)
+        return [values[..., :inner], values[..., inner:]]
+
     def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
         """Return integrals of functions at their own sampling points, on either half.
 

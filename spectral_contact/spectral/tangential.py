@@ -139,6 +139,8 @@ class Tangential(ABC):
         What is unknown, as vectors hold it.
     load : ndarray, shape (count,)
         ``int p s ds``.
+    given : bool
+        Whether the pressure is: a vector has the coefficient 1 of it, and 0 of its changes.
     """
 
     count: int
@@ -166,13 +168,9 @@ class Tangential(ABC):
         """Whether the matrix is, and positive definite: nothing slips that is unknown."""
         return self.given or not self.radii
 
-    @property
-    def given(self) -> bool:
-        """Whether the pressure is: a vector has the coefficient 1 of it, and 0 of its changes."""
-        return len(self.fields) == len(self.stick)
-
     def _place_shear(self) -> None:
         """Give u its places on the parts that stick."""
+        self.given = not self.fields
         panels = {k: self.parts[k].shear.panels for k in self.stick}
         own, self.unknowns = self._placed(panels, self.count)
         #: places of u
