@@ -149,7 +149,7 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     values = ratio(x)
     values[_GRID:] *= 1.0 - TRACTION_ROUNDING  # in the tail it differs from the edge by that
     i = int(np.argmax(values))
-    if values[i] <= abs(edge) * (1.0 + 2.0 * np.finfo(float).eps):
+    if values[i] <= abs(edge) * (1.0 + CLOSED_FORM_ROUNDING):  # the difference is rounding
         return LargestRatio(edge, abs(edge), 0.0)
     low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, len(x) - 1)])
     middle, half = (low + high) / 2.0, (high - low) / 2.0

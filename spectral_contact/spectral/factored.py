@@ -57,23 +57,29 @@ class Factored:
 
     @cached_property
     def first(self) -> Array:
-        """The solutions for unit approach, and for unit imbalances at boundaries, as columns."""
-        system, units = self.system, np.eye(1 + len(self.system.radii))
-        values = np.zeros((system.unknowns, len(units)))
+        """The solutions for unit approach, and for unit imbalances at boundaries, as columns.
+
+        Then those for a unit of every change of a pressure that is given.
+        """
+        system, count = self.system, 1 + len(self.system.radii)
+        changes = np.eye(system.count - 1) if system.given else np.zeros((0, 0))
+        values = np.zeros((system.unknowns, count + len(changes)))
         if system.symmetric and not system.given:
             values[: system.count, 0] = system.load
             return self.step(values)
         values[0, 0] = system.given
+        values[1 : 1 + len(changes), count:] = changes
+        units = np.eye(count, values.shape[1])
         values += self.step(system.tested(system.misfit(values, units[0], units[1:])))
         if not system.symmetric:  # next to a narrow edge that sticks factors lose what is there
-            nothing = np.zeros(len(units) - 1)
+            nothing = np.zeros(count - 1)
             values[:, 1:] += self.step(system.residual(values[:, 1:], nothing, units[1:, 1:]))
         return values
 
     @property
     def responses(self) -> Array:
         """The solutions for a unit imbalance at every boundary, without approach, as columns."""
-        return self.first[:, 1:]
+        return self.first[:, 1 : 1 + len(self.system.radii)]
 
     def change(self, values: Array, system: Tangential) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.
@@ -129,11 +135,8 @@ class Symmetric(Factored):
         changes = np.zeros((len(values), 2))
         for column, kept in zip(changes.T, self._kept, strict=True):
             column[self._order] = -self._cholesky.shed(values[self._order], kept)
-        if system.given:  # by as much less is known of the pressure
-            less = np.zeros_like(changes)
-            less[1 : system.count] = np.eye(system.count - 1, 2)
-            nothing = np.zeros(2), np.zeros((len(system.radii), 2))
-            changes += less + self.step(system.tested(system.misfit(less, *nothing)))
+        if system.given and system.count > 1:  # by as much less is known of the pressure
+            changes += self.first[:, 1 + len(system.radii) :]
         return [*changes.T]
 
     def energies(self, values: Array) -> Array:
