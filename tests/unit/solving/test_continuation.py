@@ -55,7 +55,7 @@ def test_zones_that_are_not_near_by_are_given_up(monkeypatch):
         return original(self)
 
     monkeypatch.setattr(zone_newton.ZonesNewton, "_corrected", counted)
-    continuation.solve(Scene(0.3, 0.05, 1.0, 0.1 / 7))  # slip reaches the edge there
+    continuation.solve(Scene(0.3, 0.05, 1.0, 0.2 / 7))  # slip reaches the edge there
     assert 0 < len(corrections) < zone_newton._STEPS / 2
 
 
