@@ -90,17 +90,25 @@ AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
 
 
 class Field(NamedTuple):
-    """An unknown field on a part: its panels, the degrees on them and its place in a vector."""
+    """An unknown field on a part.
+
+    Attributes
+    ----------
+    part : int
+    panels : LogPanels
+    degrees : tuple of int
+        The highest ones on its panels.
+    used : ndarray of int
+        The functions in use, among those of the panels.
+    own : slice
+        Its place in a vector.
+    """
 
     part: int
     panels: LogPanels
     degrees: Degrees
+    used: NDArray[np.int_]
     own: slice
-
-    @property
-    def used(self) -> NDArray[np.int_]:
-        """The functions in use, among those of the panels."""
-        return self.panels.functions(self.degrees)
 
     def of(self, values: Array) -> Array:
         """Return the coefficients in the whole basis."""
@@ -181,8 +189,10 @@ class Tangential(ABC):
         """Return fields on panels of parts, which follow each other, and where they end."""
         fields = []
         for k, own in panels.items():
-            stop = start + len(own.functions(self.parts[k].degrees))
-            fields.append(Field(k, own, self.parts[k].degrees, slice(start, stop)))
+            degrees = self.parts[k].degrees
+            used = own.functions(degrees)
+            stop = start + len(used)
+            fields.append(Field(k, own, degrees, used, slice(start, stop)))
             start = stop
         return fields, start
 
