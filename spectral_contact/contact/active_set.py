@@ -175,19 +175,19 @@ class RingState:
         return states
 
 
-def settle(law: RingLaw, states: Integers) -> tuple[RingState, int]:
-    """Change states until all obey the law; return the last one, and how many systems it took.
+def settle(law: RingLaw, states: Integers) -> RingState:
+    """Change states until all obey the law; return what follows from the last ones.
 
     All wrong rings change at once. If their number does not fall, the last of them alone does: then
     a positive definite problem is solved after finitely many changes (Judice and Pires, 1994).
     """
     fewest, patience = len(states) + 1, _PATIENCE
-    for iteration in range(1, _MOST + 1):
+    for _ in range(_MOST):
         state = law.solve(states)
         wanted = state.wanted()
         wrong = np.flatnonzero(wanted != states)
         if len(wrong) == 0:
-            return state, iteration
+            break
         if len(wrong) < fewest:
             fewest, patience = len(wrong), _PATIENCE
         elif patience > 0:
@@ -196,7 +196,7 @@ def settle(law: RingLaw, states: Integers) -> tuple[RingState, int]:
             wrong = wrong[-1:]
         states = states.copy()
         states[wrong] = wanted[wrong]
-    return state, _MOST
+    return state
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -212,14 +212,11 @@ class RingLayout:
         Between the zones, interpolated between rings; one fewer.
     on_rings : RingState
         The last of all.
-    iterations : int
-        Linear systems solved, on all grids.
     """
 
     states: tuple[int, ...]
     boundaries: tuple[Radius, ...]
     on_rings: RingState
-    iterations: int
 
     @property
     def settled(self) -> bool:
@@ -250,13 +247,10 @@ def ring_layout(
     """
     logits = graded_rings(rings, _EXPONENT, _WIDEST, DEEPEST, DEEPEST)
     states = np.zeros(len(logits) - 1, dtype=int)
-    iterations = 0
     # on smooth surfaces coupled full stick oscillates, so the states without coupling come first
     passes = [False] * coupled + [coupled] * (splits + 1)
     for number, back in enumerate(passes):
-        law = RingLaw(ring_operators(logits), parameters, coupled=back)
-        found, solved = settle(law, states)
-        iterations += solved
+        found = settle(RingLaw(ring_operators(logits), parameters, coupled=back), states)
         states = found.states
         if coupled <= number < len(passes) - 1:
             logits, states = _split(found)
@@ -266,7 +260,6 @@ def ring_layout(
         tuple(int(one) for one in states[np.append(last, len(states) - 1)]),
         tuple(Radius.from_logit(float(end)) for end in ends),
         found,
-        iterations,
     )
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.resolution import ROUGH, ROUNDING
+from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_source import SlipSource
 from spectral_contact.contact.zone_spaces import slip_panels
 from spectral_contact.fields.series import CENTRE, EDGE, Array, PressureField, Radius
@@ -40,10 +40,8 @@ class Driven(Tangential):
     drives : sequence of Drive
         Of the pressure, and of its changes.
     tolerance : float
-        Relative accuracy of what is asked.
-    rough : bool
-        Whether what slips is known to three digits. Else to rounding at any tolerance, as noise in
-        it looks like detail, and digits are cheap.
+        Relative accuracy of the displacement. What slips is known to rounding at any: noise in it
+        looks like detail, and digits are cheap.
     """
 
     def __init__(
@@ -54,12 +52,10 @@ class Driven(Tangential):
         parameters: Parameters,
         drives: Sequence[Drive],
         tolerance: float,
-        *,
-        rough: bool = False,
     ) -> None:
         super().__init__(radii, states, spaces, parameters)
         self.drives, self.count, self.fields = drives, len(drives), []
-        self._tolerance, self._accuracy = tolerance, ROUGH if rough else ROUNDING
+        self._tolerance = tolerance
         self._plain = True, True  # of one disk G vanishes at its rim
         self.load = np.zeros(self.count)
         self.load[0] = 1.0 / (2.0 * np.pi)
@@ -95,8 +91,8 @@ class Driven(Tangential):
             if state:
                 inner, outer = bounds[zone - 1 : zone + 1]
                 inside = self.parts[2 * zone - 2].family.reach
-                nodes, form = self.nodes[2 * zone - 2], (alpha, self._accuracy)
-                found[zone] = SlipSource(self._pressures, inner, outer, *form, nodes, inside)
+                form = alpha, ROUNDING, self.nodes[2 * zone - 2], inside
+                found[zone] = SlipSource(self._pressures, inner, outer, *form)
         return found
 
     def _slip(self, zone: int, y: Array, z: Array, count: int) -> Array:

@@ -53,8 +53,7 @@ def missing_stick(
     tuple of (float, float)
         Intervals of ``y = 1 - s**2``, outward; one that ends at 0 reaches the edge.
     """
-    y = np.concatenate([family.sampling().y for family in annulus.families])
-    to_edge = annulus.outer.from_edge == 0.0
+    y, to_edge = annulus.y, annulus.outer.from_edge == 0.0
     if to_edge:
         y, sample = np.append(y, 0.0), np.append(sample, at_edge)
     if not (sample > _NEGLIGIBLE * largest).any():

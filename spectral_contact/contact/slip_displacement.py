@@ -101,7 +101,9 @@ def slip_displacement(
         annulus, weighted = zone.annulus, zone.weighted_misfit
         halves, own = list[LogSeries](), list[Array]()
         resisted = annulus.halves(beta * zone.sign * friction * pressure.at(annulus.y))
-        each = zip(annulus.families, weighted, annulus.integrals(weighted, -1), resisted, strict=True)
+        each = zip(
+            annulus.families, weighted, annulus.integrals(weighted, -1), resisted, strict=True
+        )
         for family, e, total, q in each:
             for inner in _inside(stuck, annulus.inner):
                 total += _from_stuck_at_samples(inner, family)
@@ -135,7 +137,8 @@ def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
         return _from_stuck(zone, points)
     reach = -family.reach
     fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
-    return chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])[0]
+    [sums] = chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])
+    return np.asarray(sums)
 
 
 def _from_stuck(zone: Stuck, points: Points) -> Array:

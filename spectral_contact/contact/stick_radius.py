@@ -52,7 +52,6 @@ def root_near(
     slope: float,
     error: float = ROUNDING,
     *,
-    known: float = inf,
     least: float = LEAST_LOGIT,
 ) -> tuple[float, float]:
     """Return a root in logit(c**2) by secants, and the slope there; else one that is enclosed.
@@ -68,8 +67,6 @@ def root_near(
         A guess of the root, and of the slope.
     error : float
         Of the root, or relative beyond 1.
-    known : float
-        Relative error of the slope; infinite if that is a guess.
     least : float
         Below this logit no root is looked for.
     """
@@ -77,7 +74,7 @@ def root_near(
     if slope == 0.0:
         return _enclosed_root(function, x, value, error, least)
     last: tuple[float, float, float] | None = None  # x, value and secant at the point before
-    step, product, inverse = -value / slope, known, 1.0 / slope
+    step, product, inverse = -value / slope, inf, 1.0 / slope
     for _ in range(_SECANTS):
         step = max(min(step, _LONGEST), -_LONGEST)
         if abs(step) * product <= error * max(1.0, abs(x)):
@@ -86,7 +83,7 @@ def root_near(
             break
         fresh = function(x + step)
         rise, secant = fresh - value, inverse
-        if abs(rise) > NOISE or abs(step) > _SHORT or product == inf:
+        if abs(rise) > NOISE or abs(step) > _SHORT:
             if rise * step <= 0.0:
                 break
             secant = step / rise

@@ -52,16 +52,6 @@ _BESIDE, _TO_BOUNDARY = np.array([0, 1, 4]), np.array([4, -1]) / 3
 _FARTHER = 1.0 / float(_BESIDE.max())
 
 
-def _continuous(system: Tangential, factored: Factored, values: Array) -> tuple[Array, Array]:
-    """Return the imbalances that take the jumps out of a vector, and what they make of it."""
-    jumps = system.jumps
-    if system.parameters.beta == 0.0 or not len(jumps):
-        return -system.balances[1] @ values, values
-    felt, missed = jumps @ factored.responses, jumps @ values
-    imbalance = -missed / felt[0] if len(felt) == 1 else -np.linalg.solve(felt, missed)
-    return np.asarray(imbalance), np.asarray(values + factored.responses @ imbalance)
-
-
 @dataclass(eq=False)
 class ZoneState:
     """The solution for unit approach with a continuous traction.
@@ -88,14 +78,25 @@ class ZoneState:
         Of the system that is factored, or of one with the same matrix.
         """
         own = system or factored.system
-        imbalance, solution = _continuous(own, factored, factored.first[:, 0])
-        return cls(own, factored, solution, imbalance)
+        state = cls(own, factored, factored.first[:, 0], np.zeros(len(own.radii)))
+        state.imbalance, state.solution = state._continuous(state.solution)
+        return state
+
+    def _continuous(self, values: Array) -> tuple[Array, Array]:
+        """Return the imbalances that take the jumps out of a vector, and what they make of it."""
+        jumps = self.system.jumps
+        if self.system.parameters.beta == 0.0 or not len(jumps):
+            return -self.system.balances[1] @ values, values
+        responses = self.factored.responses
+        felt, missed = jumps @ responses, jumps @ values
+        imbalance = -missed / felt[0] if len(felt) == 1 else -np.linalg.solve(felt, missed)
+        return np.asarray(imbalance), np.asarray(values + responses @ imbalance)
 
     def corrected(self) -> tuple[ZoneState, Array]:
         """Return a better solution, and by how much it is changed."""
         missed = self.system.residual(self.solution[:, None], np.ones(1), self.imbalance[:, None])
         step = self.factored.step(missed)[:, 0]
-        imbalance, solution = _continuous(self.system, self.factored, self.solution + step)
+        imbalance, solution = self._continuous(self.solution + step)
         if self.system.parameters.beta > 0.0:
             imbalance = self.imbalance + imbalance
         return replace(self, solution=solution, imbalance=imbalance), solution - self.solution
@@ -166,7 +167,7 @@ class ZoneState:
     def effects(self) -> list[Effect]:
         """Return what the top two degrees of every panel contribute, and what the top one does."""
         changes = self.factored.change(self.solution, self.system)
-        return [self._at_unit_load(*_continuous(self.system, self.factored, one)) for one in changes]
+        return [self._at_unit_load(*self._continuous(one)) for one in changes]
 
     def _at_unit_load(self, imbalance: Array, change: Array) -> Effect:
         raised = -self.bearing(change) / self.bearing(self.solution)

@@ -62,8 +62,11 @@ _FAR, _FAR_THIN = 0.03, 1e-4
 _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
 #: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
 _NEAR = ROUGH * PROBE
-_FEW_DIGITS, _TRIFLE, _NEARLY = 1e-9, 1e-4, 1e-4
-_AT_MOST, _MOST_WEIGHT = 3, 3.0
+#: Tolerance from which on no small space comes first: with three evaluations a radius is known to
+#: 1e-13. So much smaller than it is what counts for nothing there, as rounding is here.
+_FEW_DIGITS = ROUGH**3
+#: What weights of solutions that tell another one come to at most: more makes their noise felt.
+_MOST_WEIGHT = 3
 
 
 class FreeBoundaryProblem:
@@ -122,11 +125,10 @@ class FreeBoundaryProblem:
         begin, (spaces, factors) = self.logits, self._sloped()
         settle = min(ROUGH, 0.5 * _STALE * self.narrowest)
         state = ZonesNewton(self, spaces, settle, factors).run(ROUGH)
-        narrowest = self.narrowest
         left = float(np.abs(np.linalg.solve(self.slopes, state.mismatch)).max())
-        if not left < _STALE * narrowest:
+        if not left < _STALE * self.narrowest:
             raise NoBoundariesError("no such boundaries are found")
-        if float(np.abs(self.logits - begin).max()) > _STALE * narrowest:
+        if self.drift(begin) > _STALE:
             self._sloped()
         return self.slopes
 
@@ -176,7 +178,9 @@ class FreeBoundaryProblem:
         known = self.drives and self.near  # to digits that are as good
         if len(self.slopes) and halfway < _FINER * ROUGH and not known:
             settle = max(self.tolerance, NOISE)
-            state = self._newton(self.spaces(halfway), settle).run(halfway)
+            spaces = self.spaces(halfway)
+            factors = factored(self.system(spaces, self.logits))
+            state = ZonesNewton(self, spaces, settle, factors).run(halfway)
             last = np.linalg.solve(self.slopes, state.mismatch)
             if float(np.abs(last).max()) < settle:  # it saves a system in the first space
                 self.logits = self.logits - last
@@ -188,8 +192,8 @@ class FreeBoundaryProblem:
         """Return the spaces of all parts, of one like that of `start`."""
         return parted(resolution, self._counts, self.parameters.alpha)
 
-    def system(self, spaces: list[Resolution], logits: Array, *, rough: bool = False) -> Tangential:
-        """Return the equations with given boundaries; `rough` is that of `Driven`.
+    def system(self, spaces: list[Resolution], logits: Array) -> Tangential:
+        """Return the equations with given boundaries.
 
         Raises
         ------
@@ -202,14 +206,10 @@ class FreeBoundaryProblem:
             raise NoBoundariesError("the last zone vanishes")
         form = radii, self.states, spaces, self.parameters
         if self.drives:
-            return Driven(*form, self.drives, self.tolerance, rough=rough)
+            return Driven(*form, self.drives, self.tolerance)
         return System(*form)
 
     # solutions
-
-    def _newton(self, spaces: list[Resolution], settle: float) -> ZonesNewton:
-        factors = factored(self.system(spaces, self.logits))
-        return ZonesNewton(self, spaces, settle, factors)
 
     def settled(self, state: ZoneState, aim: float) -> ZoneState:
         """Correct a solution at given boundaries, as far as is aimed."""
@@ -253,7 +253,8 @@ class FreeBoundaryProblem:
         if self.drives:
             self._know_errors()
         least = TRIFLING * self.goal
-        newton = self._newton(spaces, max(least, NOISE))
+        factors = factored(self.system(spaces, self.logits))
+        newton = ZonesNewton(self, spaces, max(least, NOISE), factors)
         state = newton.run(max(least, 2.0 * ROUNDING))
         if not newton.settled and not self.tells(state):
             self._sloped(ROUNDING)  # next to the onset of a zone steps say nothing of slopes
@@ -266,9 +267,6 @@ class FreeBoundaryProblem:
 
 class StickDiskProblem(FreeBoundaryProblem):
     """Spaces for a stick disk under a given pressure; the radius, if any, is found in each."""
-
-    #: relative error of the slope
-    known = inf
 
     def find(self, layout: Layout) -> None:
         """Find the radius, and the slope there: roughly, or near that of a layout."""
@@ -286,31 +284,24 @@ class StickDiskProblem(FreeBoundaryProblem):
         if self.parameters.beta == 0.0:
             return guessed_radius(*form, _NEAR, near)
         near = near or guessed_radius(*form, PROBE)
-        if self.tolerance >= _FEW_DIGITS:
+        if self.tolerance > _FEW_DIGITS:  # three evaluations in the first space are enough
             return near
         small = self.spaces(ROUGH, np.array(near[:1]))
-        found = root_near(lambda x: self._mismatch(small, x, rough=True), *near, _NEAR)
-        self.known = ROUGH
-        return found
+        return root_near(lambda x: self._mismatch(small, x), *near, _NEAR)
 
-    def _mismatch(self, spaces: list[Resolution], logit: float, *, rough: bool = False) -> float:
-        return float(self.at(spaces, np.array([logit]), rough=rough).mismatch[0])
+    def _mismatch(self, spaces: list[Resolution], logit: float) -> float:
+        return float(self.at(spaces, np.array([logit])).mismatch[0])
 
     def at(
-        self,
-        spaces: list[Resolution],
-        logits: Array,
-        factors: Factored | None = None,
-        *,
-        rough: bool = False,
+        self, spaces: list[Resolution], logits: Array, factors: Factored | None = None
     ) -> ZoneState:
-        """Return the solution with a given radius, to rounding, or roughly."""
-        system = self.system(spaces, logits, rough=rough)
+        """Return the solution with a given radius, to rounding."""
+        system = self.system(spaces, logits)
         state = ZoneState.begin(factors or factored(system), system)
         # the normal equations lose digits where compliance is small
         radius = system.radii[0].value if system.radii else 1.0
         stiff = self.parameters.beta < HARMLESS * radius
-        for _ in range((factors is not None) + (stiff and not rough)):
+        for _ in range((factors is not None) + stiff):
             state, _ = state.corrected()
         return state
 
@@ -326,45 +317,43 @@ class StickDiskProblem(FreeBoundaryProblem):
         """Solve in a space."""
         spaces = self.parted(resolution)
         self.drives = self.drives[:1]
-        return self.assessed(spaces, self._at_root(spaces) if len(self.logits) else None)
+        return self.assessed(spaces, *(self._at_root(spaces) if len(self.logits) else ()))
 
-    def _at_root(self, spaces: list[Resolution]) -> ZoneState | None:
-        """Find the radius; return the solution there if two others tell it."""
-        begin, seen = (float(self.logits[0]), float(self.slopes[0, 0])), dict[float, ZoneState]()
+    def _at_root(self, spaces: list[Resolution]) -> tuple[ZoneState | None, float]:
+        """Find the radius; return the solution there, if others tell it, and what it is off."""
+        seen = dict[float, ZoneState]()
 
         def mismatch(logit: float) -> float:
             seen[logit] = self.at(spaces, np.array([logit]))
-            missed = float(seen[logit].mismatch[0])
-            if abs(missed) < _NEARLY:  # what is farther is not the last
-                self._know_errors()
-            return missed
+            self._know_errors()  # a first one is not the last
+            return float(seen[logit].mismatch[0])
 
-        error = max(ROUNDING, _TRIFLE * self.tolerance)
+        begin, close = (float(self.logits[0]), float(self.slopes[0, 0])), ROUNDING
         if self.parameters.beta == 0.0:  # no field is in the condition
-            form = self.drives[0], self.parameters, ROUNDING
-            logit, slope = guessed_radius(*form, begin, accuracy=ROUNDING)
+            form = self.drives[0], self.parameters, close
+            logit, slope = guessed_radius(*form, begin, accuracy=close)
         else:
-            logit, slope = root_near(mismatch, *begin, error, known=self.known)
-        self.logits, self.slopes, self.known = np.array([logit]), np.array([[slope]]), ROUGH
-        self._know_errors()
-        states, apart = list(seen.values())[-_AT_MOST:], [x - logit for x in seen][-_AT_MOST:]
-        if len(states) < 2 or states[-1].system.count < len(self.drives):
-            return None
-        # a polynomial through these is right to the product of the distances
-        weights = [prod(b / (b - a) for b in apart if b != a) for a in apart]
-        if sum(map(abs, weights)) > _MOST_WEIGHT or abs(prod(apart)) > error:
-            return None
+            close = max(close, close / _FEW_DIGITS * self.tolerance)
+            logit, slope = root_near(mismatch, *begin, close)
+        self.logits, self.slopes = np.array([logit]), np.array([[slope]])
+        if len(seen) < 2:
+            return None, 0.0
+        # a polynomial through the last three is right to the product of the distances
+        states, apart = list(seen.values())[-3:], [x - logit for x in seen][-3:]
+        weights, off = [prod(b / (b - a) for b in apart if b != a) for a in apart], abs(prod(apart))
+        if sum(map(abs, weights)) > _MOST_WEIGHT or off > close:
+            return None, 0.0
         system = cast("Driven", self.system(spaces, self.logits))
         system.extrapolate([cast("Driven", one.system) for one in states], weights)
-        return states[-1].extrapolated(states, weights, system)
+        return states[-1].extrapolated(states, weights, system), off
 
     def assessed(
-        self, spaces: list[Resolution], state: ZoneState | None = None
+        self, spaces: list[Resolution], state: ZoneState | None = None, left: float = 0.0
     ) -> Attempt[ZoneSolution]:
-        """Return the solution with the radius as it is, with its errors."""
+        """Return the solution with the radius as it is, with its errors and what is left."""
         self._know_errors()
         state, own = state or self.at(spaces, self.logits), len(spaces[0].degrees)
-        attempt = Assessment(self, spaces, state, 0.0).attempt()
+        attempt = Assessment(self, spaces, state, left).attempt()
         return replace(
             attempt,
             error=attempt.error if self.pointwise else attempt.value.shear_error,

@@ -79,12 +79,13 @@ class LogSeries:
 
     def on_panels_of(self, other: LogSeries | None) -> bool:
         """Return whether another series has these panels, as many terms and such a tail."""
-        return other is not None and self._form == other._form
-
-    @property
-    def _form(self) -> tuple[object, ...]:
-        shapes = self.coefficients.shape, self.tail.shape
-        return *shapes, self.width, self.power, self.root_tail, self.oscillation
+        if other is None:
+            return False
+        one, two = (
+            (s.coefficients.shape, s.tail.shape, s.width, s.power, s.root_tail, s.oscillation)
+            for s in (self, other)
+        )
+        return one == two
 
     @staticmethod
     def several(series: Sequence[LogSeries | None], d: Array) -> Array:

@@ -90,19 +90,7 @@ AT_END = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
 
 
 class Field(NamedTuple):
-    """An unknown field on a part.
-
-    Attributes
-    ----------
-    part : int
-    panels : LogPanels
-    degrees : tuple of int
-        The highest ones on its panels.
-    used : ndarray of int
-        The functions in use, among those of the panels.
-    own : slice
-        Its place in a vector.
-    """
+    """An unknown field on a part: panels, degrees, functions in use and its place in a vector."""
 
     part: int
     panels: LogPanels

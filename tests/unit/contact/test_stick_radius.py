@@ -43,7 +43,7 @@ def test_a_rough_root_and_its_slope(name, away):
 def test_a_root_is_polished_in_three_steps(name):
     function, root, slope = FUNCTIONS[name]
     call, places = counted(function)
-    found, _ = root_near(call, root + 1e-6, slope * (1.0 + 1e-3), known=1e-3)
+    found, _ = root_near(call, root + 1e-6, slope * (1.0 + 1e-3))
     assert found == pytest.approx(root, abs=4e-15)
     assert len(places) <= 3
 
@@ -75,7 +75,7 @@ def test_next_to_an_onset_a_root_is_enclosed():
     def almost(x):  # from far away secants take a step of 0.7 each
         return 1e-14 - math.exp(-x)
 
-    found, slope = root_near(almost, 11.2, math.exp(-11.2), known=1e-3)
+    found, slope = root_near(almost, 11.2, math.exp(-11.2))
     assert found == pytest.approx(14.0 * math.log(10.0), abs=1e-12)
     assert slope == pytest.approx(1e-14, rel=1e-2)
 
@@ -87,7 +87,7 @@ def test_a_bracket_narrows_however_small_the_values_are():
 
 def test_a_flat_function_has_no_root_to_enclose():
     with pytest.raises(NoStickDiskError):
-        root_near(lambda x: -math.exp(-x), 11.2, math.exp(-11.2), known=1e-3)
+        root_near(lambda x: -math.exp(-x), 11.2, math.exp(-11.2))
 
 
 #: ``1 - c`` at alpha* = 1, beta* = 0.5, nu = 0.3, by `reference` to 20 digits.
