@@ -35,7 +35,7 @@ _NODES, _ = gauss_rule(_POINTS)
 _SLOPE = legder(legendre_expansion_matrix(_POINTS, _POINTS - 1))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FullStick:
     """Full stick for unit load; without elastic coupling everything tangential is for kappa = 1.
 

@@ -9,7 +9,6 @@ zero in stick by the tangential equation. Everything is for kappa = 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -41,16 +40,14 @@ if TYPE_CHECKING:
 _SMOOTHED = 16.0
 
 
-@dataclass(frozen=True, slots=True)
-class Stuck:
+class Stuck(NamedTuple):
     """A stick zone: quadrature of ``t^2 E dt`` over it, point sets with their weighted values."""
 
     outer: Radius
     parts: tuple[tuple[Points, Array], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Slipping:
+class Slipping(NamedTuple):
     """A slip zone: the annulus, the sign of its traction, and E at its sampling points."""
 
     annulus: Annulus

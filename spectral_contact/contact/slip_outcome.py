@@ -50,7 +50,7 @@ _HARDLY_KNOWN = 0.1
 _BROKEN = 1e-6
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PartialSlip(ZoneNumbers):
     """Fields, zones and displacement, held against the friction law.
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, starmap
 from math import inf, pi
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.factored import Symmetric
 
 
-@dataclass(frozen=True, slots=True)
-class FieldErrors:
+class FieldErrors(NamedTuple):
     """Estimates for p and for q/s; what every panel adds, and its fall with one more degree."""
 
     pressure: float
@@ -124,7 +123,7 @@ BENT = 8.0
 _NOISE, _GIVEN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ZoneSolution(ZoneNumbers):
     """The solution on any zones, before it is held against the friction law.
 

@@ -204,8 +204,7 @@ _ROUNDED = 1e-9
 _LEAST_ANGLE = 0.03
 
 
-@dataclass(frozen=True, slots=True)
-class _Move:
+class _Move(NamedTuple):
     """A step of the boundaries, and what their conditions missed before it."""
 
     step: Array

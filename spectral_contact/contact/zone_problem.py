@@ -42,7 +42,6 @@ from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.regularised import HARMLESS
-from spectral_contact.spectral.system import System
 from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
@@ -201,12 +200,13 @@ class FreeBoundaryProblem:
             If a zone vanishes.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        narrowest = _NARROWEST * self.parameters.alpha
-        if len(radii) > 1 and radii[-1].rest < narrowest:
+        if len(radii) > 1 and radii[-1].rest < _NARROWEST * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
         form = radii, self.states, spaces, self.parameters
         if self.drives:
             return Driven(*form, self.drives, self.tolerance)
+        from spectral_contact.spectral.system import System
+
         return System(*form)
 
     # solutions
