@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect
 from dataclasses import dataclass
 from math import log
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,7 @@ def logit_at(x: float) -> float:
     return float(np.log(-np.expm1(-x)) + x)
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """Boundaries between zones, and what every zone does: 0 stick, +1 or -1 slip with that sign.
 
     Attributes
@@ -65,7 +65,7 @@ def unmoved(logit: float) -> Layout:
     return Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ZoneNumbers:
     """What is said of zones for unit load; without elastic coupling for kappa = 1.
 

@@ -308,7 +308,6 @@ class DrivenSearch(ZoneSearch):
             return refine(problem, tolerance, self.max_unknowns)
 
 
-@dataclass
 class CoupledSearch(ZoneSearch):
     """The search with elastic coupling, where pressure and traction are one system.
 
@@ -353,7 +352,7 @@ class CoupledSearch(ZoneSearch):
         told = (found.settled or self._smooth) and not found.centre_unseen
         if told and found.on_rings.positive:
             yield self._to_the_edge([one.logit for one in found.boundaries], found.states)
-        yield replace(_DISK, logits=violated.logits[:1]) if violated.logits else _WIDE_DISK
+        yield _DISK._replace(logits=violated.logits[:1]) if violated.logits else _WIDE_DISK
 
     def _possible(self, layout: Layout) -> bool:
         """Return whether there is slip, and the edge may be as it is.
@@ -412,7 +411,7 @@ class CoupledSearch(ZoneSearch):
         assert layout.slopes is not None
         # conditions rise as the distance from the edge does
         narrower = exp(layout.logits[0] - near.logits[0])
-        return replace(layout, logits=near.logits, slopes=narrower * layout.slopes)
+        return layout._replace(logits=near.logits, slopes=narrower * layout.slopes)
 
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -82,8 +81,8 @@ class ZonePath:
             return layout
         slopes = [one.slopes for _, one in self._known[-2:] if one.slopes is not None]
         if len(times) > 1 and len(slopes) == 2 and len(layout.states) > 2:
-            layout = replace(layout, slopes=extrapolated(times[:2], slopes[::-1]))
-        return replace(layout, logits=tuple(guess.tolist()))
+            layout = layout._replace(slopes=extrapolated(times[:2], slopes[::-1]))
+        return layout._replace(logits=tuple(guess.tolist()))
 
     def _on_the_line(self, ahead: Place, along: float) -> tuple[list[float], list[Array]]:
         """Return the latest scenes behind the last one: how far, and their boundaries."""
@@ -145,7 +144,7 @@ class StickPath:
         near = sorted(self._known, key=lambda one: abs(one - along))[:_NEIGHBOURS]
         logits = [np.array(self._known[one].logits) for one in near]
         logit = extrapolated([1.0 + one - along for one in near], logits)
-        return replace(self._known[near[0]], logits=tuple(logit.tolist()))
+        return self._known[near[0]]._replace(logits=tuple(logit.tolist()))
 
 
 def _way(start: Place, end: Place) -> Place:
