@@ -215,7 +215,7 @@ class _Move(NamedTuple):
 _NOTHING = _Move(np.zeros(0), 0.0, np.zeros(0))
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Pace:
     """What corrections with the same factors at the same boundaries come to.
 

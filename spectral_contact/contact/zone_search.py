@@ -68,7 +68,7 @@ class NoZonesError(ArithmeticError):
     """No guess of the zones obeys the friction law; the text says what is amiss with each."""
 
 
-@dataclass
+@dataclass(eq=False)
 class ZoneSearch(ABC):
     """Solves for guesses until the friction law holds.
 
@@ -175,7 +175,7 @@ class ZoneSearch(ABC):
         """Return the best of those that do not obey the law, or whose sense of slip is unknown."""
 
 
-@dataclass
+@dataclass(eq=False)
 class DrivenSearch(ZoneSearch):
     """The search under a pressure that is given, for kappa = 1.
 
