@@ -188,6 +188,13 @@ MUTANTS = (
         f"{_UNIT}/solving/test_continuation.py -k given_up",
     ),
     Mutant(
+        "a solution that others tell counts as solved",
+        f"{_CONTACT}/zone_problem.py",
+        "return states[-1].extrapolated(states, weights, system), off",
+        "return states[-1].extrapolated(states, weights, system), 0.0",
+        f"{_UNIT}/contact/test_stick_radius.py -k few_solves",
+    ),
+    Mutant(
         "of several stick annuli one is solved for",
         f"{_PACKAGE}/spectral/tangential.py",
         "if part.state == 0]",

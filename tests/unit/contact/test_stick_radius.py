@@ -142,3 +142,18 @@ def test_full_stick_is_no_answer_where_friction_bears_far_less(monkeypatch):
     assert solution.ending is Ending.ZONES
     assert not solution.converged
     assert solution.error.violation == pytest.approx(solution.critical_friction / 0.05 - 1.0)
+
+
+@pytest.mark.parametrize(
+    ("scene", "rtol"),
+    [
+        (Scene(0.486, 2.702e7, 1.0414e7, 9.7912e-11), 1.93e-4),
+        (Scene(-0.203, 1.0546e9, 2.138e8, 1.0865e-10), 1.81e-3),
+    ],
+)
+def test_what_few_solves_tell_of_a_radius_has_its_error(scene, rtol):
+    found, truth = solve(scene, rtol), solve(scene, 1e-12)
+    assert found.converged
+    assert truth.converged
+    assert abs(found.stick_radius / truth.stick_radius - 1.0) <= found.error.stick_radius
+    assert found.error.stick_radius < 1e-9  # it has far more digits than were asked for
