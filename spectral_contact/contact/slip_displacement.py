@@ -98,9 +98,8 @@ def slip_displacement(
         annulus, weighted = zone.annulus, zone.weighted_misfit
         halves, own = list[LogSeries](), list[Array]()
         resisted = annulus.halves(beta * zone.sign * friction * pressure.at(annulus.y))
-        each = zip(
-            annulus.families, weighted, annulus.integrals(weighted, -1), resisted, strict=True
-        )
+        integrals = annulus.integrals(weighted, -1)
+        each = zip(annulus.families, weighted, integrals, resisted, strict=True)
         for family, e, total, q in each:
             for inner in _inside(stuck, annulus.inner):
                 total += _from_stuck_at_samples(inner, family)

@@ -105,8 +105,12 @@ def least_logit(parameters: Parameters) -> float:
 
 
 def slope_at(function: Callable[[float], float], x: float) -> float:
-    """Return the slope by a central difference."""
-    return (function(x + _BESIDE) - function(x - _BESIDE)) / (2.0 * _BESIDE)
+    """Return the slope by a central difference, near by if that is no rounding: spaces may jump."""
+    for step in (_SHORT, _BESIDE):
+        rise = function(x + step) - function(x - step)
+        if abs(rise) > NOISE / _SHORT:
+            break
+    return rise / (2.0 * step)
 
 
 def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:
@@ -147,7 +151,6 @@ def _enclosed_root(
             raise NoStickDiskError(at_centre=value > 0.0)
         fresh = function(other)
     root = toms748(function, min(x, other), max(x, other), xtol=error) if x != other else x
-    # nearer by than that the difference may be rounding
     slope = slope_at(function, root)
     if slope <= 0.0:
         raise NoStickDiskError(at_centre=root < 0.0)

@@ -62,7 +62,7 @@ _FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
 #: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
 _NEAR = ROUGH * PROBE
 #: Tolerance from which on no small space comes first: with three evaluations a radius is known to
-#: 1e-13. So much smaller than it is what counts for nothing there, as rounding is here.
+#: 1e-13. So much smaller is what counts for nothing, as rounding here, of what slips.
 _FEW_DIGITS = ROUGH**3
 #: What weights of solutions that tell another one come to at most: more makes their noise felt.
 _MOST_WEIGHT = 3
@@ -333,7 +333,7 @@ class StickDiskProblem(FreeBoundaryProblem):
             form = self.drives[0], self.parameters, close
             logit, slope = guessed_radius(*form, begin, accuracy=close)
         else:
-            close = max(close, close / _FEW_DIGITS * self.tolerance)
+            close *= max(self.tolerance / _FEW_DIGITS * Radius.from_logit(begin[0]).rest, 1.0)
             logit, slope = root_near(mismatch, *begin, close)
         self.logits, self.slopes = np.array([logit]), np.array([[slope]])
         if len(seen) < 2:
