@@ -57,7 +57,7 @@ class Factored:
 
     @cached_property
     def first(self) -> Array:
-        """The solutions for unit approach, imbalances and changes of a given pressure, as columns."""
+        """Solutions for unit approach, imbalances and changes of a given pressure, as columns."""
         system, count = self.system, 1 + len(self.system.radii)
         changes = np.eye(system.count - 1) if system.given else np.zeros((0, 0))
         values = np.zeros((system.unknowns, count + len(changes)))
