@@ -97,7 +97,8 @@ def slip_displacement(
     for zone in zones:
         annulus, weighted = zone.annulus, zone.weighted_misfit
         halves, own = list[LogSeries](), list[Array]()
-        resisted = annulus.halves(beta * zone.sign * friction * pressure.at(annulus.y))
+        p = pressure.at(annulus.y) if beta > 0.0 else np.zeros(annulus.y.shape)
+        resisted = annulus.halves(beta * zone.sign * friction * p)
         integrals = annulus.integrals(weighted, -1)
         each = zip(annulus.families, weighted, integrals, resisted, strict=True)
         for family, e, total, q in each:
@@ -133,8 +134,7 @@ def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
         return _from_stuck(zone, points)
     reach = -family.reach
     fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
-    [sums] = chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])
-    return np.asarray(sums)
+    return np.asarray(chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])[0])
 
 
 def _from_stuck(zone: Stuck, points: Points) -> Array:

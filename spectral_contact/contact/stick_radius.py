@@ -23,7 +23,7 @@ SLOPING, _MOST_SHARE = 1e-8, 0.2
 #: A change of the condition as small as its noise after a step as short as this is rounding by one
 #: per cent, and no slope follows.
 _SHORT = 1e-3
-#: Half the step of a difference that is a slope to two digits.
+#: Half the step of a slope to two digits, where one of `_SHORT` shows rounding.
 _BESIDE = 0.05
 #: Steps of the secant, of which 4 are enough but next to onsets.
 _SECANTS = 10

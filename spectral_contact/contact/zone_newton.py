@@ -101,14 +101,15 @@ class ZoneState:
             imbalance = self.imbalance + imbalance
         return replace(self, solution=solution, imbalance=imbalance), solution - self.solution
 
+    @staticmethod
     def extrapolated(
-        self, states: Sequence[ZoneState], weights: Sequence[float], system: Tangential
+        states: Sequence[ZoneState], weights: Sequence[float], system: Tangential
     ) -> ZoneState:
-        """Return that of a system as a sum of states, the last of which this is."""
-        each, solution = list(zip(weights, states, strict=True)), self.solution.copy()
+        """Return that of a system as a sum of states; of changes it has what the last one has."""
+        each, solution = list(zip(weights, states, strict=True)), states[-1].solution.copy()
         solution[system.count :] = sum(w * one.solution[one.system.count :] for w, one in each)
         imbalance = np.asarray(sum(w * one.imbalance for w, one in each))
-        return replace(self, system=system, solution=solution, imbalance=imbalance)
+        return replace(states[-1], system=system, solution=solution, imbalance=imbalance)
 
     def bearing(self, values: Array) -> float:
         """Return ``int p s ds``."""

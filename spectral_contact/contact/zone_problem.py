@@ -177,9 +177,7 @@ class FreeBoundaryProblem:
         known = self.drives and self.near  # to digits that are as good
         if len(self.slopes) and halfway < _FINER * ROUGH and not known:
             settle = max(self.tolerance, NOISE)
-            spaces = self.spaces(halfway)
-            factors = factored(self.system(spaces, self.logits))
-            state = ZonesNewton(self, spaces, settle, factors).run(halfway)
+            state = self._newton(self.spaces(halfway), settle).run(halfway)
             last = np.linalg.solve(self.slopes, state.mismatch)
             if float(np.abs(last).max()) < settle:  # it saves a system in the first space
                 self.logits = self.logits - last
@@ -210,6 +208,10 @@ class FreeBoundaryProblem:
         return System(*form)
 
     # solutions
+
+    def _newton(self, spaces: list[Resolution], settle: float) -> ZonesNewton:
+        factors = factored(self.system(spaces, self.logits))
+        return ZonesNewton(self, spaces, settle, factors)
 
     def settled(self, state: ZoneState, aim: float) -> ZoneState:
         """Correct a solution at given boundaries, as far as is aimed."""
@@ -253,8 +255,7 @@ class FreeBoundaryProblem:
         if self.drives:
             self._know_errors()
         least = TRIFLING * self.goal
-        factors = factored(self.system(spaces, self.logits))
-        newton = ZonesNewton(self, spaces, max(least, NOISE), factors)
+        newton = self._newton(spaces, max(least, NOISE))
         state = newton.run(max(least, 2.0 * ROUNDING))
         if not newton.settled and not self.tells(state):
             self._sloped(ROUNDING)  # next to the onset of a zone steps say nothing of slopes
@@ -287,7 +288,7 @@ class StickDiskProblem(FreeBoundaryProblem):
         if self.tolerance > _FEW_DIGITS:  # three evaluations in the first space are enough
             return near
         small = self.spaces(ROUGH, np.array(near[:1]))
-        return root_near(lambda x: self._mismatch(small, x), *near, _NEAR)
+        return root_near(partial(self._mismatch, small), *near, _NEAR)
 
     def _mismatch(self, spaces: list[Resolution], logit: float) -> float:
         return float(self.at(spaces, np.array([logit])).mismatch[0])
@@ -299,9 +300,8 @@ class StickDiskProblem(FreeBoundaryProblem):
         system = self.system(spaces, logits)
         state = ZoneState.begin(factors or factored(system), system)
         # the normal equations lose digits where compliance is small
-        radius = system.radii[0].value if system.radii else 1.0
-        stiff = self.parameters.beta < HARMLESS * radius
-        for _ in range((factors is not None) + stiff):
+        rim = system.radii[0].value if system.radii else 1.0
+        for _ in range((factors is not None) + (self.parameters.beta < HARMLESS * rim)):
             state, _ = state.corrected()
         return state
 
@@ -345,7 +345,7 @@ class StickDiskProblem(FreeBoundaryProblem):
             return None, 0.0
         system = cast("Driven", self.system(spaces, self.logits))
         system.extrapolate([cast("Driven", one.system) for one in states], weights)
-        return states[-1].extrapolated(states, weights, system), off
+        return ZoneState.extrapolated(states, weights, system), off
 
     def assessed(
         self, spaces: list[Resolution], state: ZoneState | None = None, left: float = 0.0

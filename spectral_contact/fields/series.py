@@ -79,10 +79,8 @@ class LogSeries:
 
     def on_panels_of(self, other: LogSeries | None) -> bool:
         """Return whether another series has these panels, as many terms and such a tail."""
-        if other is None:
-            return False
         one, two = (
-            (s.coefficients.shape, s.tail.shape, s.width, s.power, s.root_tail, s.oscillation)
+            s and (s.coefficients.shape, s.tail.shape, s.width, s.power, s.root_tail, s.oscillation)
             for s in (self, other)
         )
         return one == two

@@ -59,13 +59,13 @@ class Factored:
     def first(self) -> Array:
         """Solutions for unit approach, imbalances and changes of a given pressure, as columns."""
         system, count = self.system, 1 + len(self.system.radii)
-        changes = np.eye(system.count - 1) if system.given else np.zeros((0, 0))
-        values = np.zeros((system.unknowns, count + len(changes)))
+        changes = system.count - 1 if system.given else 0
+        values = np.zeros((system.unknowns, count + changes))
         if system.symmetric and not system.given:
             values[: system.count, 0] = system.load
             return self.step(values)
         values[0, 0] = system.given
-        values[1 : 1 + len(changes), count:] = changes
+        values[1 : 1 + changes, count:] = np.eye(changes)
         units = np.eye(count, values.shape[1])
         values += self.step(system.tested(system.misfit(values, units[0], units[1:])))
         if not system.symmetric:  # next to a narrow edge that sticks factors lose what is there

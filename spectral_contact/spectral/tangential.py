@@ -178,9 +178,8 @@ class Tangential(ABC):
         for k, own in panels.items():
             degrees = self.parts[k].degrees
             used = own.functions(degrees)
-            stop = start + len(used)
-            fields.append(Field(k, own, degrees, used, slice(start, stop)))
-            start = stop
+            fields.append(Field(k, own, degrees, used, slice(start, start + len(used))))
+            start += len(used)
         return fields, start
 
     def _place_nodes(self, each: Sequence[Degrees]) -> None:

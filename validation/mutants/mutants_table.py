@@ -190,8 +190,8 @@ MUTANTS = (
     Mutant(
         "a solution that others tell counts as solved",
         f"{_CONTACT}/zone_problem.py",
-        "return states[-1].extrapolated(states, weights, system), off",
-        "return states[-1].extrapolated(states, weights, system), 0.0",
+        "return ZoneState.extrapolated(states, weights, system), off",
+        "return ZoneState.extrapolated(states, weights, system), 0.0",
         f"{_UNIT}/contact/test_stick_radius.py -k few_solves",
     ),
     Mutant(
