@@ -71,8 +71,6 @@ class ZonePath:
         last, layout = self._known[-1]
         ahead = _way(last, place)
         along = max(ahead, key=abs)
-        if len(layout.states) == 2 and any(ahead[:2]):
-            return None  # one stick disk is cheap to find anew
         if not 0.0 < abs(along) <= _FARTHEST:
             return layout if along == 0.0 else None
         times, logits = self._on_the_line(ahead, along)
@@ -80,7 +78,7 @@ class ZonePath:
         if (np.diff(guess) <= 0.0).any():
             return layout
         slopes = [one.slopes for _, one in self._known[-2:] if one.slopes is not None]
-        if len(times) > 1 and len(slopes) == 2 and len(layout.states) > 2:
+        if len(times) > 1 and len(slopes) == 2:
             layout = layout._replace(slopes=extrapolated(times[:2], slopes[::-1]))
         return layout._replace(logits=tuple(guess.tolist()))
 

@@ -181,9 +181,9 @@ def test_the_path_of_the_zones():
     path.add(place(0.2), Layout((-0.5,), (0, 1), 2 * slopes))
     near = path.near(place(0.4))
     assert near.logits[0] == pytest.approx(0.0)
-    assert near.slopes == 2 * slopes  # those of the last
+    assert near.slopes == pytest.approx(3 * slopes)
     assert path.near(place(0.2)).logits == (-0.5,)  # the same scene again
-    assert path.near(place(0.2, 1.1)) is None  # other compliances
+    assert path.near(place(0.2, 1.1)).logits == (-0.5,)  # other compliances, near by
     path.add(place(0.2), Layout((-0.5,), (0, 1), slopes))  # twice the same gives no direction
     assert path.near(place(0.25)).logits == (-0.5,)
     path.add(place(0.3), None)
