@@ -9,6 +9,7 @@ refused: an array where a number belongs is a mistake more often than a wish.
 import math
 import numbers
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NoReturn
 
 import numpy as np
@@ -67,9 +68,14 @@ def real(
 
 def within(parameter: str, value: object, interval: str) -> float:
     """Return a real number of an interval that is written as an error has it: ``"in (0, 0.5]"``."""
+    return real(parameter, value, allowed=interval, **_bounds(interval))
+
+
+@cache
+def _bounds(interval: str) -> dict[str, Any]:
     low, high = map(float, interval[4:-1].split(", "))
     opened = {"low_open": interval[3] == "(", "high_open": interval[-1] == ")"}
-    return real(parameter, value, allowed=interval, low=low, high=high, **opened)
+    return {"low": low, "high": high, **opened}
 
 
 def positive(parameter: str, value: object, unit: str = "") -> float:

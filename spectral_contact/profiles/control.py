@@ -48,8 +48,7 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     The scene is a mapping of all that it has, the compliance checked already.
     """
     profile, compliance = scene["profile"], scene["normal_compliance"]
-    values = {name: scene[name] for name in ALL_CONTROLS}
-    given = {name: value for name, value in values.items() if value is not None}
+    given = {name: scene[name] for name in ALL_CONTROLS if scene[name] is not None}
     if profile is None:
         for name, value in given.items():
             told = "None without a profile: a flat punch's radius and load are the units"
@@ -61,7 +60,7 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     _check_others(scene, profile)
     if len(given) != 1:
         told = "one value, the others None: give one of them with a profile"
-        raise SceneError(", ".join(ALL_CONTROLS), tuple(values.values()), told)
+        raise SceneError(", ".join(ALL_CONTROLS), tuple(map(scene.get, ALL_CONTROLS)), told)
     [(name, value)] = given.items()
     if name == "separation":
         return {name: _separated(value, scene["layer"])}

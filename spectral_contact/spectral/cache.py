@@ -15,8 +15,8 @@ from weakref import WeakSet
 
 import numpy as np
 
-#: What holds no arrays.
-_PLAIN = {bool, float, int, str, type(None)}
+#: What holds no arrays, and whose objects may.
+_PLAIN, _PACKAGE = {bool, float, int, str, type(None)}, __name__.partition(".")[0]
 
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
@@ -120,16 +120,16 @@ def _bytes(value: Any, seen: set[int]) -> int:
     todo, total = [value], 0
     while todo:
         one = todo.pop()
-        if type(one) in _PLAIN:
-            continue
-        if id(one) in seen or isinstance(one, BoundedCache):  # whose entries count by themselves
+        kind = type(one)
+        if kind in _PLAIN or id(one) in seen:
             continue
         seen.add(id(one))
         if isinstance(one, np.ndarray):
             total += one.nbytes
         elif isinstance(one, (list, tuple)):
             todo += one
-        elif type(one).__module__.startswith(__name__.partition(".")[0]):
+        elif kind.__module__.startswith(_PACKAGE) and kind is not BoundedCache:
+            # entries of caches count by themselves
             todo += [getattr(one, name, None) for name in getattr(one, "__slots__", ())]
             todo += getattr(one, "__dict__", {}).values()
     return total
