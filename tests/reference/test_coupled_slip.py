@@ -224,7 +224,7 @@ def test_the_pressure_is_right_next_to_a_centre_that_slips(alpha):
     assert fall == pytest.approx(scene.kappa * 0.003 * depth, rel=2e-2)
 
 
-@pytest.mark.parametrize(("nu", "friction"), [(0.3, 3e-3), (0.3, 1e-2), (-0.5, 3e-3), (0.0, 1e-6)])
+@pytest.mark.parametrize(("nu", "friction"), [(-0.5, 1e-2), (0.0, 1e-6)])
 def test_without_compliance_the_pressure_at_a_centre_that_slips_is_a_power(nu, friction):
     # which nothing tells the solver of a thin layer, whose panels resolve it
     smooth = solve(Scene(nu, 0.0, 0.0, friction, coupling=True), 2e-9)

@@ -101,8 +101,8 @@ CALLS = {
     "sweep": lambda x, _: sc.sweep([x.scene], rtol=1e-3),
 }
 #: What takes a second is tried where kinds differ.
-SLOW = {"inside, picture"}
-SLOWLY = {"coupled", "SI", "smooth corner", "ball in SI", "power layer"}
+SLOW = {"inside, picture", "energies", "largest"}
+SLOWLY = {"ball, coupled", "coupled", "SI", "smooth corner", "ball in SI", "power layer"}
 #: What is refused: everything else is done.
 FLAT_HAVE_NONE = {"indentation"}
 NOT_UNDER_LAYERS = {
