@@ -102,8 +102,7 @@ def _with_fields(
         shares = [(panels, one) for one in each]
     else:
         pressure, shares = drive.pressure, [(panels, solved.indicators)]
-    stick = replace(
-        stick,
+    stick = stick._replace(
         pressure=pressure,
         traction=DiskSeries(EDGE, q),
         opening=opening,

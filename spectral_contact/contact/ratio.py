@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 from math import exp, inf, log
 from typing import NamedTuple
 
@@ -35,8 +34,7 @@ _NODES, _ = gauss_rule(_POINTS)
 _SLOPE = legder(legendre_expansion_matrix(_POINTS, _POINTS - 1))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FullStick:
+class FullStick(NamedTuple):
     """Full stick for unit load; without elastic coupling everything tangential is for kappa = 1.
 
     Attributes
@@ -102,8 +100,7 @@ class FullStick:
             places = sum(_share_at(*one, y) for one in shares)
             return FIELD_ROUNDING + _AT_ONE_PLACE * places + (at_edge if y < exp(-depth) else 0.0)
 
-        return replace(
-            self,
+        return self._replace(
             edge_ratio=edge,
             critical=critical,
             critical_at=where,
