@@ -34,6 +34,8 @@ _PANELS: Final = 24
 _BLOCK: Final = 256
 #: Where q/p is sampled on every panel to find its maximum, and how often that is zoomed in on.
 _SAMPLES, _ZOOMS = 16, 5
+#: The share of a panel next to its ends where coefficients that are rounding add up.
+_BESIDE: Final = 0.05
 #: A grid of all pairs of compliances may have this many times the pairs that are wanted.
 _SPARE: Final = 4
 
@@ -90,8 +92,10 @@ class StickSpectrum:
         self.coupling = own.T @ space.moments(self._targets(space.y)).T
         self.shear = space.shear_moments @ self.modes
         tail = self.panels.tail_terms
-        #: ``q/s`` of the modes at the edge: Legendre polynomials at -1
-        self.edge = (-1.0) ** np.arange(tail) @ self.modes[-tail:]
+        #: Legendre polynomials at -1
+        self._signs = (-1.0) ** np.arange(degree + 1)
+        #: ``q/s`` of the modes at the edge
+        self.edge = self._signs[:tail] @ self.modes[-tail:]
 
     def _targets(self, d: Array) -> Array:
         """Return R of every mode of the pressure, shape (modes, places); see `contact.drive`."""
@@ -121,8 +125,10 @@ class StickSpectrum:
         shear, edge = found
         return shear, edge / edge_pressure[a]
 
-    def critical(self, alpha: Array, beta: Array, edge_ratio: Array) -> Array:
-        """Return the largest ``|q|/(kappa p)`` of full stick, for pairs of compliances.
+    def critical(self, alpha: Array, beta: Array, edge_ratio: Array) -> tuple[Array, Array]:
+        """Return the largest ``|q|/(kappa p)`` of full stick, and what ends of panels round in it.
+
+        For pairs of compliances.
 
         Parameters
         ----------
@@ -130,7 +136,7 @@ class StickSpectrum:
         edge_ratio : ndarray, shape (scenes,)
             As `shear_and_edge` returns it.
         """
-        critical = np.abs(edge_ratio)
+        critical, jumps = np.abs(edge_ratio), np.zeros(len(alpha))
         alphas, own = np.unique(alpha, return_inverse=True)
         pressure, _ = self.normal.pressure(alphas)
         demands = pressure @ self.coupling.T
@@ -142,12 +148,16 @@ class StickSpectrum:
             for i in range(0, len(members), _BLOCK):
                 part = members[i : i + _BLOCK]
                 tractions = (demands[k] / (beta[part, None] + self.values)) @ self.modes.T
-                inside = self._largest(tractions, fields[k])
+                inside, jumps[part] = self._largest(tractions, fields[k])
                 critical[part] = np.maximum(critical[part], inside)
-        return critical
+        return critical, jumps
 
-    def _largest(self, tractions: Array, pressure: Array) -> Array:
-        """Return the largest ``s |u| / p`` on the panels, for rows of coefficients of u."""
+    def _largest(self, tractions: Array, pressure: Array) -> tuple[Array, Array]:
+        """Return the largest ``s |u| / p`` on the panels, for rows of coefficients of u.
+
+        And by how much, relatively, q/p jumps where that is next to an end of a panel: rounding of
+        up to 5e-12 there, which no difference of degrees at other places shows.
+        """
         terms = self.panels.degree + 1
         count = _PANELS * terms
         q = tractions[:, :count].reshape(-1, _PANELS, terms)
@@ -172,7 +182,12 @@ class StickSpectrum:
             best = np.argmax(ratio, axis=1)
             where = places[rows[:, 0], best]
             step /= 4.0
-        return _vertex(ratio, np.clip(best, 1, len(offsets) - 2))
+        each, place = np.arange(len(q)), where / PANEL_WIDTH
+        end = np.clip(np.rint(place).astype(np.intp), 1, _PANELS - 1)
+        left = q[each, end - 1].sum(axis=1) / p[end - 1].sum(axis=1)
+        right = q[each, end] @ self._signs / (p[end] @ self._signs)
+        jump = np.where(np.abs(place - end) < _BESIDE, np.abs(right / left - 1.0), 0.0)
+        return _vertex(ratio, np.clip(best, 1, len(offsets) - 2)), jump
 
 
 def _row_products(left: Array, a: Indices, right: Array, b: Indices) -> Array:

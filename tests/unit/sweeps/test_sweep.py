@@ -271,15 +271,22 @@ def random_compliances(count, low=-14.0, high=14.0, seed=0):
     return 10.0 ** np.random.default_rng(seed).uniform(low, high, (2, count))
 
 
-def test_the_largest_ratio_is_honest_where_its_estimate_is_sharp():
-    """Of random scenes this one has an error of a third of its estimate."""
-    alpha, beta = np.array([1.7898407193182815e-05]), np.array([0.000578126341820688])
+@pytest.mark.parametrize(
+    ("alpha", "beta"),
+    [
+        (1.7898407193182815e-05, 0.000578126341820688),  # errors of a third of the estimate
+        (2.2179200615552816e-06, 0.005779007720117387),  # the maximum is next to an end of a panel
+        (10.0, 1.2e-6),  # degrees 16, 18 and 20 round alike at the edge
+    ],
+)
+def test_ratios_are_honest_where_estimates_are_sharp(alpha, beta):
     spectra = error_maps.certified_stick(1e-12)
-    (_, edge), _ = spectra.shear_and_edge(alpha, beta)
-    [critical], [estimate] = spectra.critical(alpha, beta, edge)
-    scene = Scene(0.3, float(alpha[0]), float(beta[0]), math.inf)
-    truth = solve(scene, 1e-12, ["critical_friction"]).critical_friction / scene.kappa
-    assert abs(critical / truth - 1.0) <= estimate
+    (_, [edge]), (_, [edge_error]) = spectra.shear_and_edge(np.array([alpha]), np.array([beta]))
+    [critical], [estimate] = spectra.critical(np.array([alpha]), np.array([beta]), np.array([edge]))
+    scene = Scene(0.3, alpha, beta, math.inf)
+    truth = solve(scene, 1e-12, ["critical_friction", "edge_ratio"])
+    assert abs(critical * scene.kappa / truth.critical_friction - 1.0) <= estimate
+    assert abs(abs(edge) * scene.kappa / truth.edge_ratio - 1.0) <= edge_error
 
 
 @pytest.mark.parametrize("rtol", [1e-8, 1e-12])
