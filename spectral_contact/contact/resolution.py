@@ -28,6 +28,9 @@ TRIFLING = 0.01
 #: Tolerance of spaces and steps in which boundaries are found first, and of spaces in which they
 #: are looked at by the way, or one disk begins: 0.03 saves it 1 % of its solutions there.
 ROUGH, PROBE = 1e-3, 1e-2
+#: Relative distance from the critical friction up to which full stick may stand for slip that is
+#: not found.
+ONSET = 1e-4
 #: Next to no divisor.
 TINY = float(np.finfo(float).tiny)
 #: ``-ln`` of the rounding of doubles: a boundary is not known more closely.

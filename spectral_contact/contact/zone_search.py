@@ -20,7 +20,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, NoBoundariesError, unmoved
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import DEEPEST
+from spectral_contact.contact.resolution import DEEPEST, ONSET
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     all_slip,
@@ -311,8 +311,9 @@ class DrivenSearch(ZoneSearch):
 class CoupledSearch(ZoneSearch):
     """The search with elastic coupling, where pressure and traction are one system.
 
-    Guesses are narrow slip where full stick breaks the law, what an active set finds on rings, and
-    one stick disk. Of 600 random scenes, half of them at thresholds, none needed another one.
+    Guesses are narrow slip where full stick breaks the law, what an active set finds on rings, all
+    slip there, and one stick disk. Of 600 random scenes, half of them at thresholds, none needed
+    another one.
     """
 
     def _tried(self) -> Iterator[PartialSlip]:
@@ -341,7 +342,7 @@ class CoupledSearch(ZoneSearch):
         return [Radius.from_logit(one.logit).value for one in found if one.possible]
 
     def _guesses(self) -> Iterator[Layout]:
-        """Yield narrow slip by full stick, zones on rings, and one disk."""
+        """Yield slip by full stick where it is narrow, zones on rings, and one disk."""
         from spectral_contact.contact.active_set import ring_layout
         from spectral_contact.contact.onset import is_narrow
 
@@ -352,6 +353,8 @@ class CoupledSearch(ZoneSearch):
         told = (found.settled or self._smooth) and not found.centre_unseen
         if told and found.on_rings.positive:
             yield self._to_the_edge([one.logit for one in found.boundaries], found.states)
+        if 1.0 - self.parameters.friction / self.stick.critical > ONSET:  # else full stick will do
+            yield violated
         yield _DISK._replace(logits=violated.logits[:1]) if violated.logits else _WIDE_DISK
 
     def _possible(self, layout: Layout) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.resolution import ONSET, NormalContact
 from spectral_contact.errors import NotComputedError
 from spectral_contact.solution import (
     COUPLING,
@@ -34,11 +34,10 @@ if TYPE_CHECKING:
 __all__ = ["CoupledRun"]
 
 
-#: Relative distance from the critical friction up to which full stick may stand for slip that is
-#: not found, and its error at that distance, in units of it.
-_ONSET, _ROOM = 1e-4, 3.0
+#: The error of full stick that stands for slip, in units of what friction lacks.
+_ROOM = 3.0
 #: Tolerance of full stick at which it is seen that a scene is that close.
-_DECIDES = 0.1 * _ONSET
+_DECIDES = 0.1 * ONSET
 #: A distance at which slip is not looked for if full stick is good enough; and one at which
 #: rounding hides it: at 1e-11 all annuli were found, at 1e-12 some, at 1e-13 hardly any.
 _HIDDEN, _ROUNDED = 1e-8, 3e-13
@@ -153,7 +152,7 @@ class CoupledRun(Run):
         try:
             found = search.outcome()
         except NoZonesError as missing:
-            if unsure <= _ONSET:
+            if unsure <= ONSET:
                 return None
             closer = closer_tolerance(search.tolerance)
             # without a compliance it takes seconds
@@ -170,7 +169,7 @@ class CoupledRun(Run):
             found.pressure_error, found.traction_error, found.shear_error, found.approach_error
         )
         good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
-        return found if good or unsure > _ONSET else None
+        return found if good or unsure > ONSET else None
 
     def _about_to_slip(self, stick: FullStick, lack: float, radius_error: float) -> None:
         """Take full stick, with room for the slip that was not found.
