@@ -16,10 +16,8 @@ import numpy as np
 
 from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.zone_derivatives import radius_slopes
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
-from spectral_contact.fields.series import Radius
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
@@ -137,12 +135,7 @@ def _slopes(solver: _Solver, scene: Scene, rtol: float) -> tuple[float, ...]:
     alpha, beta, friction = (getattr(scene, name) or 0.0 for name in PARAMETERS)
     if len(solution.zones) == 1:
         return (0.0, 0.0, 0.0)
-    if len(solution.zones) > 2:
-        known = SolutionSlopes(solution, SLOPE_ERROR)
-        each = zip(PARAMETERS, (alpha, beta, friction), strict=True)
-        return tuple(one and one * known.scalar("stick_radius", name) for name, one in each)
-    disk, ratio = solution.zones[0], friction / scene.kappa
-    rim = Radius(disk.outer, disk.outer_from_edge)
-    slopes = radius_slopes(alpha, beta, ratio, rim.logit, SLOPE_ERROR, _MOST_UNKNOWNS)
-    moved = 0.5 * rim.value * rim.rest * np.array([alpha, beta, ratio]) * slopes
+    known = SolutionSlopes(solution, SLOPE_ERROR)
+    each = zip(PARAMETERS, (alpha, beta, friction), strict=True)
+    moved = [one and one * known.scalar("stick_radius", name) for name, one in each]
     return tuple(np.where(np.isfinite(moved), moved, 0.0).tolist())

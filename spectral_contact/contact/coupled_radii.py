@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES, stick_excess
-from spectral_contact.contact.resolution import DEEPEST, PROBE, series_of
-from spectral_contact.fields.series import Array
+from spectral_contact.contact.resolution import DEEPEST, PROBE
+from spectral_contact.contact.zone_fields import positive
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_newton import ZoneState
@@ -65,7 +65,9 @@ def stick_radii(
         return float(problem.rough(logit).mismatch[0])
 
     solved = ((one, problem.rough(one)) for one in logits)
-    trials = takewhile(lambda pair: not contacts or _positive(_parts(pair[1])[:-1]), solved)
+    trials = takewhile(
+        lambda pair: not contacts or positive(pair[1].system.series(pair[1].solution)[0]), solved
+    )
     for (low, first), (high, second) in pairwise(trials):
         if (first.mismatch[0] > 0.0) != (second.mismatch[0] > 0.0):
             root = float(brentq(condition, low, high, xtol=_NEAR))
@@ -79,23 +81,11 @@ def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
-def _parts(state: ZoneState) -> list[Array]:
-    """Return p on the disk, above its rim and below the edge, and then q/s on the disk."""
-    pressure, shear = state.system.split(state.solution)
-    parts = [part.family.panels for part in state.system.parts]
-    pairs = zip([*parts, parts[0]], [*pressure, shear[0]], strict=True)
-    return [series_of(one, values)(DISTANCES) for one, values in pairs]
-
-
-def _positive(pressure: list[Array]) -> bool:
-    return min(float(one.min()) for one in pressure) > 0.0
-
-
 def _described(logit: float, state: ZoneState) -> PossibleRadius:
     """Return what the fields at a radius are like."""
-    *pressure, shear = _parts(state)
-    if not _positive(pressure):
+    pressures, shears = state.system.series(state.solution)
+    if not positive(pressures):
         return PossibleRadius(logit, False, inf)
-    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * shear
-    excess = stick_excess(state.system.parameters.friction, [(q, pressure[0])])
+    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * shears[0](DISTANCES)
+    excess = stick_excess(state.system.parameters.friction, [(q, pressures[0](DISTANCES))])
     return PossibleRadius(logit, True, excess)

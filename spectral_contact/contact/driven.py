@@ -16,7 +16,7 @@ from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.slip_source import SlipSource
 from spectral_contact.contact.zone_spaces import slip_panels
-from spectral_contact.fields.series import CENTRE, EDGE, Array, PressureField, Radius
+from spectral_contact.fields.series import EDGE, Array, PressureField, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import Block, block
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
@@ -86,10 +86,10 @@ class Driven(Tangential):
     @cached_property
     def _sources(self) -> dict[int, SlipSource]:
         """The slip zones, as what is inside of them sees them."""
-        bounds, alpha, found = (*self.radii, EDGE), self.parameters.alpha, {}
+        alpha, found = self.parameters.alpha, {}
         for zone, state in enumerate(self.states):
             if state:
-                inner, outer = bounds[zone - 1 : zone + 1]
+                inner, outer = self.bounds[zone : zone + 2]
                 inside = self.parts[2 * zone - 2].family.reach
                 form = alpha, ROUNDING, self.nodes[2 * zone - 2], inside
                 found[zone] = SlipSource(self._pressures, inner, outer, *form)
@@ -174,21 +174,13 @@ class Driven(Tangential):
         some = values[self.count :].any()
         return {k: values[own] for k, own in self.shear.items()} if some else {}
 
-    def matrix(self) -> Array:
-        """Return the matrix of `residual`, but for roundings: the pressure is given."""
-        matrix = np.zeros((self.unknowns, self.unknowns))
-        self._add_tangential(matrix)
-        matrix = self._with_masses(matrix)
-        matrix[: self.count] = np.eye(self.count, self.unknowns)
-        return matrix
-
     # slip
 
     def slip_zone(self, zone: int) -> Annulus:
         """Return the panels of the displacement in a slip zone."""
-        bounds, (alpha, beta, _, _) = (CENTRE, *self.radii, EDGE), self.parameters
-        panels = slip_panels(bounds, zone, alpha, beta, self._tolerance)
-        return Annulus(bounds[zone], bounds[zone + 1], *panels)
+        alpha, beta, _, _ = self.parameters
+        panels = slip_panels(self.bounds, zone, alpha, beta, self._tolerance)
+        return Annulus(self.bounds[zone], self.bounds[zone + 1], *panels)
 
     def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
         """Return E at the sampling points of a slip zone, of vectors as columns."""

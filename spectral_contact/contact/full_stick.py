@@ -23,7 +23,6 @@ from spectral_contact.contact.resolution import (
     TINY,
     crossing,
     places,
-    series_of,
     share_of_change,
     starting_resolution,
 )
@@ -31,6 +30,7 @@ from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, si
 from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.graded import graded_nodes
+from spectral_contact.spectral.transforms import series_of
 
 
 def full_stick(
@@ -91,8 +91,7 @@ def _with_fields(
     stick: FullStick, solved: Attempt[ZoneSolution], drive: Drive | None, *, ratios: bool
 ) -> FullStick:
     """Return full stick with its fields, and with their ratio where it means something."""
-    zones, system, [q], opening = solved.value, solved.value.system, solved.value.shears, None
-    assert q is not None
+    zones, system, q, opening = solved.value, solved.value.system, solved.value.shears[0], None
     panels = system.fields[-1].panels
     if drive is None:
         p, q = ended(zones.pressures[0], q, system.parameters, 1.0)

@@ -9,7 +9,7 @@ pressure vanish at the edge (docs/theory, profiles).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, log, pi
+from math import inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from spectral_contact.contact.on_parts import (
     PartedProblem,
     edge_value,
     field_of,
-    first_space,
+    layer_depth,
     pointwise_errors,
     profile_parts,
     series_on_parts,
@@ -27,10 +27,10 @@ from spectral_contact.contact.on_parts import (
 from spectral_contact.contact.refine import Attempt, Refinement, fitted, refine
 from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING
 from spectral_contact.contact.smooth_indented import smooth_contact
-from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution
-from spectral_contact.spectral.regularised import Change, Regularised
+from spectral_contact.spectral.regularised import Regularised
 from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
@@ -80,16 +80,6 @@ class _TwoPressures:
     flat_edge: float
 
 
-@dataclass(frozen=True, slots=True)
-class _IntegralErrors:
-    """Errors of ``eps``, and of the integrals of the half-integrals at a given ``eps``."""
-
-    shift: float
-    load: float
-    flat: float
-    work: float
-
-
 class _IndentationProblem(PartedProblem):
     """Spaces for a contact under a profile."""
 
@@ -105,14 +95,9 @@ class _IndentationProblem(PartedProblem):
         self.profile, self.radius = profile, radius
         #: in units of the contact radius
         self.compliance = compliance / radius
-        super().__init__(profile_parts(profile, radius), tolerance, pointwise=pointwise)
-
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
-        """Return the first space of a part."""
-        thin = min(self.compliance, 1.0)
-        # in units of the extent in s**2
-        width = min(thin * max(boundary.value, thin) / extent, 1.0)
-        return first_space(self, boundary, -log(width))
+        parts, thin = profile_parts(profile, radius), min(self.compliance, 1.0)
+        depths = [layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends]
+        super().__init__(parts, depths, tolerance, pointwise=pointwise)
 
     def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
         """Solve in a space."""
@@ -168,8 +153,13 @@ class _IndentationProblem(PartedProblem):
         energy, approach, whole_height = found.work / a**3, found.approach / a, self._whole_height
         change, mean = solved.factored.change(solved.whole), 4 / pi * moment
         indicators, rates = pointwise_errors(self.parts, used, solved.whole, change, mean)
-        errors = self._integral_errors(solved, change, used[-1][0], rates)
-        shifted = errors.shift + _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
+        falls, own = np.append(rates**2, 1.0), change.energies
+        flat = _INTEGRATED * solved.factored.change(solved.flat).energies
+        load_lost = pi / 2.0 * float(np.sqrt(_INTEGRATED * own * flat) @ falls)
+        work_lost = _INTEGRATED * pi * float(own @ falls)
+        lost = float(np.abs(change.coefficients[-used[-1].panels.tail_terms :]).sum())
+        noise = _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
+        shifted = _EDGE * lost / solved.flat_edge + noise
         pressure_error = float(indicators.max()) + _ROUNDINGS * FIELD_ROUNDING
         place = ROUNDING * max((a / (a - b) for b in self.profile.breaks if b < a), default=0.0)
         shifted += _PLACE * place * approach
@@ -179,9 +169,9 @@ class _IndentationProblem(PartedProblem):
         indentation = replace(
             found,
             approach_error=shifted / approach + ROUNDING,
-            load_error=(shifted * flat_moment + errors.load) / moment + ROUNDING,
-            work_error=(4 * shifted * moment + errors.work) / energy + ROUNDING,
-            stiffness_error=errors.flat / flat_moment + 2.0 * ROUNDING,
+            load_error=(shifted * flat_moment + load_lost) / moment + ROUNDING,
+            work_error=(4 * shifted * moment + work_lost) / energy + ROUNDING,
+            stiffness_error=pi / 2.0 * float(flat @ falls) / flat_moment + 2.0 * ROUNDING,
             pressure_error=pressure_error,
         )
         error = max(indentation.approach_error, indentation.load_error)
@@ -190,21 +180,6 @@ class _IndentationProblem(PartedProblem):
         else:
             indicators, rates = indicators**2, rates**2
         return Attempt(indentation, error, indicators, rates, space.unknowns)
-
-    def _integral_errors(
-        self, solved: _TwoPressures, change: Change, edge: LogPanels, rates: Array
-    ) -> _IntegralErrors:
-        """Return the errors of what is integrated, and of the shift, which all of it inherits."""
-        falls = np.append(rates**2, 1.0)
-        own = change.energies
-        flat = solved.factored.change(solved.flat).energies
-        lost = float(np.abs(change.coefficients[-edge.tail_terms :]).sum())
-        return _IntegralErrors(
-            _EDGE * lost / solved.flat_edge,
-            _INTEGRATED * pi / 2.0 * float(np.sqrt(own * flat) @ falls),
-            _INTEGRATED * pi / 2.0 * float(flat @ falls),
-            _INTEGRATED * pi * float(own @ falls),
-        )
 
     def _growth(self, edge: LogSeries, reach: float, flat_edge: float) -> float:
         """Return ``ddelta/da``, from how the pressure falls to the edge."""

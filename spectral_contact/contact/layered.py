@@ -10,7 +10,7 @@ makes w vanish there; else it is the approach.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, pi
 from typing import TYPE_CHECKING
 
@@ -37,15 +37,6 @@ _ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
 _PLACES = np.linspace(0.0, 1.0, 257)
 
 
-@dataclass(frozen=True, slots=True)
-class _Last:
-    """The solution in the space before."""
-
-    form: Form
-    overclosure: Array
-    shift: float
-
-
 class Layered(ABC):
     """What is solved in any space.
 
@@ -58,7 +49,8 @@ class Layered(ABC):
 
     def __init__(self, setting: LayeredSetting, *, pointwise: bool) -> None:
         self.setting, self.pointwise = setting, pointwise
-        self._last: _Last | None = None
+        #: the space before, and the solution there
+        self._last: tuple[Form, LayeredFields] | None = None
 
     @abstractmethod
     def _form(self, resolution: Resolution) -> Form:
@@ -66,14 +58,15 @@ class Layered(ABC):
 
     def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
         """Solve in a space."""
-        form, last = self._form(resolution), self._last
+        form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)
-        if last is None:
+        if self._last is None:
             begin = solver.local()
         else:
-            begin = form.carried(last.overclosure, last.form), last.shift
+            old, last = self._last
+            begin = form.carried(last.overclosure, old), last.shift
         fields = solver.solved(*begin)
-        self._last = _Last(form, fields.overclosure, fields.shift)
+        self._last = form, fields
         return self._judged(solver, fields)
 
     def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:

@@ -18,10 +18,10 @@ from spectral_contact.contact.layered import Layered, at_centre
 from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import setting_at_approach
 from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
-from spectral_contact.contact.on_parts import Indentation, PartedProblem, first_space
+from spectral_contact.contact.on_parts import Indentation, PartedProblem
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.errors import SceneError
-from spectral_contact.fields.series import EDGE, Radius
+from spectral_contact.fields.series import EDGE
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -56,14 +56,12 @@ class LayeredProblem(Layered, PartedProblem):
 
     def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
         Layered.__init__(self, setting, pointwise=pointwise)
-        self._features = iter(zip(setting.depths, setting.smooth, strict=True))
-        PartedProblem.__init__(self, setting.parts, tolerance, pointwise=pointwise)
+        PartedProblem.__init__(self, setting.parts, setting.depths, tolerance, pointwise=pointwise)
 
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
-        depth, smooth = next(self._features)
-        space = first_space(self, boundary, depth)
-        if not smooth:
-            if self.pointwise or boundary is not EDGE:
+    def _first(self, part: int, depth: float) -> Resolution:
+        space = super()._first(part, depth)
+        if not self.setting.smooth[part]:
+            if self.pointwise or self.parts.ends[part][0] is not EDGE:
                 return space
             depth += log(_MISSED) - 2.0 * log(self.tolerance)
             more = max(ceil(depth / space.panels.width) - len(space.degrees), 0)

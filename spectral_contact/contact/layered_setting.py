@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layered_newton import LayeredSetting, balanced
-from spectral_contact.contact.on_parts import profile_parts
+from spectral_contact.contact.on_parts import layer_depth, profile_parts
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.layers.base import Layer
@@ -80,7 +80,7 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Laye
     for boundary, _, extent in parts.ends:
         smooth.append(boundary in turns or boundary is EDGE)
         known = depth if boundary in turns and turn == knee else 0.0
-        depths.append(known if smooth[-1] else _depth(thin, boundary, extent))
+        depths.append(known if smooth[-1] else layer_depth(thin, boundary, extent))
     return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), tuple(smooth))
 
 
@@ -113,14 +113,9 @@ def _to_edge(
     centre = np.array([room / radius])
     slope = float(setting.slope(balanced(setting, centre, np.minimum(centre, 0.0)))[0])
     thin = 1.0 / max(slope, 1.0)
-    depths = tuple(_depth(thin, boundary, extent) for boundary, _, extent in parts.ends)
+    depths = tuple(layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends)
     smooth = (False,) * len(depths)
     return LayeredSetting(profile, layer, radius, approach, parts, depths, smooth)
-
-
-def _depth(thin: float, boundary: Radius, extent: float) -> float:
-    """Return how deep in ``x`` a layer of this width next to a boundary is."""
-    return max(-log(thin * max(boundary.value, thin) / extent), 0.0)
 
 
 def _domain(profile: Profile, layer: Layer, approach: float) -> float:

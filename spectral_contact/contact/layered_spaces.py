@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,6 @@ from spectral_contact.contact.on_parts import (
 from spectral_contact.contact.resolution import (
     NormalContact,
     expected_error,
-    panel_table,
-    series_of,
     table_rates,
 )
 from spectral_contact.fields.series import PressureField, ZonalField
@@ -30,57 +28,10 @@ from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
 from spectral_contact.spectral.spaces import disk_space
+from spectral_contact.spectral.transforms import series_of
 
 Array = NDArray[np.float64]
 Indicators = tuple[Array, Array]
-
-
-class Form(Protocol):
-    """What Newton's method asks of a space.
-
-    Attributes
-    ----------
-    space : Space
-    sampling : Sampling
-    z : ndarray
-        ``s**2`` at the sampling points.
-    tail_extent : float
-        Width in ``s**2`` of the last piece, next to the edge.
-    central : int
-        How many panels are of the piece at the centre.
-    """
-
-    space: NodalSpace
-    sampling: Sampling
-    z: Array
-    tail_extent: float
-    central: int
-
-    def field(self, coefficients: Array) -> PressureField | ZonalField:
-        """Return the function."""
-
-    def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
-        """Return the expected errors of the pressure, and by what a degree lowers them."""
-
-    def carried(self, before: Array, old: Form) -> Array:
-        """Return the coefficients of a function of another space."""
-
-    def at_edge(self, coefficients: Array) -> float:
-        """Return the value at the edge."""
-
-    def next_to_edge(self, coefficients: Array, y: float) -> float:
-        """Return the value at a ``1 - s**2``."""
-
-    def in_tail(self, rows: Array, u: Array) -> Array:
-        """Return values of functions, (k, size), on the last piece, from the edge at ``u = 0``."""
-
-    def lost_at_edge(self, change: Array) -> float:
-        """Return a bound of what a change is at the edge."""
-
-    def driving(
-        self, pressure: Array, change: Change, thin: float, rate: float
-    ) -> NormalContact | None:
-        """Return the pressure as it drives a traction; None if it never does in such a space."""
 
 
 class PanelForm:
@@ -91,6 +42,17 @@ class PanelForm:
     parts : Parts
     used : tuple of (LogPanels, tuple of int)
         Panels of every part, and the degrees on them.
+
+    Attributes
+    ----------
+    space : NodalSpace
+    sampling : Sampling
+    z : ndarray
+        ``s**2`` at the sampling points.
+    tail_extent : float
+        Width in ``s**2`` of the last piece, next to the edge.
+    central : int
+        How many panels are of the piece at the centre.
     """
 
     def __init__(self, parts: Parts, used: tuple[Resolution, ...]) -> None:
@@ -119,7 +81,7 @@ class PanelForm:
         for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
             table = np.zeros((new.panels, new.degree + 1))
             terms = min(was.degree, new.degree) + 1
-            table[:, :terms] = panel_table(was, own)[:, :terms]
+            table[:, :terms] = was.table(own)[:, :terms]
             table *= np.arange(new.degree + 1) <= np.array(degrees)[:, None]
             rows += [table.ravel(), own[-was.tail_terms :]]
         return np.concatenate(rows)
@@ -142,19 +104,10 @@ class PanelForm:
         last = np.zeros_like(pressure)
         last[functions.index[functions.kept_but_one :]] = 1.0
         whole, moved, lesser = (
-            NormalContact(
-                thin,
-                0.0,
-                PressureField(None, series_of(panels, one)),
-                panels,
-                one,
-                0.0,
-                0.0,
-                rate=rate,
-            )
+            NormalContact(thin, 0.0, PressureField(None, series_of(panels, one)), panels, one)
             for one in (pressure, change.coefficients, last * pressure)
         )
-        return replace(whole, changes=(moved, lesser))
+        return replace(whole, changes=(moved, lesser), rate=rate)
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""
@@ -176,7 +129,7 @@ class PanelForm:
 
 
 class CellForm:
-    """Polynomials on cells.
+    """Polynomials on cells; attributes and methods are those of `PanelForm`.
 
     Parameters
     ----------
@@ -241,3 +194,7 @@ class CellForm:
 
     def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> None:
         """Return nothing: under a flat punch, which alone drives a traction, there are panels."""
+
+
+#: What Newton's method may work in.
+Form: TypeAlias = PanelForm | CellForm

@@ -14,7 +14,6 @@ from spectral_contact.contact.resolution import (
     NormalContact,
     decay_rates,
     expected_error,
-    series_of,
     share_of_change,
     starting_resolution,
 )
@@ -22,6 +21,7 @@ from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.spaces import unit_space
+from spectral_contact.spectral.transforms import series_of
 
 #: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
 SMALL_COMPLIANCE = 1e-2
@@ -76,7 +76,7 @@ class _NormalProblem:
                 for one in (change, factored.change(solution, degrees=1)):
                     lost = one.coefficients * approach
                     field = PressureField(None, series_of(panels, lost))
-                    changes.append(NormalContact(compliance, 0.0, field, panels, lost, 0.0, 0.0))
+                    changes.append(NormalContact(compliance, 0.0, field, panels, lost))
         else:
             indicators, rates = energies, rates**2
             pressure_error, error = np.inf, approach_error
@@ -143,4 +143,4 @@ def by_compliance(solved: Refinement[NormalContact]) -> NormalContact:
     change += raised * contact.coefficients
     edge = None if weight is None else weight.times(raised)
     field, slope = PressureField(edge, series_of(panels, change)), raised * contact.approach
-    return NormalContact(contact.compliance, slope, field, panels, change, 0.0, 0.0)
+    return NormalContact(contact.compliance, slope, field, panels, change)

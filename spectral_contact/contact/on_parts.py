@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import ceil, log, sqrt
 from typing import TYPE_CHECKING
 
@@ -15,8 +13,6 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import (
     expected_error,
     joined,
-    panel_table,
-    series_of,
     share_of_change,
     starting_resolution,
     table_rates,
@@ -24,18 +20,16 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
-    AnnulusSeries,
-    DiskSeries,
     LogSeries,
     PressureField,
     Radius,
     ZonalField,
-    ZonePiece,
 )
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
+from spectral_contact.spectral.transforms import series_of
 
 if TYPE_CHECKING:
     from spectral_contact.contact.resolution import NormalContact
@@ -101,28 +95,42 @@ class Indentation:
         return max(abs(self.approach), self.approach - self.overclosure)
 
 
-class PartedProblem(ABC):
+class PartedProblem:
     """First spaces for a pressure on a disk in parts, and how a vector is cut.
 
     Parameters
     ----------
     parts : Parts
+    depths : sequence of float
+        ``x`` of the deepest feature at the end of every part.
     tolerance : float
         Bound on the relative error.
     pointwise : bool
         Whether it is that of the pressure, too.
     """
 
-    def __init__(self, parts: Parts, tolerance: float, *, pointwise: bool) -> None:
+    def __init__(
+        self, parts: Parts, depths: Sequence[float], tolerance: float, *, pointwise: bool
+    ) -> None:
         # integrals superconverge: their errors are the squares of the pressure's
         self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
         self.parts = parts
-        self.spaces = [self._first(*end) for end in self.parts.ends]
+        self.spaces = [self._first(k, depth) for k, depth in enumerate(depths)]
         self.counts = [len(one.degrees) for one in self.spaces]
 
-    @abstractmethod
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
-        """Return the first space of a part."""
+    def _first(self, part: int, depth: float) -> Resolution:
+        """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
+        # square roots of the distance in s**2 at a tip
+        rate = 0.5 if self.parts.ends[part][0] is CENTRE else 1.0
+        space = starting_resolution(depth, self.tolerance, rate=rate)
+        digits, degrees = -log(self.tolerance), list(space.degrees)
+        least = [share * digits for share in (_FIRST, _SECOND)]
+        if len(self.parts.ends) == 1:
+            # what they leave acts on a thin layer like a flat punch: it grows by the root of the
+            # width
+            least = [2.0 + (digits + depth / 2.0) / _BY_DEGREE] * 2
+        degrees[:2] = [max(one, ceil(other)) for one, other in zip(degrees, least, strict=False)]
+        return Resolution(space.panels, tuple(degrees))
 
     def start(self) -> Resolution:
         """Return the first space to try."""
@@ -145,18 +153,9 @@ def profile_parts(profile: Profile, radius: float) -> Parts:
     return Parts(breaks, profile.pointed)
 
 
-def first_space(problem: PartedProblem, boundary: Radius, depth: float) -> Resolution:
-    """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
-    # square roots of the distance in s**2 at a tip
-    rate = 0.5 if boundary is CENTRE else 1.0
-    space = starting_resolution(depth, problem.tolerance, rate=rate)
-    digits, degrees = -log(problem.tolerance), list(space.degrees)
-    least = [share * digits for share in (_FIRST, _SECOND)]
-    if len(problem.parts.ends) == 1:
-        # what they leave acts on a thin layer like a flat punch: it grows by the root of the width
-        least = [2.0 + (digits + depth / 2.0) / _BY_DEGREE] * 2
-    degrees[:2] = [max(one, ceil(other)) for one, other in zip(degrees, least, strict=False)]
-    return Resolution(space.panels, tuple(degrees))
+def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
+    """Return how deep in ``x`` a layer of this width next to a boundary is."""
+    return max(-log(thin * max(boundary.value, thin) / extent), 0.0)
 
 
 def pointwise_errors(
@@ -175,7 +174,7 @@ def pointwise_errors(
     # a change next to a break says less about the one after it
     factor = _BROKEN if len(used) > 1 else 1.0
     for (panels, degrees), one, own, changed in each:
-        rates.append(table_rates(degrees, panel_table(panels, own)))
+        rates.append(table_rates(degrees, panels.table(own)))
         size = np.maximum(np.abs(one.at_ends()), mean)
         expected = factor * expected_error(share_of_change(panels, changed, size), rates[-1])
         if parts.pointed and not errors:
@@ -197,14 +196,7 @@ def field_of(parts: Parts, series: Sequence[LogSeries]) -> PressureField | Zonal
     """Return the pressure with these series on the parts."""
     if len(parts.ends) == 1:
         return PressureField(None, series[0])
-    bounds, each, pieces = (CENTRE, *parts.breaks, EDGE), iter(series), []
-    for inner, outer in pairwise(bounds):
-        if inner is CENTRE and not parts.pointed:
-            pieces.append(ZonePiece(outer, DiskSeries(outer, next(each), power=0)))
-        else:
-            halves = next(each), next(each)
-            pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
-    return ZonalField(tuple(pieces))
+    return ZonalField.on_parts((CENTRE, *parts.breaks, EDGE), series, pointed=parts.pointed)
 
 
 def split_parts(used: tuple[Resolution, ...], coefficients: Array) -> list[Array]:

@@ -9,7 +9,7 @@ import numpy as np
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import DEEPEST, LEADING, crossing, places
-from spectral_contact.fields.series import Array, DiskSeries, PressureField, Radius
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
 #: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
@@ -43,13 +43,29 @@ def exceeded(stick: FullStick, parameters: Parameters, friction: float | None = 
     pressure, traction = stick.pressure, stick.traction
     assert pressure is not None
     assert traction is not None
-    depth, friction = _depth(parameters), parameters.friction if friction is None else friction
-    found = _violations(pressure, traction, friction, depth, stick.critical_at)
-    ends = [x for interval in found for x in interval if x < inf]
-    middles = np.array([(low + min(high, depth)) / 2.0 for low, high in found])
-    s = np.sqrt(-np.expm1(-middles))
-    signs = np.sign(traction(s, np.exp(-middles) / (1.0 + s))).astype(int).tolist()
-    states = [one for sign in signs for one in (0, sign)] + [0] * (len(ends) == 2 * len(found))
+    depth, limit = _depth(parameters), parameters.friction if friction is None else friction
+
+    def sheared(x: Array) -> Array:
+        s = np.sqrt(-np.expm1(-x))
+        return traction(s, np.exp(-x) / (1.0 + s))
+
+    def excess(x: Array) -> Array:
+        q, p = sheared(x), pressure.at(np.exp(-x))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
+        return np.asarray(np.minimum(ratio, 2.0 * limit) - limit)
+
+    peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
+    aside = np.exp(-places(DEEPEST, 200))
+    near = peak + np.concatenate([-aside, [0.0], aside])
+    x = np.unique(np.concatenate([places(depth, 4001), near[(near > 0.0) & (near < depth)]]))
+    above = excess(x) > 0.0
+    turns = np.flatnonzero(above[1:] != above[:-1]).tolist()
+    ends = [float(x[0])] * bool(above[0]) + [crossing(excess, x[i], x[i + 1]) for i in turns]
+    beyond = [*ends, depth] if above[-1] else ends
+    middles = (np.array(beyond[::2]) + np.array(beyond[1::2])) / 2.0
+    signs = np.sign(sheared(middles)).astype(int).tolist()
+    states = [one for sign in signs for one in (0, sign)] + [0] * (not above[-1])
     return Layout(tuple(logit_at(one) for one in ends), tuple(states))
 
 
@@ -66,28 +82,3 @@ def _depth(parameters: Parameters) -> float:
         # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
         return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING
     return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + LEADING
-
-
-def _violations(
-    pressure: PressureField, traction: DiskSeries, friction: float, depth: float, worst: float
-) -> list[tuple[float, float]]:
-    """Return the intervals of ``x = -ln y`` where full stick breaks |q| <= f p, as (low, high)."""
-
-    def excess(x: Array) -> Array:
-        y, s = np.exp(-x), np.sqrt(-np.expm1(-x))
-        q = traction(s, y / (1.0 + s))
-        p = pressure.at(y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
-        return np.asarray(np.minimum(ratio, 2.0 * friction) - friction)
-
-    x = places(depth, 4001)
-    peak = -log(worst) if worst > 0.0 else depth
-    aside = np.exp(-places(DEEPEST, 200))
-    near = peak + np.concatenate([-aside, [0.0], aside])
-    x = np.unique(np.concatenate([x, near[(near > 0.0) & (near < depth)]]))
-    above = excess(x) > 0.0
-    turns = np.flatnonzero(above[1:] != above[:-1]).tolist()
-    ends = [float(x[0])] * bool(above[0]) + [crossing(excess, x[i], x[i + 1]) for i in turns]
-    ends += [inf] * bool(above[-1])
-    return list(zip(ends[::2], ends[1::2], strict=True))

@@ -9,7 +9,7 @@ from math import ceil, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Array, LogSeries, PressureField, Radius
+from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
@@ -101,8 +101,8 @@ class NormalContact:
     pressure: PressureField
     panels: LogPanels | None
     coefficients: Array
-    approach_error: float
-    pressure_error: float
+    approach_error: float = 0.0
+    pressure_error: float = 0.0
     changes: tuple[NormalContact, ...] = ()
     rate: float = 0.0
 
@@ -160,25 +160,9 @@ def joined(spaces: Sequence[Resolution]) -> Resolution:
     return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
 
 
-def panel_table(panels: LogPanels, coefficients: Array) -> Array:
-    """Return the panel coefficients as (panels, degree + 1); a view without the tail."""
-    return coefficients[: -panels.tail_terms].reshape(panels.panels, panels.degree + 1)
-
-
-def series_of(panels: LogPanels, coefficients: Array) -> LogSeries:
-    """Return the function that the coefficients stand for."""
-    return LogSeries(
-        panel_table(panels, coefficients),
-        coefficients[-panels.tail_terms :],
-        panels.width,
-        panels.power,
-        panels.root_tail,
-    )
-
-
 def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
     """Return by what factor a coefficient falls with one degree, panel by panel."""
-    return table_rates(resolution.degrees, panel_table(resolution.panels, coefficients))
+    return table_rates(resolution.degrees, resolution.panels.table(coefficients))
 
 
 def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
@@ -262,7 +246,7 @@ def share_of_change(
     known : float
         Depth past which nothing counts, as the boundary is not known so well.
     """
-    total = np.abs(panel_table(panels, change)).sum(axis=1)
+    total = np.abs(panels.table(change)).sum(axis=1)
     tail = sum(map(abs, change[-panels.tail_terms :].tolist()))
     if panels.power != 0.0:
         d = np.exp(-panels.width * np.arange(1, panels.panels + 1))

@@ -26,7 +26,7 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.blocks import block
+from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
 from spectral_contact.spectral.parts import Family, Points, gap
 from spectral_contact.spectral.transforms import sampled_series
@@ -105,7 +105,11 @@ def slip_displacement(
             for inner in _inside(stuck, annulus.inner):
                 total += _from_stuck_at_samples(inner, family)
             for inner_zone in zones[: len(fields)]:
-                total += _from_slipping(inner_zone, family)
+                halves_inside = zip(
+                    inner_zone.annulus.families, inner_zone.weighted_misfit, strict=True
+                )
+                for one, values in halves_inside:
+                    total += across(one.expand(values), one, family, -1)
             points = family.sampling()
             values = q - total / (pi * np.sqrt(points.z))
             halves.append(sampled_series(family.panels, values))
@@ -157,17 +161,6 @@ def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> fl
     for zone in _inside(stuck, inner):
         total += _from_stuck(zone, points)
     return float(np.abs(total / (pi * np.sqrt(points.z))).max())
-
-
-def _from_slipping(zone: Slipping, target: Family) -> Array:
-    """Integrate over a slip zone that lies inside, at the sampling points of half a slip zone."""
-    total = np.zeros(len(target.sampling().offset))
-    for family, values in zip(zone.annulus.families, zone.weighted_misfit, strict=True):
-        panels = family.panels
-        seen = block(family, (panels.degree,) * panels.panels, target, target.panels, -1)
-        assert seen is not None
-        total += seen.sums(family.expand(values))
-    return total
 
 
 def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[DiskSeries, float]:

@@ -175,11 +175,15 @@ def zones_outcome(
         approach_error=own.approach_error,
         pressure_error=own.pressure_error,
     )
-    sticks = dict(fields.stick_series(solved.states, solved.bounds, solved.shears)) if felt else {}
+    sticks = (
+        fields.stick_series(solved.system.states, solved.system.bounds, solved.shears)
+        if felt
+        else {}
+    )
     excess = stick_excess(parameters.friction, fields.in_stick(solved, given) if felt else ())
     pressure = given or fields.pressure_field(solved, parameters)
     found = _held(solved, pressure, sticks, excess, slipping, parameters)
-    opens = given is None and not fields.positive(solved)
+    opens = given is None and not fields.positive(solved.pressures)
     return replace(found, amiss="the pressure is not positive") if opens else found
 
 
@@ -201,9 +205,9 @@ def _held(
     fields, samples, largest, unresolved = slip_displacement(
         solved.stuck, slipping, pressure, beta, friction
     )
-    slips, bounds = iter(fields), list(pairwise(solved.bounds))
+    slips, bounds = iter(fields), list(pairwise(solved.system.bounds))
     zones, traction, displacement = [], [], []
-    for k, (state, (inner, outer)) in enumerate(zip(solved.states, bounds, strict=True)):
+    for k, (state, (inner, outer)) in enumerate(zip(solved.system.states, bounds, strict=True)):
         zones.append(Zone.between("slip" if state else "stick", inner, outer))
         if state:
             own = pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
@@ -213,7 +217,7 @@ def _held(
         displacement.append(ZonePiece(outer, next(slips) if state else None))
     stray = solved.stray + unresolved + FIELD_ROUNDING / (2.0 * np.pi)
     if beta > 0.0:  # p is largest at the outermost slip end
-        last = max(k for k, state in enumerate(solved.states) if state)
+        last = max(k for k, state in enumerate(solved.system.states) if state)
         highest = float(pressure.at(np.array(bounds[last][1].rest)))
         stray += beta * friction * highest * solved.pressure_error
     largest = max(largest, TINY)
@@ -231,7 +235,7 @@ def _held(
     )
     numbers = {one.name: getattr(solved, one.name) for one in fields_of(ZoneNumbers)}
     numbers["traction_error"] = error
-    at_edge = at_ends[-1] / largest if beta * solved.states[-1] else inf
+    at_edge = at_ends[-1] / largest if beta * solved.system.states[-1] else inf
     unknown = _unknown_width(slip_error, zones), hidden_stick(at_edge, allowed)
     numbers["zones_error"] = max(solved.zones_error, *unknown)
     return PartialSlip(

@@ -24,16 +24,16 @@ from spectral_contact.contact.resolution import (
     boundary_error,
     decay_rates,
     expected_error,
-    series_of,
     share_of_change,
 )
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
-from spectral_contact.fields.series import CENTRE, EDGE, Array, LogSeries, Radius
+from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parts import Points, gap
 from spectral_contact.spectral.regularised import HARMLESS
 from spectral_contact.spectral.tangential import Tangential
+from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -85,11 +85,7 @@ def sizes_of(system: Tangential, values: Array) -> list[Array]:
     Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
     ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
-    if (
-        len(ends) == 2
-        and not (system.given or system.radii)
-        and any((one * one[0] <= 0.0).any() for one in ends)
-    ):
+    if not (system.given or system.radii) and any((one * one[0] <= 0.0).any() for one in ends):
         ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
     return ends
 
@@ -129,10 +125,6 @@ class ZoneSolution(ZoneNumbers):
 
     Attributes
     ----------
-    radii : tuple of Radius
-        Boundaries between zones, outward.
-    states : tuple of int
-        0 for stick, +1 or -1 for slip with this sign of the traction.
     stuck : list of Stuck
         Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
     loose : float
@@ -141,9 +133,8 @@ class ZoneSolution(ZoneNumbers):
         Estimate of the largest error of E.
     slopes : ndarray
         By how much the conditions of the boundaries rise with their logits.
-    pressures, shears : list of LogSeries
-        p on the disk and toward both ends of every zone around it, and q/s where they stick (None
-        elsewhere).
+    pressures, shears : list of LogSeries, dict of LogSeries
+        p on the disk and toward both ends of every zone around it, and q/s where they stick.
     system : Tangential
     solution : ndarray, shape (unknowns, 3)
         The vector of the system, and what the top two degrees and the top one contribute to it.
@@ -151,27 +142,22 @@ class ZoneSolution(ZoneNumbers):
         How far the boundaries may be off, as logits.
     """
 
-    radii: tuple[Radius, ...]
-    states: tuple[int, ...]
     stuck: list[Stuck]
     loose: float
     stray: float
     slopes: Array
     pressures: list[LogSeries]
-    shears: list[LogSeries | None]
+    shears: dict[int, LogSeries]
     system: Tangential
     solution: Array
     shifts: Array
 
     @property
-    def bounds(self) -> tuple[Radius, ...]:
-        """Ends of the zones, from the centre to the edge."""
-        return CENTRE, *self.radii, EDGE
-
-    @property
     def layout(self) -> Layout:
         """The zones, as a like scene may begin with them."""
-        return Layout(tuple(one.logit for one in self.radii), self.states, self.slopes)
+        return Layout(
+            tuple(one.logit for one in self.system.radii), self.system.states, self.slopes
+        )
 
     @property
     def slipping(self) -> tuple[list[Slipping], float]:
@@ -180,7 +166,7 @@ class ZoneSolution(ZoneNumbers):
         The displacement changes by a quarter of that at most; E is seen at these points alone.
         """
         found, lost = [], 0.0
-        for zone, state in enumerate(self.states):
+        for zone, state in enumerate(self.system.states):
             if state:
                 annulus = self.system.slip_zone(zone)
                 each = self.system.slip_misfit(self.solution[:, :2], zone, annulus)
@@ -278,10 +264,8 @@ class Assessment:
             boundary_error(float(d), r) for d, r in zip(self.shifts, system.radii, strict=True)
         )
         stuck, stray = self._displacements()
-        pressure, shear = system.split(self.whole)
+        pressures, shears = system.series(self.whole)
         value = ZoneSolution(
-            radii=system.radii,
-            states=system.states,
             approach=state.approach,
             total_shear=system.total_shear(self.whole),
             stuck=stuck,
@@ -294,11 +278,8 @@ class Assessment:
             loose=_loosest(system, boundary_errors),
             stray=stray,
             slopes=self.problem.slopes,
-            pressures=list(map(series_of, (one.panels for one in system.fields), pressure)),
-            shears=[
-                series_of(p.shear.panels, shear[k]) if k in shear else None
-                for k, p in enumerate(system.parts)
-            ],
+            pressures=pressures,
+            shears=shears,
             system=system,
             solution=np.column_stack([self.whole, *self.moved]),
             shifts=self.shifts,
@@ -370,7 +351,7 @@ class Assessment:
         steps = np.abs(self.loose.imbalance) + system.parameters.beta * jumps
         largest = max(
             largest_displacement(lost, *ends)
-            for state, ends in zip(system.states[1:], pairwise((*system.radii, EDGE)), strict=True)
+            for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)
             if state
         )
         if system.given and len(system.radii) == 1:  # measured of one disk alone
@@ -381,7 +362,7 @@ class Assessment:
 
 def _loosest(system: Tangential, errors: Sequence[tuple[float, float]]) -> float:
     """Return by what share of a slip zone errors of its ends may move them, at the most."""
-    bounds, loosest = (CENTRE, *system.radii, EDGE), 0.0
+    bounds, loosest = system.bounds, 0.0
     shifts = [0.0, *_unsure(system.radii, errors), 0.0]
     for i in np.flatnonzero(system.states).tolist():
         width = gap(*bounds[i : i + 2])
@@ -405,8 +386,7 @@ def _stuck(system: Tangential, misfit: Sequence[Array]) -> list[Stuck]:
             # as seen from outside what is smooth is gathered at the samples
             weighted = nodes.gathered((pi * weights * missed)[:, None])[:, 0]
             parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
-    ends = (*system.radii, EDGE)
-    return [Stuck(ends[zone], tuple(own)) for zone, own in parts.items()]
+    return [Stuck(system.bounds[zone + 1], tuple(own)) for zone, own in parts.items()]
 
 
 def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,17 +22,12 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.normal import by_compliance, solve_normal
-from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import ROUNDING, series_of
+from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
 from spectral_contact.contact.zone_newton import ZoneState
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import (
-    CENTRE,
-    EDGE,
-    AnnulusSeries,
     DiskSeries,
     EdgeWeight,
     ZonalField,
@@ -110,39 +104,6 @@ def differentiated(
     problem = FreeBoundaryProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
     problem.drives = list(drives)
     return _AtBoundaries(problem, tolerance, names).outcome()
-
-
-def radius_slopes(
-    alpha: float, beta: float, friction: float, logit: float, tolerance: float, max_unknowns: int
-) -> Array:
-    """Return the derivatives of ``ln(c**2/(1 - c**2))`` by alpha, beta and ``f/kappa``.
-
-    Parameters
-    ----------
-    alpha, beta, friction : float
-        ``alpha*``, ``beta*`` and ``f / kappa``.
-    logit : float
-        Of the radius that they have.
-    tolerance : float
-        Of the spaces.
-    max_unknowns : int
-        Most unknowns of one.
-
-    Returns
-    -------
-    ndarray, shape (3,)
-        NaN where a compliance is 0. Good to 1e-6, or the tolerance, relative.
-    """
-    solved = solve_normal(alpha, tolerance, max_unknowns)
-    changes = [by_compliance(solved)] if isinstance(solved, Refinement) else []
-    contact = solved.best.value if isinstance(solved, Refinement) else solved
-    slopes = np.array([np.nan, np.nan, np.nan])
-    moving = np.array([bool(changes), beta > 0.0, True])
-    names = [one for one, own in zip(("alpha", "beta", "friction"), moving, strict=True) if own]
-    form = Parameters(alpha, beta, 1.0, friction), Layout((logit,), (0, 1)), names, tolerance
-    found = differentiated(*form, [Drive(one) for one in (contact, *changes)])
-    slopes[moving] = found.logits[0]
-    return slopes
 
 
 class _AtBoundaries:
@@ -286,23 +247,12 @@ class _AtBoundaries:
     def _fields(self, vectors: Array, singular: Array) -> tuple[list[ZonalField], list[ZonalField]]:
         """Return pressures, unless they are given, and tractions in stick."""
         system = self.system
-        bounds, pressures, tractions = (CENTRE, *system.radii, EDGE), [], []
+        bounds, pressures, tractions = system.bounds, [], []
         for values, root in zip(vectors.T, singular.tolist(), strict=True):
-            pressure, shear = system.split(values)
-            own = [
-                series_of(one.panels, p) for one, p in zip(system.fields, pressure, strict=False)
-            ]
+            pressure, shear = system.series(values)
             if not system.given:
-                pieces = [ZonePiece(bounds[1], DiskSeries(bounds[1], own[0], power=0))]
-                for k, ends in enumerate(pairwise(bounds[1:])):
-                    both = own[2 * k + 1], own[2 * k + 2]
-                    pieces.append(ZonePiece(ends[1], AnnulusSeries(*ends, *both, power=0)))
-                pressures.append(ZonalField(tuple(pieces)))
-            each = [
-                series_of(part.shear.panels, shear[k]) if k in shear else None
-                for k, part in enumerate(system.parts)
-            ]
-            sticks = dict(stick_series(system.states, bounds, each))
+                pressures.append(ZonalField.on_parts(bounds, pressure))
+            sticks = stick_series(system.states, bounds, shear)
             disk = sticks[0]
             if root and isinstance(disk, DiskSeries):
                 sticks[0] = replace(disk, weight=EdgeWeight(2.0 * root / np.pi, 0.0))

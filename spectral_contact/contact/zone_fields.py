@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from math import atan, ceil, exp, gamma, pi
 from typing import TYPE_CHECKING
 
@@ -35,42 +34,37 @@ if TYPE_CHECKING:
 _ROUNDS = 14
 
 
-def positive(solved: ZoneSolution) -> bool:
-    """Return whether the pressure is: else the contact would open."""
-    return bool(np.min([one(DISTANCES) for one in solved.pressures]) > 0.0)
+def positive(pressures: Sequence[LogSeries]) -> bool:
+    """Return whether the pressure on all parts is: else the contact would open."""
+    return bool(np.min([one(DISTANCES) for one in pressures]) > 0.0)
 
 
 def in_stick(solved: ZoneSolution, given: PressureField | None) -> Iterator[tuple[Array, Array]]:
     """Yield q and p at `DISTANCES` from every end of a stick zone; p may be given."""
-    for k, (part, shear) in enumerate(zip(solved.system.parts, solved.shears, strict=True)):
-        if shear is not None:
-            at = part.family.points(DISTANCES)
-            p = solved.pressures[k](DISTANCES) if given is None else given.at(at.y)
-            yield np.sqrt(np.maximum(at.z, 0.0)) * shear(DISTANCES), p
+    for k, shear in solved.shears.items():
+        at = solved.system.parts[k].family.points(DISTANCES)
+        p = solved.pressures[k](DISTANCES) if given is None else given.at(at.y)
+        yield np.sqrt(np.maximum(at.z, 0.0)) * shear(DISTANCES), p
 
 
 def stick_series(
-    states: tuple[int, ...], bounds: Sequence[Radius], shear: Sequence[LogSeries | None]
-) -> Iterator[tuple[int, DiskSeries | AnnulusSeries]]:
-    """Yield the stick zones with their tractions, of q/s on the parts."""
-    for zone, state in enumerate(states):
-        first, last = shear[max(2 * zone - 1, 0)], shear[2 * zone]
-        if state == 0 and first is not None and last is not None:
-            if zone:
-                yield zone, AnnulusSeries(bounds[zone], bounds[zone + 1], first, last)
-            else:
-                yield zone, DiskSeries(bounds[1], first.times(bounds[1].value))
+    states: tuple[int, ...], bounds: Sequence[Radius], shear: Mapping[int, LogSeries]
+) -> dict[int, DiskSeries | AnnulusSeries]:
+    """Return the tractions of the stick zones, of q/s on the parts."""
+    found: dict[int, DiskSeries | AnnulusSeries] = {}
+    for zone in (k for k, state in enumerate(states) if state == 0):
+        if zone:
+            both = shear[2 * zone - 1], shear[2 * zone]
+            found[zone] = AnnulusSeries(bounds[zone], bounds[zone + 1], *both)
+        else:
+            found[zone] = DiskSeries(bounds[1], shear[0].times(bounds[1].value))
+    return found
 
 
 def pressure_field(solved: ZoneSolution, parameters: Parameters) -> ZonalField:
     """Return the pressure on all zones."""
-    rim = solved.radii[0]
     series = [*solved.pressures[:-1], _to_the_edge(solved, parameters)]
-    pieces = [ZonePiece(rim, DiskSeries(rim, series[0], power=0))]
-    for zone, (inner, outer) in enumerate(pairwise(solved.bounds[1:]), start=1):
-        own = AnnulusSeries(inner, outer, series[2 * zone - 1], series[2 * zone], power=0)
-        pieces.append(ZonePiece(outer, own))
-    return ZonalField(tuple(pieces))
+    return ZonalField.on_parts(solved.system.bounds, series)
 
 
 def least_radius(parameters: Parameters) -> float:
@@ -112,14 +106,13 @@ def _central_exponent(coupling: float) -> float:
 
 def _to_the_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries:
     """Return the pressure next to the edge; where it is singular it ends in its leading term."""
-    series, state = solved.pressures[-1], solved.states[-1]
+    series, state = solved.pressures[-1], solved.system.states[-1]
     if series.power == 0.0:
         return series
     if state:
         return _as_power(series, state * parameters.kappa * parameters.friction)
-    shear = solved.shears[-1]
-    assert shear is not None
-    return ended(series, shear, parameters, gap(*solved.bounds[-2:]) / 2.0)[0]
+    shear = solved.shears[2 * len(solved.system.radii)]
+    return ended(series, shear, parameters, gap(*solved.system.bounds[-2:]) / 2.0)[0]
 
 
 def _as_power(series: LogSeries, coupling: float) -> LogSeries:

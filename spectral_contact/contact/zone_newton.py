@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.layout import NoBoundariesError
-from spectral_contact.contact.resolution import LEFT, ROUGH, TINY, TRIFLING, series_of
+from spectral_contact.contact.resolution import LEFT, ROUGH, TINY, TRIFLING
 from spectral_contact.contact.stick_radius import NOISE
-from spectral_contact.fields.series import CENTRE, EDGE, Array
+from spectral_contact.fields.series import Array
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parts import gap
 from spectral_contact.threads import cached_property
@@ -137,18 +137,18 @@ class ZoneState:
         over that of friction. Imbalances take the jumps out. The slopes are taken `near` the
         boundaries, in units of the zones there; a pressure that is given has drives.
         """
-        system, (pressure, shear) = self.system, self.system.split(self.solution)
-        jumps, bounds = np.zeros(len(system.radii)), (CENTRE, *system.radii, EDGE)
+        system, (pressure, shear) = self.system, self.system.series(self.solution)
+        jumps = np.zeros(len(system.radii))
         for k in (k for k in system.stick if system.parts[k].boundary >= 0):
-            part, own = system.parts[k], system.parts[k].family
-            j, b = part.boundary, own.boundary
-            narrower = min(gap(*pair) for pair in pairwise(bounds[j : j + 3]))
+            own, j = system.parts[k].family, system.parts[k].boundary
+            b = own.boundary
+            narrower = min(gap(*pair) for pair in pairwise(system.bounds[j : j + 3]))
             friction = sum(system.states[j : j + 2]) * system.parameters.friction
             for share in (near, _FARTHER):
                 d = share * min(narrower / own.reach, 1.0) * _BESIDE
                 at = own.points(d)
-                p = drives[0].pressure.at(at.y) if drives else series_of(own.panels, pressure[k])(d)
-                q = np.sqrt(at.z) * series_of(part.shear.panels, shear[k])(d)
+                p = drives[0].pressure.at(at.y) if drives else pressure[k](d)
+                q = np.sqrt(at.z) * shear[k](d)
                 excess = q - friction * p
                 rises = (excess[1:] - excess[0]) / at.offset[1:]
                 if abs(excess[1] - excess[0]) > NOISE * abs(q[0]):

@@ -28,7 +28,14 @@ from spectral_contact.contact.slip_outcome import (
     no_slip,
     zones_outcome,
 )
-from spectral_contact.contact.stick_radius import NoStickDiskError
+from spectral_contact.contact.stick_radius import LEAST_PLAIN, NoStickDiskError
+from spectral_contact.contact.zone_fields import least_radius, to_the_centre
+from spectral_contact.contact.zone_problem import (
+    FreeBoundaryProblem,
+    StickDiskProblem,
+    solve_stick_disk,
+    solve_zones,
+)
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
@@ -268,8 +275,6 @@ class DrivenSearch(ZoneSearch):
 
     def _on_disk(self, layout: Layout) -> PartialSlip:
         """Return the solution with one stick disk."""
-        from spectral_contact.contact.zone_problem import StickDiskProblem, solve_stick_disk
-
         begin, form = perf_counter(), (self.drive, self.parameters)
         try:
             solved = solve_stick_disk(*form, layout, self.tolerance, self.max_unknowns)
@@ -299,8 +304,6 @@ class DrivenSearch(ZoneSearch):
 
     def _to(self, tolerance: float, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these, with fields to a tolerance."""
-        from spectral_contact.contact.zone_problem import FreeBoundaryProblem
-
         with np.errstate(all="ignore"):
             problem = FreeBoundaryProblem(
                 self.parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
@@ -331,7 +334,6 @@ class CoupledSearch(ZoneSearch):
         from small disks on, which is where friction, or the load, begins, the first is reached.
         """
         from spectral_contact.contact.coupled_radii import scanned, stick_radii
-        from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
         ratio = self.stick.edge_ratio
         if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
@@ -367,9 +369,6 @@ class CoupledSearch(ZoneSearch):
         return len(layout.states) > 2 and self.parameters.beta > 0.0
 
     def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
-        from spectral_contact.contact.stick_radius import LEAST_PLAIN
-        from spectral_contact.contact.zone_fields import least_radius
-
         lawful = [one for one in found if not one.amiss]
         if not lawful and self._smooth and least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
             return self._all_slip()
@@ -380,8 +379,6 @@ class CoupledSearch(ZoneSearch):
         return min(lawful, key=lambda outcome: outcome.violation)
 
     def _solved(self, layout: Layout) -> PartialSlip:
-        from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
-
         begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)
         try:
             if layout is not self.near:
@@ -419,7 +416,6 @@ class CoupledSearch(ZoneSearch):
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""
         from spectral_contact.contact.little_friction import unfelt_disk
-        from spectral_contact.contact.zone_problem import solve_zones
 
         begin = perf_counter()
         zones = solve_zones(*unfelt_disk(self.parameters), self.tolerance, self.max_unknowns)
@@ -437,7 +433,6 @@ class CoupledSearch(ZoneSearch):
     def _to_the_centre(self, outcome: PartialSlip) -> PartialSlip:
         """Return slip on a smooth surface with the pressure that it has next to the centre."""
         from spectral_contact.contact.little_friction import CLEAR, stand_in
-        from spectral_contact.contact.zone_fields import to_the_centre
 
         assert isinstance(outcome.pressure, ZonalField)
         clear = CLEAR * stand_in(self.parameters).value

@@ -7,8 +7,9 @@ relative accuracy at the edge and at both ends of every zone.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -332,6 +333,21 @@ class ZonalField:
     """A field that has its own expression in every zone, ordered from the centre to the edge."""
 
     pieces: tuple[ZonePiece, ...]
+
+    @classmethod
+    def on_parts(
+        cls, bounds: Sequence[Radius], series: Iterable[LogSeries], *, pointed: bool = False
+    ) -> ZonalField:
+        """Return a pressure between bounds by its series on the parts: halves, but of a disk."""
+        each, pieces = iter(series), []
+        for inner, outer in pairwise(bounds):
+            own: DiskSeries | AnnulusSeries
+            if inner is CENTRE and not pointed:
+                own = DiskSeries(outer, next(each), power=0)
+            else:
+                own = AnnulusSeries(inner, outer, next(each), next(each), power=0)
+            pieces.append(ZonePiece(outer, own))
+        return cls(tuple(pieces))
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate at radii `s` whose distances to the edge are `from_edge`, any shape."""

@@ -76,8 +76,8 @@ class CoupledDisk:
                 if compliance:
                     residual -= f.times(compliance, disks[k].mass(found[k], bool(k)))
                 residuals.append(f.floats(residual)[used])
-            [pressure], shear = system.split(factors.step(np.concatenate(residuals)[:, None])[:, 0])
-            steps = f.of(pressure), f.of(shear[0])
+            step = factors.step(np.concatenate(residuals)[:, None])[:, 0]
+            steps = tuple(f.of(one.of(step)) for one in system.fields)
             found = [one + step for one, step in zip(found, steps, strict=True)]
             shares = [disk.share(*pair) for disk, *pair in zip(disks, steps, found, strict=True)]
             if max(shares) <= 10.0 ** -(mesh.digits + 2):

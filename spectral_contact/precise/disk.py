@@ -381,7 +381,9 @@ class Disk:
         goal = 10.0 ** -(self.mesh.digits + 2)
         for _ in range(MOST_SWEEPS):
             residual = self.moments(f.times(weights, misfit)) - known
-            step = f.of(factored.dual(f.floats(residual)))
+            own = np.zeros(len(coefficients))
+            own[space.index] = factored.cholesky.solve(f.floats(residual)[space.index])
+            step = f.of(own)
             coefficients = np.asarray(coefficients + step)
             if self.share(step, coefficients) <= goal:
                 return coefficients

@@ -57,9 +57,7 @@ class UncoupledRun(Run):
             return None
         disk = solved.best.value
         outcome = zones_outcome(disk, self.parameters._replace(friction=friction), drive)
-        [traction, *_] = disk.shears
-        assert traction is not None
-        positive = bool((traction.at_ends() >= 0.0).all())
+        positive = bool((disk.shears[0].at_ends() >= 0.0).all())
         if not (outcome.settled and positive) or disk.shear_error > self.rtol:
             return None
         kappa, shift = self.scene.kappa, float(disk.shifts[0])

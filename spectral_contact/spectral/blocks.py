@@ -329,7 +329,7 @@ def block(
 
 
 def across(coefficients: Array, half: Family, other: Family, side: int) -> Array:
-    """Return what a function on one half of an annulus adds at the sampling points of the other.
+    """Return what a function on a part adds at the sampling points of another, on its `side`.
 
     To the half-integral (side +1) or the inner integral (-1) there, of functions (..., size).
     """

@@ -17,11 +17,9 @@ from spectral_contact.fields.legendre import legendre_sums_between
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
-    AnnulusSeries,
     LogSeries,
     Radius,
     ZonalField,
-    ZonePiece,
 )
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
@@ -64,15 +62,12 @@ class DiskCells:
 
     def field(self, coefficients: list[Array]) -> ZonalField:
         """Return the function with Legendre coefficients on every cell, from the centre outward."""
-        pieces, inner, radii = [], CENTRE, []
+        radii = []
         for offset in self.offsets[1:-1]:
             value = sqrt(self.pivot.square + offset)
             radii.append(Radius(value, (self.pivot.rest - offset) / (1.0 + value)))
-        for outer, own in zip([*radii, EDGE], coefficients, strict=True):
-            halves = (_half(own, np.array([-1.0, 0.0])), _half(own, np.array([1.0, 0.0])))
-            pieces.append(ZonePiece(outer, AnnulusSeries(inner, outer, *halves, power=0)))
-            inner = outer
-        return ZonalField(tuple(pieces))
+        halves = (_half(own, np.array([end, 0.0])) for own in coefficients for end in (-1.0, 1.0))
+        return ZonalField.on_parts((CENTRE, *radii, EDGE), halves, pointed=True)
 
 
 def _half(coefficients: Array, ends: Array) -> LogSeries:

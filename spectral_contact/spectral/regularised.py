@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,13 +90,6 @@ class NodalSpace(ABC):
         The density is given at the nodes, several as rows.
         """
         return self.tested(self.measure * density)
-
-    @cached_property
-    def shear_moments(self) -> Array:
-        """Vector of ``2 pi int q s ds = 2 pi int t F dt`` for ``q = s phi``, (4.3), (size,)."""
-        moments = np.zeros(self.size)
-        moments[self.index] = self.tested(2.0 * pi * self.weights * self.t)
-        return moments
 
     @abstractmethod
     def tested(self, weighted: Array) -> Array:
@@ -209,16 +201,6 @@ class Regularised:
             coefficients[index] = coefficients[index] + step if correction else step
             if correction + 1 < rounds:
                 misfit = target - space.half_integral(coefficients)
-        return coefficients
-
-    def dual(self, functional: Array) -> Array:
-        """Return the dual solution of a functional, by its values on the basis, (size,).
-
-        That is what its value is most sensitive to.
-        """
-        index = self.space.index
-        coefficients = np.zeros(len(functional))
-        coefficients[index] = self.cholesky.solve(functional[index])
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:

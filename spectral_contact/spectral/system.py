@@ -22,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import CENTRE, EDGE, Radius
+from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import Block, block, kept_disk_gram
 from spectral_contact.spectral.blockwise import Blockwise
@@ -219,7 +219,7 @@ class System(Tangential):
             replace(one.family.panels, power=0.0, degree=one.family.panels.degree + _FINER)
             for one in self.parts[2 * zone - 1 : 2 * zone + 1]
         )
-        inner, outer = (CENTRE, *self.radii, EDGE)[zone : zone + 2]
+        inner, outer = self.bounds[zone : zone + 2]
         return Annulus(inner, outer, first, second)
 
     def slip_misfit(self, values: Array, zone: int, annulus: Annulus) -> list[Array]:
@@ -248,12 +248,10 @@ class System(Tangential):
                 tested[self.pressure[k]] += sums
         return tested
 
-    def matrix(self) -> Array:
-        """Return the matrix of both equations; it is that of `residual` but for roundings."""
-        return self._with_masses(self._assembled() if self.radii else self._stuck_matrix())
-
-    def _stuck_matrix(self) -> Array:
-        """Return the matrix of full stick without masses: only kappa is not its form's."""
+    def _assembled(self) -> Array:
+        """Return the matrix without masses: of full stick only kappa is not its form's."""
+        if self.radii:
+            return self.on_zones()
         [part], both = self.parts, (slice(self.count), slice(self.count, self.unknowns))
         space, beta = Resolution(part.family.panels, part.degrees), self.parameters.beta
         matrix = _unit_stick(space, beta == 0.0).copy()
@@ -261,9 +259,9 @@ class System(Tangential):
         matrix[both[1], both[0]] *= self.parameters.kappa
         return matrix
 
-    def _assembled(self) -> Array:
-        """Return the matrix without masses."""
-        matrix = np.zeros((self.unknowns, self.unknowns))
+    def on_zones(self) -> Array:
+        """Return the matrix without masses, of any zones."""
+        matrix = super()._assembled()
         for i, part in enumerate(self.parts):
             f, kept = self._f[i], None
             if part.zone == 0 and self._plain[0]:
@@ -276,7 +274,6 @@ class System(Tangential):
             if not self._plain[1] and i <= self.stick[-1]:
                 self._add_driven(matrix, i)
         self._add_moments(matrix)
-        self._add_tangential(matrix)
         return matrix
 
     def _add_moments(self, matrix: Array) -> None:
@@ -335,4 +332,4 @@ class System(Tangential):
 def _unit_stick(space: Resolution, rigid: bool) -> Array:
     """Return the matrix of full stick without masses, for kappa = 1."""
     parameters = Parameters(0.0, 0.0 if rigid else 1.0, 1.0, 0.0)
-    return System((), (0,), [space], parameters)._assembled()
+    return System((), (0,), [space], parameters).on_zones()

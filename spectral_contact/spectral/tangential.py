@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.blocks import disk_shear, kept_disk_gram
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
@@ -32,6 +32,7 @@ from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.seen import Fields, Seen
+from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -64,25 +65,6 @@ class Part(NamedTuple):
     family: Family
     shear: Family
     degrees: Degrees
-
-
-def zone_parts(
-    radii: tuple[Radius, ...], states: tuple[int, ...], spaces: Sequence[Resolution], beta: float
-) -> list[Part]:
-    """Return the parts of all zones, outward; parameters are those of `System`.
-
-    Without tangential compliance the traction is singular at an edge that sticks.
-    """
-    parts = []
-    each = zip(Parts(radii, pointed=False).ends, spaces, strict=True)
-    for k, (end, (own, used)) in enumerate(each):
-        zone, boundary = (k + 1) // 2, k // 2 if k < 2 * len(radii) else -1
-        state, family = states[zone], Family(*end, own)
-        power = own.power if state else -0.5 if beta == 0.0 and boundary < 0 else 0.0
-        alike = power == own.power
-        shear = family if alike else family._replace(panels=replace(own, power=power))
-        parts.append(Part(zone, state, boundary, family, shear, used))
-    return parts
 
 
 #: Values of the functions of a tail at its end.
@@ -153,10 +135,24 @@ class Tangential(ABC):
         parameters: Parameters,
     ) -> None:
         self.radii, self.states, self.parameters = radii, states, parameters
-        self.parts = zone_parts(radii, states, spaces, parameters.beta)
+        self.parts: list[Part] = []
+        each = zip(Parts(radii, pointed=False).ends, spaces, strict=True)
+        for k, (end, (own, used)) in enumerate(each):
+            zone, boundary = (k + 1) // 2, k // 2 if k < 2 * len(radii) else -1
+            state, family, power = states[zone], Family(*end, own), own.power
+            if not state:  # without compliance the traction is singular at an edge that sticks
+                power = -0.5 if parameters.beta == 0.0 and boundary < 0 else 0.0
+            alike = power == own.power
+            shear = family if alike else family._replace(panels=replace(own, power=power))
+            self.parts.append(Part(zone, state, boundary, family, shear, used))
         self.stick = [k for k, part in enumerate(self.parts) if part.state == 0]
         #: whether the equations are tested without weights, so that their coupling is of moments
         self._plain = tuple(c > 0.0 or not radii for c in parameters[:2])
+
+    @property
+    def bounds(self) -> tuple[Radius, ...]:
+        """Ends of the zones, from the centre to the edge."""
+        return CENTRE, *self.radii, EDGE
 
     @property
     def symmetric(self) -> bool:
@@ -207,11 +203,11 @@ class Tangential(ABC):
         )
         return first, last
 
-    def split(self, values: Array) -> tuple[list[Array], dict[int, Array]]:
-        """Return the coefficients in the whole bases: of p on all parts, of u on those in stick."""
-        first = len(self.fields) - len(self.stick)
-        pressure = [one.of(values) for one in self.fields[:first]]
-        return pressure, {one.part: one.of(values) for one in self.fields[first:]}
+    def series(self, values: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
+        """Return the functions that are unknown: p on all parts, q/s on those in stick."""
+        each = [series_of(one.panels, one.of(values)) for one in self.fields]
+        first = len(each) - len(self.stick)
+        return each[:first], dict(zip(self.stick, each[first:], strict=True))
 
     # functionals
 
@@ -288,9 +284,12 @@ class Tangential(ABC):
     def _driven(self, i: int, values: Array) -> Array:
         """Return by how much more `_driven_at` is at the nodes of a part."""
 
-    @abstractmethod
     def matrix(self) -> Array:
         """Return the matrix of the equations; it is that of `residual` but for roundings."""
+        matrix = self._assembled()
+        for own, mass in self._masses():
+            matrix[own, own] += mass
+        return matrix
 
     @abstractmethod
     def misfit(self, values: Array, approach: Array, imbalance: Array) -> Misfit:
@@ -340,8 +339,9 @@ class Tangential(ABC):
         """Add to rows of a matrix what q/s of a part contributes."""
         rows[:, self.shear[k]] += columns
 
-    def _add_tangential(self, matrix: Array) -> None:
-        """Add what the traction does to the tangential equation."""
+    def _assembled(self) -> Array:
+        """Return the matrix without masses: here what the traction does to its own equation."""
+        matrix = np.zeros((self.unknowns, self.unknowns))
         for i, part in enumerate(self.parts[: self.stick[-1] + 1]):
             stuck, weights = self._stuck(i), self._shear_tests[i]
             kept = None
@@ -351,9 +351,4 @@ class Tangential(ABC):
             pairs = stuck.products(self._g[i], weights, whole=self._plain[1], own=kept)
             for k, j, product in pairs:
                 self._add(matrix[self.shear[k]], product, j)
-
-    def _with_masses(self, matrix: Array) -> Array:
-        """Return a matrix with the masses added to it."""
-        for own, mass in self._masses():
-            matrix[own, own] += mass
         return matrix

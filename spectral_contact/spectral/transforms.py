@@ -17,6 +17,13 @@ def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
     return LogSeries(*sampled_coefficients(panels, values), panels.width)
 
 
+def series_of(panels: LogPanels, coefficients: Array) -> LogSeries:
+    """Return the function that the coefficients stand for."""
+    tail = coefficients[-panels.tail_terms :]
+    form = panels.width, panels.power, panels.root_tail
+    return LogSeries(panels.table(coefficients), tail, *form)
+
+
 class Transforms:
     """Abel integrals of a function at the sampling points of its own panels, without a matrix.
 

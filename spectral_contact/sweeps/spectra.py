@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import PANEL_WIDTH
 from spectral_contact.fields import Array
+from spectral_contact.spectral.blocks import disk_shear
 from spectral_contact.spectral.jacobi import legendre_rows
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
@@ -90,7 +91,7 @@ class StickSpectrum:
         own = self.modes[space.index]
         #: what a mode of the pressure demands of a mode of the traction, (tangential, normal)
         self.coupling = own.T @ space.moments(self._targets(space.y)).T
-        self.shear = space.shear_moments @ self.modes
+        self.shear = disk_shear(self.panels, (degree,) * _PANELS)[space.place] @ own
         tail = self.panels.tail_terms
         #: Legendre polynomials at -1
         self._signs = (-1.0) ** np.arange(degree + 1)

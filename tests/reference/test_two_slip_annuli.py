@@ -16,7 +16,7 @@ from spectral_contact import Scene, solve
 from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import NormalContact, series_of
+from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.zone_problem import solve_stick
 from spectral_contact.contact.zone_search import DrivenSearch
 from spectral_contact.equations.residuals import tangential_displacement
@@ -24,6 +24,7 @@ from spectral_contact.fields.series import PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.transforms import series_of
 
 BETA, FRICTION = 1.0, 0.47  # for kappa = 1
 PANELS = LogPanels(20, 2.0, 24)

@@ -13,11 +13,11 @@ import math
 from pathlib import Path
 
 from spectral_contact import __version__
-from spectral_contact.contact.resolution import series_of
 from spectral_contact.equations.bounds import approach_bounds
 from spectral_contact.fields.series import PressureField
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
+from spectral_contact.spectral.transforms import series_of
 
 RESULTS = Path(__file__).parents[1] / "results"
 DEGREES = range(1, 11)

@@ -127,7 +127,7 @@ MUTANTS = (
     Mutant(
         "the pressure may pull",
         f"{_CONTACT}/slip_outcome.py",
-        "given is None and not fields.positive(solved)",
+        "given is None and not fields.positive(solved.pressures)",
         "False",
         _COUPLED,
     ),

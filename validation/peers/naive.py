@@ -26,12 +26,13 @@ import numpy as np
 from scipy import special
 
 from spectral_contact import Scene, __version__, solve
-from spectral_contact.contact.resolution import series_of, starting_resolution
+from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
 from spectral_contact.fields.series import EdgeWeight
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.spaces import unit_space
+from spectral_contact.spectral.transforms import series_of
 
 RESULTS = Path(__file__).parents[1] / "results"
 SCHEMA, VERSION = "spectral_contact.validation.naive", 1

@@ -7,13 +7,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from oracles.family_integrals import half_integral, inner_integral
 from scipy.special import eval_legendre
 
-from spectral_contact.contact.resolution import series_of
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import Family, Points, gap
-from spectral_contact.spectral.transforms import sampled_series
+from spectral_contact.spectral.transforms import sampled_series, series_of
 
 mp = MPContext()
 mp.dps = 40

@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, SceneError, solve
-from spectral_contact.contact.zone_derivatives import radius_slopes
-from spectral_contact.fields.series import Radius
 from spectral_contact.studies.derivatives import PARAMETERS
 
 STUCK = Scene(0.3, 0.5, 0.5, math.inf)
@@ -175,21 +173,6 @@ def test_those_of_coupled_slip_are_right_and_their_errors_honest():
     for pair, true in COUPLED_SLOPES.items():
         assert own[pair].value == pytest.approx(true, rel=1e-9), pair
         assert own[pair].error < 1e-11, pair
-
-
-def test_fits_have_the_same_slopes_by_another_way():
-    # one disk, with the operators of the unit disk
-    for scene in (SLIPPING, THIN, RIGID):
-        own = found(scene)
-        alpha, beta = scene.normal_compliance, scene.tangential_compliance
-        ratio, disk = scene.friction / scene.kappa, solve(scene, 1e-12).zones[0]
-        rim = Radius(disk.outer, disk.outer_from_edge)
-        slopes = (
-            radius_slopes(alpha, beta, ratio, rim.logit, 1e-10, 20_000) * rim.value * rim.rest / 2
-        )
-        for name, slope in zip(PARAMETERS, slopes / (1.0, 1.0, scene.kappa), strict=False):
-            expected = own["stick_radius", name].value
-            assert slope == pytest.approx(expected, rel=1e-6, nan_ok=True), name
 
 
 def test_slip_inside_has_all_boundaries_move():
