@@ -17,6 +17,7 @@ from spectral_contact.contact.resolution import (
     LEADING,
     PANEL_WIDTH,
     ROOT_DEPTH,
+    ROUGH,
     nearness,
     slip_degree,
 )
@@ -41,10 +42,10 @@ _INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, _ALL
 _BEFORE, _STUCK_SPARE, _DRIVEN_SPARE = 3.0, 1.1, 3
 #: How far in ``-ln y`` a layer of the pressure is felt at the edge.
 _FELT = 4.0
-#: Accuracy of a pressure that is given, of the tolerance and at least, and tolerances of spaces in
-#: which boundaries are only looked for, where it is the tolerance. Without the least slip over 4e-9
-#: is known to 0.14 at rtol 2e-7, else to 0.02.
-_QUADRATURE, _FINEST, _ROUGHLY = 0.01, 1e-11, 1e-3
+#: Accuracy of a pressure that is given, of the tolerance and at least; where boundaries are only
+#: looked for, it is the tolerance. Without the least slip over 4e-9 is known to 0.14 at rtol 2e-7,
+#: else to 0.02.
+_QUADRATURE, _FINEST = 0.01, 1e-11
 
 #: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
 _MORE = 3.0
@@ -161,7 +162,7 @@ def driven_spaces(
     if states == (0, 1):
         return [_driven_disk(alpha, beta, radii[0], tolerance)] * 3
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
-    accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < _ROUGHLY else tolerance
+    accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < ROUGH else tolerance
     degree = slip_degree(accuracy)
     return [
         Resolution(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
