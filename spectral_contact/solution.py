@@ -178,12 +178,9 @@ class Solution(Output):
         NotComputedError
             If the punch is flat, or the pressure was not asked for.
         """
-        from spectral_contact.equations.gap import gap_outside, outside_radii
+        from spectral_contact.equations.gap import gap_outside
 
-        places = outside_radii(s, beyond)
-        self._require("contact_radius")
-        self._require("pressure")
-        return gap_outside(self, places)
+        return gap_outside(self, s, beyond)
 
     @property
     def approach_bounds(self) -> tuple[float, float]:

@@ -408,6 +408,7 @@ def compare_laws(
         raise SceneError("candidates", candidates, told)
     instance("data", data, IndentationData)
     ProgressLine(progress)  # refuses what it cannot be
+    how: dict[str, Any] = {"rtol": rtol, "max_evaluations": max_evaluations, "progress": progress}
     fits = []
     for name, given in candidates.items():
         if not (isinstance(name, str) and isinstance(given, tuple) and len(given) == 2):
@@ -417,20 +418,14 @@ def compare_laws(
         if len(data.load) < count + 2:
             told = f"of at least {count + 2} loads, for {count} free parameters of {name}"
             raise SceneError("data", data, told)
-        fits.append(_fitted(name, scene, data, free, rtol, max_evaluations, progress))
+        try:
+            fits.append(fit(scene, data, free, **how))
+        except SceneError as error:  # says of which candidate
+            if error.parameter in how:
+                raise
+            told = f"{error.allowed} (the candidate {name!r})"
+            raise SceneError(error.parameter, error.value, told) from error
     return LawComparison(tuple(candidates), tuple(fits))
-
-
-def _fitted(name: str, scene: Any, data: IndentationData, free: Any, *how: Any) -> IndentationFit:
-    """Return the fit of a candidate; an error says of which."""
-    rtol, most, progress = how
-    try:
-        return fit(scene, data, free, rtol=rtol, max_evaluations=most, progress=progress)
-    except SceneError as error:
-        if error.parameter in ("rtol", "max_evaluations"):
-            raise
-        told = f"{error.allowed} (the candidate {name!r})"
-        raise SceneError(error.parameter, error.value, told) from error
 
 
 def _corrected(one: IndentationFit) -> float:

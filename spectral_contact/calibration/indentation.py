@@ -192,13 +192,22 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     def product(d: Array) -> Array:
         return np.asarray(pressure(1.0 - d, d) * flat(1.0 - d, d))
 
-    steps = 10.0 ** -np.arange(1.0, 15.0)
-    steps = np.append(steps[steps > layer / a / 30.0], 0.0)
-    breaks = [1.0 - b / a for b in profile.breaks if b < a]
-    corners = np.array([0.0, *([1.0] if profile.pointed else []), *breaks])
-    cuts = np.add.outer(corners, [-steps, steps]).ravel()
-    integral = half_load(product, breaks=[float(d) for d in cuts if 0.0 < d < 1.0])
+    integral = half_load(product, breaks=cuts(profile, a, layer / a))
     return _CurveLoad(found.load, found.stiffness, -2.0 * math.pi * a * integral)
+
+
+def cuts(profile: Profile, radius: float, finest: float) -> list[float]:
+    """Return distances from the edge between which the pressure is smooth.
+
+    Layers at the edge, the centre of a tip and breaks are no thinner than the finest, over the
+    radius.
+    """
+    steps = 10.0 ** -np.arange(1.0, 15.0)
+    steps = np.append(steps[steps > finest / 30.0], 0.0)
+    inside = [1.0 - b / radius for b in profile.breaks if b < radius]
+    corners = [0.0, *([1.0] if profile.pointed else []), *inside]
+    around = np.add.outer(corners, [-steps, steps]).ravel().tolist()
+    return [d for d in around if 0.0 < d < 1.0]
 
 
 class CurveProblem:
@@ -271,7 +280,7 @@ class CurveProblem:
             values = self.values(x)
             value, columns = self.curve(values, (self.depth - values["zero_point"]).tolist())
             jacobian = np.stack([columns[name] for name in self.free], axis=1)
-            jacobian = self.by_search(jacobian, x)
+            jacobian = self.turned(jacobian, x, 1.0)
             kept[x] = (value - self.load) / self.sigma, jacobian / self.sigma[:, None]
         return kept[x]
 
@@ -287,12 +296,11 @@ class CurveProblem:
             "zero_point": -by_approach,
         }
 
-    def by_search(self, jacobian: Array, x: Sequence[float]) -> Array:
-        """Return derivatives by logarithms of the parameters as those by what is searched."""
-        return jacobian
+    def turned(self, jacobian: Array, x: Sequence[float], sense: float) -> Array:
+        """Return derivatives by logarithms of the parameters as those by what is searched.
 
-    def by_parameters(self, jacobian: Array, x: Sequence[float]) -> Array:
-        """Return derivatives by what is searched as those by logarithms of the parameters."""
+        With the sense -1 it is the other way round.
+        """
         return jacobian
 
     def best(self, values: dict[str, float]) -> dict[str, Any]:
@@ -309,7 +317,7 @@ class CurveProblem:
                 raise SceneError("free", self.free, f"determined by the data, as {name} is not")
         if np.any(found.active_mask):
             raise self._alike
-        covariance = self.covariance(self.by_parameters(jacobian, x))
+        covariance = self.covariance(self.turned(jacobian, x, -1.0))
         values = self.values(x)
         errors = [
             float(size) * (values[name] if self._log(name) else 1.0)

@@ -17,7 +17,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from spectral_contact.calibration.indentation import CurveProblem
+from spectral_contact.calibration.indentation import CurveProblem, cuts
 from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
@@ -25,7 +25,7 @@ from spectral_contact.errors import ConvergenceError
 from spectral_contact.fields import Array
 from spectral_contact.layers import GreenwoodWilliamson, Layer
 from spectral_contact.layers.control import in_own_units
-from spectral_contact.profiles import Flat, Profile
+from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 from spectral_contact.solving.layered import through_layer
 
@@ -97,7 +97,7 @@ def _derivatives(profile: Profile, layer: Layer, found: Indentation) -> dict[str
     # what moves the law at a pressure, over a function of that pressure
     moved = {name: rate / slope for name, rate in {UNIT: p, **layer._rates(w)}.items()}
     high = math.log(p[-1])
-    cuts = _cuts(profile, a, float(slope.max()))
+    places = [*cuts(profile, a, 1.0 / (float(slope.max()) * a)), *_CUTS]
 
     def integral(values: Array) -> float:
         spline = CubicSpline(np.log(p), values)
@@ -108,19 +108,9 @@ def _derivatives(profile: Profile, layer: Layer, found: Indentation) -> dict[str
             at = np.minimum(np.log(np.where(seen, here, p[0])), high)
             return np.where(seen, spline(at) * flat(1.0 - d, d), 0.0)
 
-        return 2.0 * math.pi * a * half_load(product, breaks=cuts)
+        return 2.0 * math.pi * a * half_load(product, breaks=places)
 
     return {name: integral(values) for name, values in moved.items()}
-
-
-def _cuts(profile: Profile, radius: float, slope: float) -> list[float]:
-    """Return distances from the edge between which the pressure is smooth."""
-    steps = 10.0 ** -np.arange(1.0, 15.0)
-    steps = np.append(steps[steps > 1.0 / max(30.0 * slope * radius, 1.0)], 0.0)
-    inside = [] if isinstance(profile, Flat) else [b for b in profile.breaks if b < radius]
-    corners = [0.0, *([1.0] if profile.pointed else []), *(1.0 - b / radius for b in inside)]
-    around = np.add.outer(corners, [-steps, steps]).ravel().tolist()
-    return [float(d) for d in (*around, *_CUTS) if 0.0 < d < 1.0]
 
 
 class LawProblem(CurveProblem):
@@ -170,21 +160,14 @@ class LawProblem(CurveProblem):
             found["coefficient"] *= math.exp(moved)
         return found
 
-    def _slanted(self, jacobian: Array, x: Sequence[float], sign: float) -> Array:
+    def turned(self, jacobian: Array, x: Sequence[float], sense: float) -> Array:
+        """Return derivatives by logarithms of the parameters as those by what is searched."""
         if not {"coefficient", "exponent"} <= set(self.free):
             return jacobian
         found, k = jacobian.copy(), self.free.index("exponent")
         more = self._pivot * self.values(x)["exponent"]
-        found[:, k] -= sign * more * jacobian[:, self.free.index("coefficient")]
+        found[:, k] -= sense * more * jacobian[:, self.free.index("coefficient")]
         return found
-
-    def by_search(self, jacobian: Array, x: Sequence[float]) -> Array:
-        """Return derivatives by logarithms of the parameters as those by what is searched."""
-        return self._slanted(jacobian, x, 1.0)
-
-    def by_parameters(self, jacobian: Array, x: Sequence[float]) -> Array:
-        """Return derivatives by what is searched as those by logarithms of the parameters."""
-        return self._slanted(jacobian, x, -1.0)
 
     def _law(self, values: dict[str, float]) -> Any:
         assert self.scene.physical is not None

@@ -21,8 +21,6 @@ from numpy.typing import NDArray
 from spectral_contact.precise.fixed import Fixed, Ints, root_rule
 from spectral_contact.threads import cached_property
 
-__all__ = ["AnnulusMesh", "Blocks", "Near", "PreciseAnnulusSeries"]
-
 Array = NDArray[np.float64]
 
 

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from spectral_contact.precise.annulus import AnnulusMesh
 from spectral_contact.precise.fixed import Ints
 
-__all__ = ["Between"]
-
 Array = NDArray[np.float64]
 
 #: Ratio of distances up to which the kernel is a power series.

@@ -36,7 +36,6 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-__all__ = ["certified"]
 
 _Solve: TypeAlias = "Callable[..., Solution]"
 
@@ -99,7 +98,7 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
         run.edge_ratio(),
         run.opening,
         error,
-        _met(worst, digits),
+        worst <= 10.0**-digits,
         run.unknowns,
         run.fixed.bits,
         perf_counter() - begin,
@@ -108,11 +107,6 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
     run.release()
     tell("", 1.0)
     return _certified(solution, worst)
-
-
-def _met(worst: float, digits: int) -> bool:
-    """Return whether the largest error leaves so many digits."""
-    return worst <= 10.0**-digits
 
 
 def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
@@ -151,7 +145,7 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
         edge_ratio=None,
         opening=None,
         error=error,
-        converged=_met(worst, digits),
+        converged=worst <= 10.0**-digits,
         unknowns=run.unknowns,
         bits=run.bits,
         seconds=perf_counter() - begin,

@@ -20,8 +20,6 @@ from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.system import System
 
-__all__ = ["CoupledDisk"]
-
 
 class CoupledDisk:
     """What a pressure and a traction do to each other, and their common solution.

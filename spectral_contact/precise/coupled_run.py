@@ -17,8 +17,6 @@ from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
-__all__ = ["PreciseCoupledRun"]
-
 _LN10 = log(10.0)
 #: Distances below this are no place that `Solution` can be asked about.
 _CLOSEST = 1e-300

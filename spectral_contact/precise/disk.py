@@ -20,8 +20,6 @@ from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
 
-__all__ = ["MOST_SWEEPS", "Disk", "FarField", "PreciseMesh", "PreciseSeries"]
-
 _LN10 = log(10.0)
 #: Sweeps after which refinement has stalled.
 MOST_SWEEPS = 30

@@ -11,8 +11,6 @@ from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.threads import cached_property
 
-__all__ = ["PreciseDrive", "RoughDrive", "SmoothDrive"]
-
 
 class PreciseDrive:
     """Pressure for unit load, its transform R, and sums over the rim of the contact.
@@ -180,7 +178,7 @@ class RoughDrive(PreciseDrive):
         end = f.exp(-count * h)
         d = f.times(end, f.one + f.gauss(TAIL_TERMS + 1)[0]) // 2
         beyond = -f.map(f.mp.log, d) - (count - 1) * h
-        far_field = self._outer_far([start, beyond])
+        far_field = FarField(self._disk, f.exp(-start // 2), f.exp(start - h), 0, [start, beyond])
         near, near_tail = self._outer(start), self._outer(beyond)
         table, tail = self._disk.split(self._coefficients)
         # the integral scales with the root of the distance at the shallow end of the source
@@ -224,12 +222,6 @@ class RoughDrive(PreciseDrive):
             blocks.append(f.moments(values, local, self._disk.panels.degree))
             lower, upper = upper, upper + h
         return blocks
-
-    def _outer_far(self, from_start: list[Ints]) -> FarField:
-        f = self.fixed
-        h = f.of(self._disk.panels.width)
-        offset = f.times(h, f.one + f.gauss(self._disk.rule_points)[0]) // 2
-        return FarField(self._disk, f.exp(-offset // 2), f.exp(offset - h), 0, from_start)
 
     def _outer_tail(self, d: Ints, end: Any, tail: Ints) -> Ints:
         """Return the integral over the tail beyond `d`; in ``w^2 = d' - d`` a polynomial."""

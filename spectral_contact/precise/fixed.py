@@ -16,10 +16,9 @@ import numpy as np
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
 from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.spectral.jacobi import gauss_rule
-
-__all__ = ["Fixed", "FixedRule", "Ints", "root_rule"]
 
 Ints = NDArray[np.object_]
 
@@ -164,6 +163,27 @@ class Fixed:
         x, w = self.gauss(points)
         factors = np.arange(1, 2 * points, 2, dtype=object)
         return np.asarray((self.times(self.legendre(x, points - 1), w[:, None]) * factors).T // 2)
+
+
+class DoubleFactors:
+    """A matrix in double precision, factored with its rows scaled; it is overwritten."""
+
+    def __init__(self, matrix: NDArray[np.float64]) -> None:
+        self._scale = 1.0 / np.abs(matrix).max(axis=1)
+        matrix *= self._scale[:, None]
+        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
+
+    def solved(self, right: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the solution of one right-hand side, or of the columns of several."""
+        scaled = (right.T * self._scale).T
+        return np.asarray(lu_solve(self._factor, scaled, check_finite=False))
+
+    def corrected(self, f: Fixed, misfit: Ints) -> Ints:
+        """Return the correction of a residual in fixed point, whatever its size."""
+        size = int(np.abs(misfit).max()) or 1
+        lift = max(f.bits - size.bit_length(), 0)  # what is below the range of doubles, too
+        step = self.solved(f.floats(np.asarray(misfit << lift, dtype=object)))
+        return np.asarray(f.of(step) >> lift)
 
 
 class FixedRule(NamedTuple):

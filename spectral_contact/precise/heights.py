@@ -15,8 +15,6 @@ from typing import Any
 from spectral_contact.profiles import sampled, shapes
 from spectral_contact.profiles.base import Profile
 
-__all__ = ["Heights", "heights"]
-
 Function = Callable[[Any], Any]
 
 #: Digits for a node of a Chebyshev series of a function that is analytic a panel's length around.
@@ -76,15 +74,12 @@ class _PowerHeights(Heights):
         self._scaled = factor * power * mp.beta(half, mp.mpf(1) / 2)
 
     def height(self, r: Any) -> Any:
-        """Return h."""
         return self._factor * r**self._power
 
     def transform(self, t: Any) -> Any:
-        """Return H."""
         return self._scaled * t**self._power
 
     def rate(self, t: Any) -> Any:
-        """Return the derivative of H times `root`."""
         return self._power * self.transform(t)
 
 
@@ -92,15 +87,12 @@ class _FlatHeights(Heights):
     """``h = 0``."""
 
     def height(self, r: Any) -> Any:
-        """Return h."""
         return 0 * r
 
     def transform(self, t: Any) -> Any:
-        """Return H."""
         return 0 * t
 
     def rate(self, t: Any) -> Any:
-        """Return the derivative of H times `root`."""
         return 0 * t
 
 
@@ -112,16 +104,13 @@ class _SphereHeights(Heights):
         self._radius = mp.mpf(profile.radius)
 
     def height(self, r: Any) -> Any:
-        """Return h."""
         whole = self._radius
         return whole - self._mp.sqrt((whole - r) * (whole + r))
 
     def transform(self, t: Any) -> Any:
-        """Return H."""
         return 2 * t * self._mp.atanh(t / self._radius)
 
     def rate(self, t: Any) -> Any:
-        """Return the derivative of H times `root`."""
         whole = self._radius
         return self.transform(t) + 2 * t * t * whole / ((whole - t) * (whole + t))
 
@@ -134,16 +123,13 @@ class _TruncatedConeHeights(Heights):
         self._slope = mp.cot(mp.mpf(profile.half_angle))
 
     def height(self, r: Any) -> Any:
-        """Return h."""
         return max(r - self.breaks[0], 0) * self._slope
 
     def transform(self, t: Any) -> Any:
-        """Return H."""
         b = self.breaks[0]
         return 2 * self._slope * t * self._mp.acos(b / t) if t >= b else self._mp.zero
 
     def rate(self, t: Any) -> Any:
-        """Return the derivative of H times `root`."""
         b = self.breaks[0]
         if t < b:
             return self._mp.zero
@@ -158,18 +144,15 @@ class _RoundedFlatHeights(Heights):
         self._radius = mp.mpf(profile.radius)
 
     def height(self, r: Any) -> Any:
-        """Return h."""
         return max(r - self.breaks[0], 0) ** 2 / (2 * self._radius)
 
     def transform(self, t: Any) -> Any:
-        """Return H."""
         b = self.breaks[0]
         if t < b:
             return self._mp.zero
         return 2 * t / self._radius * (self.root(t) - b * self._mp.acos(b / t))
 
     def rate(self, t: Any) -> Any:
-        """Return the derivative of H times `root`."""
         b = self.breaks[0]
         if t < b:
             return self._mp.zero
@@ -194,7 +177,6 @@ class _SampledHeights(Heights):
             self.order = mp.mpf(2)
 
     def height(self, r: Any) -> Any:
-        """Return h."""
         total = self._mp.zero
         for (low, high), row in zip(pairwise(self._edges), self._rises, strict=True):
             if r > low:
@@ -218,11 +200,9 @@ class _SampledHeights(Heights):
         return total
 
     def transform(self, t: Any) -> Any:
-        """Return H."""
         return self._tabulated(self._bare_transform, t) if t else self._mp.zero
 
     def rate(self, t: Any) -> Any:
-        """Return the derivative of H times `root`."""
         return self._tabulated(self._bare_rate, t)
 
     def _bare_transform(self, t: Any) -> Any:

@@ -14,18 +14,15 @@ from math import ceil, log, log10
 from typing import Any
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.errors import ConvergenceError, NotComputedError
 from spectral_contact.precise.annulus import AnnulusMesh, Blocks, PreciseAnnulusSeries
 from spectral_contact.precise.between import Between
-from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.precise.fixed import DoubleFactors, Fixed, Ints
 from spectral_contact.precise.heights import Heights, heights
 from spectral_contact.precise.zone_trial import panel_points
 from spectral_contact.profiles import Profile
 from spectral_contact.threads import cached_property
-
-__all__ = ["OUTSIDE", "Contact", "DiskInParts", "RoughContact", "RoughIndented"]
 
 _LN10 = log(10.0)
 _MOST_SWEEPS = 20
@@ -269,7 +266,7 @@ class RoughIndented:
         self.heights = heights(f.mp, profile)
         blocks = Blocks(f, width, points, digits)
         self._meshes = [AnnulusMesh(blocks, *pair) for pair in pairs]
-        self._factor: Any = None
+        self._factored: DoubleFactors | None = None
 
     def _panels(self, radius: float, width: float) -> list[tuple[int, int]]:
         """Return the number of panels in the inner and the outer half of every part.
@@ -307,37 +304,25 @@ class RoughIndented:
         f, mp = self.fixed, self.fixed.mp
         places = DiskInParts(f, self._meshes, radius, self._breaks)
         alpha = f.of(self._compliance / radius)
-        if self._factor is None:
+        if self._factored is None:
             matrix = places.matrix()
             matrix[np.diag_indices(len(matrix))] += float(f.numbers(alpha))
-            scale = 1.0 / np.abs(matrix).max(axis=1)
-            matrix *= scale[:, None]
-            self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False), scale
-        smooth = self.heights.transform(+radius) / 2
-        of_z = np.frompyfunc(
-            lambda z: f.of(self.heights.height(radius * mp.sqrt(f.numbers(z)))), 1, 1
-        )
-        h = [of_z(z) for z in places.z]
+            self._factored = DoubleFactors(matrix)
+        smooth, h = self.heights.transform(+radius) / 2, self._heights_at(places, radius)
         ones = [0 * z + f.one for z in places.z]
         flat, _ = self._refined(places, alpha, ones)
         p, share = self._refined(
             places, alpha, [f.over(f.of(smooth) - v, f.of(radius)) for v in h], flat
         )
-        flat_edge = self._meshes[-1].limits(flat[-1])[1]
         approach = smooth + f.numbers(share) * radius
         flat_load = 2 * mp.pi * places.integral(flat)
         load = 2 * mp.pi * radius**2 * places.integral(p)
         lowered = [f.times(v, f.of(approach) - w) for v, w in zip(p, h, strict=True)]
         work = mp.pi * radius**2 * places.integral(lowered)
-        edge = self._meshes[-1].outer_end
-        series = tuple(mesh.series(v) for mesh, v in zip(self._meshes, p, strict=True))
-        near = series[-1].at(*(np.array([v], dtype=object) for v in (f.one - edge, edge)))[0]
-        slope = f.over(near, f.times(places.widths[-1], edge))
-        growth = 2 * f.numbers(slope) / f.numbers(flat_edge)
         return RoughContact(
             f,
             places,
-            series,
+            tuple(mesh.series(v) for mesh, v in zip(self._meshes, p, strict=True)),
             tuple(p),
             tuple(places.half(p)),
             self.heights,
@@ -346,9 +331,25 @@ class RoughIndented:
             load,
             radius * flat_load,
             work,
-            growth,
+            self._growth(places, p[-1], flat[-1]),
             places.size,
         )
+
+    def _heights_at(self, places: DiskInParts, radius: Any) -> list[Ints]:
+        """Return the heights at the nodes."""
+        f, mp = self.fixed, self.fixed.mp
+        of_z = np.frompyfunc(
+            lambda z: f.of(self.heights.height(radius * mp.sqrt(f.numbers(z)))), 1, 1
+        )
+        return [of_z(z) for z in places.z]
+
+    def _growth(self, places: DiskInParts, last: Ints, rate: Ints) -> Any:
+        """Return ``ddelta/da``, from what is zero at the edge and its derivative by delta."""
+        f, mesh = self.fixed, self._meshes[-1]
+        ends = f.one - mesh.outer_end, mesh.outer_end
+        near = mesh.series(last).at(*(np.array([v], dtype=object) for v in ends))[0]
+        falls = f.over(near, f.times(places.widths[-1], mesh.outer_end))
+        return 2 * f.numbers(falls) / f.numbers(mesh.limits(rate)[1])
 
     def _refined(
         self, places: DiskInParts, alpha: Any, right: list[Ints], flat: list[Ints] | None = None
@@ -358,21 +359,15 @@ class RoughIndented:
         If `flat` is given, that of 1, as much of it is added as makes the pressure zero at the
         edge: how much is returned, too.
         """
-        f, (factor, scale), edge = self.fixed, self._factor, self._meshes[-1]
+        f, factored, edge = self.fixed, self._factored, self._meshes[-1]
+        assert factored is not None
         wanted = np.concatenate([v.ravel() for v in right])
         p, misfit, share, addend = 0 * wanted, wanted, 0 * f.one, 0 * wanted
         if flat is not None:
             addend, flat_edge = np.concatenate([v.ravel() for v in flat]), edge.limits(flat[-1])[1]
         goal = 10.0 ** -(self.digits + 2)
         for _ in range(_MOST_SWEEPS):
-            size = int(np.abs(misfit).max()) or 1
-            lift = max(f.bits - size.bit_length(), 0)  # what is below the range of doubles, too
-            step = lu_solve(
-                factor,
-                f.floats(np.asarray(misfit << lift, dtype=object)) * scale,
-                check_finite=False,
-            )
-            step = np.asarray(f.of(step)) >> lift
+            step = factored.corrected(f, misfit)
             if flat is not None:
                 last = self._split(places, p + step)[-1]
                 more = -f.over(edge.limits(last)[1], flat_edge)

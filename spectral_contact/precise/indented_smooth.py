@@ -19,8 +19,6 @@ from spectral_contact.precise.heights import heights
 from spectral_contact.precise.indented import OUTSIDE, Contact
 from spectral_contact.profiles import Profile
 
-__all__ = ["SmoothIndented"]
-
 #: Longest interval of a rule, and radii inside where the pressure is looked at.
 _LONGEST = 3
 _INSIDE = 24

@@ -17,8 +17,6 @@ from spectral_contact.precise.annulus import AnnulusMesh
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.precise.zone_trial import ZoneTrial
 
-__all__ = ["Breach", "breaches", "excesses", "obeying"]
-
 #: A cell is halved at most so many times.
 _MOST_HALVINGS = 60
 #: Digits that are not trusted of those aimed at.
@@ -84,15 +82,14 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
         To which this is right.
     """
     problem, f = trial.problem, trial.problem.drive.fixed
-    count = len(problem.states)
     moved, stray = {}, 0
     if any(problem.states):
-        moved = trial.displacement(sticking, range(count))
+        moved = trial.displacement(sticking, range(len(problem.states)))
         # nothing moves in stick: what is left there is the error
         stray = 4 * max(abs(moved[k]).max() for k in sticking)
     found = []
     for k, (state, mesh) in enumerate(zip(problem.states, problem.meshes, strict=True)):
-        zone = _LawZone(k, mesh, trial.ends[k], trial.ends[k + 1], k > 0, k < count - 1)
+        zone = _LawZone(k, mesh, trial.ends[k], trial.ends[k + 1])
         if state:
             found += zone.below_zero(-state * moved[k], 0, digits, stray)
             continue
@@ -109,7 +106,7 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
 def excesses(mesh: AnnulusMesh, bound: Ints, traction: Ints, digits: int) -> list[Breach]:
     """Return where |q| exceeds a bound on the whole contact, from values at the nodes of a mesh."""
     mp = mesh.fixed.mp
-    zone = _LawZone(0, mesh, -mp.inf, mp.inf, False, False)
+    zone = _LawZone(0, mesh, -mp.inf, mp.inf)
     margins = ((sense, bound - sense * traction) for sense in (1, -1))
     return [one for sense, margin in margins for one in zone.below_zero(margin, sense, digits)]
 
@@ -137,14 +134,12 @@ def obeying(
 
 @dataclass(frozen=True)
 class _LawZone:
-    """A zone, the logits of its ends, and whether the law is an equality at them."""
+    """A zone and the logits of its ends; at those that are finite the law is an equality."""
 
     number: int
     mesh: AnnulusMesh
     start: Any
     stop: Any
-    starts_closed: bool
-    stops_closed: bool
 
     def below_zero(self, values: Ints, wanted: int, digits: int, noise: Any = 0) -> list[Breach]:
         """Return where a function through values at the nodes is not known to be positive."""
@@ -180,9 +175,10 @@ class _LawZone:
             if cell == outermost:  # its coordinate rises inward
                 part = [one._replace(low=one.high, high=one.low) for one in part[::-1]]
             pieces += part
-        if self.starts_closed:
+        if f.mp.isfinite(self.start):
             pieces = _decided_by_the_next(pieces)
-        return _decided_by_the_next(pieces[::-1])[::-1] if self.stops_closed else pieces
+        closed = f.mp.isfinite(self.stop)
+        return _decided_by_the_next(pieces[::-1])[::-1] if closed else pieces
 
     def _logit(self, cell: int, local: Any) -> Any:
         """Return ``ln(s**2/(1 - s**2))`` at a place of a cell."""

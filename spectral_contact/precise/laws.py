@@ -13,8 +13,6 @@ from spectral_contact import layers
 from spectral_contact.errors import NotComputedError
 from spectral_contact.layers import Layer
 
-__all__ = ["Law", "law_of"]
-
 
 class Law:
     """A law to many digits.
@@ -58,17 +56,14 @@ class _Power(Law):
         self._factor, self._power = coefficient, mp.mpf(exponent)
 
     def pressure(self, w: Any) -> Any:
-        """Return the pressure."""
         return self._factor * max(w, 0) ** self._power
 
     def slope(self, w: Any) -> Any:
-        """Return its derivative."""
         if w < 0:
             return self.mp.zero
         return self._factor * self._power * w ** (self._power - 1)
 
     def energy(self, w: Any) -> Any:
-        """Return its integral."""
         more = self._power + 1
         return self._factor / more * max(w, 0) ** more
 
@@ -82,17 +77,14 @@ class _Abaqus(Law):
         self._size = mp.mpf(layer.clearance)
 
     def pressure(self, w: Any) -> Any:
-        """Return the pressure."""
         x = max(w, 0) / self._size
         return self._unit * x * self.mp.expm1(x)
 
     def slope(self, w: Any) -> Any:
-        """Return its derivative."""
         x = max(w, 0) / self._size
         return self._unit / self._size * (self.mp.expm1(x) + x * self.mp.exp(x))
 
     def energy(self, w: Any) -> Any:
-        """Return its integral."""
         mp, x = self.mp, max(w, 0) / self._size
         # near 0 all but x^3/3 cancels
         with mp.extraprec(3 * max(-mp.mag(x), 0) + 10 if x else 0):
@@ -109,15 +101,12 @@ class _Calculix(Law):
         self._rate = mp.log(100) / mp.mpf(layer.clearance)
 
     def pressure(self, w: Any) -> Any:
-        """Return the pressure."""
         return self._unit * self.mp.exp(self._rate * w)
 
     def slope(self, w: Any) -> Any:
-        """Return its derivative."""
         return self._rate * self.pressure(w)
 
     def energy(self, w: Any) -> Any:
-        """Return its integral."""
         return self.pressure(w) / self._rate
 
 
@@ -138,22 +127,15 @@ class _Asperities(Law):
             return scale * mp.exp(-h * h / 4) * mp.pcfd(-power - 1, h)
         if h >= 0:
             return mp.gamma(power + 1) * mp.exp(-h)
-        return mp.exp(-h) * mp.gammainc(power + 1, -h) if h > -1 else self._below(power, -h)
-
-    def _below(self, power: Any, x: Any) -> Any:
-        """Return ``int_x^inf u^power e^(x - u) du + x^power ...`` for exponential heights."""
-        return self.mp.exp(x) * self.mp.gammainc(power + 1, x)
+        return mp.exp(-h) * mp.gammainc(power + 1, -h)
 
     def pressure(self, w: Any) -> Any:
-        """Return the pressure."""
         return self._unit * self._moment(w, 3)
 
     def slope(self, w: Any) -> Any:
-        """Return its derivative."""
         return self._unit * 3 / (2 * self._size) * self._moment(w, 1)
 
     def energy(self, w: Any) -> Any:
-        """Return its integral."""
         return self._unit * 2 * self._size / 5 * self._moment(w, 5)
 
 
@@ -171,16 +153,13 @@ class _SeriesLaw(Law):
         return sum(term * function(n, local) for n, term in enumerate(self._terms))
 
     def pressure(self, w: Any) -> Any:
-        """Return the pressure."""
         return self._sum(w, self.mp.chebyt)
 
     def slope(self, w: Any) -> Any:
-        """Return its derivative."""
         mp = self.mp
         return self._sum(w, lambda n, x: n * mp.chebyu(n - 1, x) if n else mp.zero) / self._half
 
     def energy(self, w: Any) -> Any:
-        """Return its integral."""
         mp = self.mp
 
         def integral(n: int, x: Any) -> Any:

@@ -13,17 +13,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.layers import Layer
-from spectral_contact.precise.fixed import Ints
+from spectral_contact.precise.fixed import DoubleFactors, Ints
 from spectral_contact.precise.indented import DiskInParts, RoughContact, RoughIndented
 from spectral_contact.precise.laws import Law, law_of
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.threads import cached_property
-
-__all__ = ["Begin", "LayeredContact", "LayeredIndented"]
 
 _MOST_SWEEPS = 30
 #: Corrections in which the matrix is made anew.
@@ -122,7 +119,6 @@ class LayeredIndented(RoughIndented):
         self._edged = not (isinstance(profile, Flat) or begin.cuts)
         self._w: Ints | None = None
         self._normal: NDArray[np.float64] | None = None
-        self._solve: Any = None
 
     def _panels(self, radius: float, width: float) -> list[tuple[int, int]]:
         """Return the number of panels in the inner and the outer half of every part."""
@@ -147,10 +143,7 @@ class LayeredIndented(RoughIndented):
         f, mp, law = self.fixed, self.fixed.mp, self._law
         radius = given if self._edged else mp.mpf(self._begin.radius)
         places = DiskInParts(f, self._meshes, radius, self._breaks)
-        of_z = np.frompyfunc(
-            lambda z: f.of(self.heights.height(radius * mp.sqrt(f.numbers(z)))), 1, 1
-        )
-        h = [of_z(z) for z in places.z]
+        h = self._heights_at(places, radius)
         smooth = self.heights.transform(+radius) / 2 if self._edged else given - law.origin
         room = np.concatenate([f.over(f.of(smooth) - v, f.of(radius)).ravel() for v in h])
         fields = self._newton(places, radius, room)
@@ -166,14 +159,9 @@ class LayeredIndented(RoughIndented):
             for v, z, u in zip(p, h, own, strict=True)
         ]
         energy = places.integral(stored) + radius * places.integral(bent) / 2
-        edge = self._meshes[-1].outer_end
         growth = mp.zero
         if self._edged:
-            series = self._meshes[-1].series(own[-1])
-            near = series.at(*(np.array([v], dtype=object) for v in (f.one - edge, edge)))[0]
-            falls = f.over(near, f.times(places.widths[-1], edge))
-            last = self._meshes[-1].limits(self._split(places, rate)[-1])[1]
-            growth = 2 * f.numbers(falls) / f.numbers(last)
+            growth = self._growth(places, own[-1], self._split(places, rate)[-1])
         return LayeredContact(
             f,
             places,
@@ -206,16 +194,13 @@ class LayeredIndented(RoughIndented):
             moved = (moved - float(self.heights.transform(+radius)) / 2.0) / float(radius)
         return np.asarray(f.of(f.floats(room) + moved - self._normal @ p))
 
-    def _factored(self, w: Ints, radius: Any) -> None:
+    def _factored_at(self, w: Ints, radius: Any) -> DoubleFactors:
         """Factor Newton's matrix at overclosures."""
         assert self._normal is not None
         slope = np.frompyfunc(self._law.slope, 1, 1)(self.fixed.numbers(w) * radius) * radius
         matrix = self._normal * np.array(slope, dtype=float)
         matrix[np.diag_indices(len(matrix))] += 1.0
-        scale = 1.0 / np.abs(matrix).max(axis=1)
-        matrix *= scale[:, None]
-        factors = lu_factor(matrix, overwrite_a=True, check_finite=False)
-        self._solve = lambda right: lu_solve(factors, right * scale, check_finite=False)
+        return DoubleFactors(matrix)
 
     def _newton(self, places: DiskInParts, radius: Any, room: Ints) -> _Fields:
         """Return the solution at the nodes."""
@@ -238,11 +223,11 @@ class LayeredIndented(RoughIndented):
             return np.asarray(f.of(np.frompyfunc(function, 1, 1)(numbers)))
 
         for sweep in range(_MOST_SWEEPS):
-            if sweep < _ANEW or self._solve is None:
-                self._factored(w, radius)
-            step = self._corrected(room + share - w - image(applied(law.pressure, w)))
+            if sweep < _ANEW:
+                factored = self._factored_at(w, radius)
+            step = factored.corrected(f, room + share - w - image(applied(law.pressure, w)))
             if self._edged:
-                rate = self._corrected(one)
+                rate = factored.corrected(f, one)
                 more = -f.over(limit(w + step), limit(rate))
                 share, step = share + more, step + f.times(more, rate)
             w = w + step
@@ -254,20 +239,12 @@ class LayeredIndented(RoughIndented):
             )
         self._w = w
         slope = applied(lambda v: law.slope(v) * radius, w)
-        rate = self._corrected(one)
+        rate = factored.corrected(f, one)
         for _ in range(_MOST_SWEEPS):
-            step = self._corrected(one - rate - image(f.times(slope, rate)))
+            step = factored.corrected(f, one - rate - image(f.times(slope, rate)))
             rate = rate + step
             if self._share(places, step, rate) <= goal:
                 return _Fields(w, share, rate, slope)
         raise ConvergenceError(
             f"refinement stalls before {self.digits} digits", "ask for fewer digits"
         )
-
-    def _corrected(self, misfit: Ints) -> Ints:
-        """Return the correction of a residual, from doubles, whatever its size."""
-        f = self.fixed
-        size = int(np.abs(misfit).max()) or 1
-        lift = max(f.bits - size.bit_length(), 0)  # what is below the range of doubles, too
-        step = self._solve(f.floats(np.asarray(misfit << lift, dtype=object)))
-        return np.asarray(f.of(step) >> lift)

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from spectral_contact.precise.disk import Disk, PreciseSeries
     from spectral_contact.precise.drive import PreciseDrive
 
-__all__ = ["PreciseOneDisk", "solve_one_disk"]
 
 _MOST_TRIALS = 8
 

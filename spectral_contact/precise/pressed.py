@@ -20,8 +20,6 @@ from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import ErrorEstimates
 from spectral_contact.scene import Scene
 
-__all__ = ["PRESSED", "PressedRun", "compared"]
-
 #: What a contact under a profile has; all but the radius are attributes of `Contact`, too.
 PRESSED = ("approach", "contact_radius", "load", "stiffness", "indentation_work")
 _MOST_STEPS = 8

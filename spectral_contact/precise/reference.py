@@ -7,8 +7,6 @@ from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
-__all__ = ["reference"]
-
 
 def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -> ReferenceSolution:
     """Solve a scene to any number of digits.

@@ -20,8 +20,6 @@ from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
-__all__ = ["PreciseRun"]
-
 _LN10 = log(10.0)
 #: A mesh with so many panels more than needed is used if it is there.
 _SPARE = 12

@@ -15,8 +15,6 @@ from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.scene import Scene
 from spectral_contact.view.progress import silent
 
-__all__ = ["lawful", "solved"]
-
 _MOST_ROUNDS = 12
 #: By so much boundaries may move, as logits, before they are given meshes of their own.
 _FAR = 0.5
@@ -74,7 +72,8 @@ def lawful(
         try:
             run = solved(scene, digits, width, layout, tell, held=held)
         except ConvergenceError:
-            if held or not _can_be_held(scene, layout):
+            # with tangential compliance alone is there a solution wherever boundaries are
+            if held or layout is None or not (layout.radii and scene.tangential_compliance):
                 raise
             # far from its zones the problem is linear for given ones, and says what is wrong
             held = True
@@ -93,11 +92,6 @@ def _no_zones(found: list[Breach]) -> ConvergenceError:
     last = f"on the last {found[0]}" if found else "the last did not settle"
     cause = f"the friction law holds on no zones that were tried; {last}"
     return ConvergenceError(cause, "ask for more digits")
-
-
-def _can_be_held(scene: Scene, layout: PreciseLayout | None) -> bool:
-    """Return whether there are boundaries, and a solution wherever they are."""
-    return layout is not None and bool(layout.radii) and scene.tangential_compliance > 0.0
 
 
 def _changed(run: PreciseRun, found: list[Breach]) -> PreciseLayout:

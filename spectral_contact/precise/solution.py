@@ -17,8 +17,6 @@ from spectral_contact.scene import Scene
 if TYPE_CHECKING:
     from spectral_contact.precise.pressed import PressedRun
 
-__all__ = ["ReferenceSolution"]
-
 
 @dataclass(frozen=True)
 class ReferenceSolution:

@@ -25,7 +25,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.precise.drive import PreciseDrive
 
-__all__ = ["PreciseLayout", "ZoneProblem", "ZoneTrial", "Zones", "panel_points"]
 
 Array = NDArray[np.float64]
 

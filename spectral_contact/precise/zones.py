@@ -14,17 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.precise.fixed import Ints
+from spectral_contact.precise.fixed import DoubleFactors, Ints
 from spectral_contact.precise.zone_trial import ZoneProblem, Zones, ZoneTrial
 from spectral_contact.view.progress import silent
 
 if TYPE_CHECKING:
     from spectral_contact.fields.series import Radius
 
-__all__ = ["solve_zones"]
 
 Array = NDArray[np.float64]
 
@@ -145,20 +143,12 @@ class _Preconditioned:
     """The equations for the tractions of a trial, factored in double precision."""
 
     def __init__(self, trial: ZoneTrial) -> None:
-        self._f = trial.problem.drive.fixed
-        matrix = trial.matrix()
-        self._scale = 1.0 / np.abs(matrix).max(axis=1)
-        matrix *= self._scale[:, None]
-        self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
-
-    def _solved(self, right: Array) -> Array:
-        scaled = (right.T * self._scale).T
-        return np.asarray(lu_solve(self._factor, scaled, check_finite=False))
+        self._f, self._factored = trial.problem.drive.fixed, DoubleFactors(trial.matrix())
 
     def refined(self, trial: ZoneTrial, flat: Ints, goal: float) -> Ints:
         """Return the tractions of a trial to an accuracy."""
         for _ in range(_MOST_SWEEPS):
-            step = -self._solved(self._f.floats(trial.residual(flat)))
+            step = -self._factored.solved(self._f.floats(trial.residual(flat)))
             flat = np.asarray(flat + self._f.of(step))
             if trial.problem.share(step, flat) <= goal:
                 return flat
@@ -175,4 +165,4 @@ class _Preconditioned:
             moved = ZoneTrial(trial.problem, logits)
             columns.append(f.floats((moved.residual(flat) - before[0]) << _STEP))
             corner.append(f.floats((moved.mismatch(flat) - before[1]) << _STEP))
-        return np.array(corner).T - trial.conditions() @ self._solved(np.array(columns).T)
+        return np.array(corner).T - trial.conditions() @ self._factored.solved(np.array(columns).T)

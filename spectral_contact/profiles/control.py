@@ -47,7 +47,7 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
 
     The scene is a mapping of all that it has, the compliance checked already.
     """
-    profile, compliance = scene["profile"], scene["normal_compliance"]
+    profile, layer = scene["profile"], scene["layer"]
     given = {name: scene[name] for name in ALL_CONTROLS if scene[name] is not None}
     if profile is None:
         for name, value in given.items():
@@ -57,23 +57,32 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     if type(profile) not in KINDS.values():
         raise SceneError("profile", profile, f"None or one of profiles: {', '.join(KINDS)}")
     assert isinstance(profile, Profile)
-    _check_others(scene, profile)
+    if isinstance(profile, Flat) and layer is None:
+        told = "None for a flat punch on a linear layer, whose radius and load are the units"
+        raise SceneError("profile", profile, told)
     if len(given) != 1:
         told = "one value, the others None: give one of them with a profile"
         raise SceneError(", ".join(ALL_CONTROLS), tuple(map(scene.get, ALL_CONTROLS)), told)
     [(name, value)] = given.items()
     if name == "separation":
-        return {name: _separated(value, scene["layer"])}
-    if name != "contact_radius":
-        return {name: _pressed(name, value, scene["layer"])}
-    _check_edge(scene)
+        return {name: _separated(value, layer)}
+    if name == "contact_radius":
+        return {name: _reached(value, profile, layer, scene["normal_compliance"])}
+    return {name: _pressed(name, value, layer)}
+
+
+def _reached(value: Any, profile: Profile, layer: Any, compliance: float) -> float:
+    if layer is not None and (isinf(layer.start) or isinstance(profile, Flat)):
+        told = "None: the contact has no edge that moves; give a load or an approach"
+        raise SceneError("contact_radius", value, told)
     low, high = profile.flat_part, profile.reach
     told = f"finite, and in ({low:.6g}, {high:.6g}), where the profile is"
-    radius = real(name, value, allowed=told, low=low, high=high, low_open=True, high_open=True)
+    limits: dict[str, Any] = {"low": low, "high": high, "low_open": True, "high_open": True}
+    radius = real("contact_radius", value, allowed=told, **limits)
     if compliance and not SMALLEST_COMPLIANCE <= compliance / radius <= LARGEST_COMPLIANCE:
         told = "such that normal_compliance / contact_radius is in [1e-14, 1e14]"
-        raise SceneError(name, value, told)
-    return {name: radius}
+        raise SceneError("contact_radius", value, told)
+    return radius
 
 
 def _pressed(name: str, value: Any, layer: Any) -> float:
@@ -92,21 +101,6 @@ def _separated(value: Any, layer: Any) -> float:
     if not float(layer._pressure(np.array(-number))) > 0.0:
         raise SceneError("separation", value, told)
     return number
-
-
-def _check_edge(scene: Mapping[str, Any]) -> None:
-    """Refuse a contact radius where there is none that moves."""
-    layer = scene["layer"]
-    if layer is not None and (isinf(layer.start) or isinstance(scene["profile"], Flat)):
-        told = "None: the contact has no edge that moves; give a load or an approach"
-        raise SceneError("contact_radius", scene["contact_radius"], told)
-
-
-def _check_others(scene: Mapping[str, Any], profile: Profile) -> None:
-    """Refuse what is not solved with this profile."""
-    if isinstance(profile, Flat) and scene["layer"] is None:
-        told = "None for a flat punch on a linear layer, whose radius and load are the units"
-        raise SceneError("profile", profile, told)
 
 
 def refuse_profile(scene: Any, what: str) -> None:

@@ -196,7 +196,7 @@ class Sampled(Profile):
 
     def _transform(self, t: Array) -> Array:
         t = np.asarray(t, dtype=float)
-        return np.asarray(2.0 * t * self._mean(t))
+        return np.asarray(2.0 * t * self._means(t, False)[0])
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         last = max((b for b in self.edges[:-1] if b < radius), default=0.0)
@@ -227,12 +227,8 @@ class Sampled(Profile):
             rate += np.where(outside, 2.0 * jump * edges[k] / root, 0.0)
         return np.asarray(rate)
 
-    def _mean(self, t: Array) -> Array:
-        """Return ``int_0^(pi/2) h' (t sin phi) dphi``."""
-        return self._means(t, False)[0]
-
     def _means(self, t: Array, both: bool = True) -> tuple[Array, Array]:
-        """Return the integral of `_mean`, and if wanted that of h'' sin phi."""
+        """Return ``int_0^(pi/2) h' (t sin phi) dphi``, and if wanted that of h'' sin phi."""
         shape, t = np.shape(t), np.ravel(t)
         total, bent = np.zeros(len(t)), np.zeros(len(t))
         for start in range(0, len(t), _BLOCK):
@@ -303,17 +299,13 @@ def _fitted(
         values = values_at("slope", slope, low + (high - low) * (1.0 + nodes) / 2.0)
         if not np.isfinite(values).all():
             raise SceneError("slope", values[~np.isfinite(values)][0], "finite")
-        row = _interpolant(nodes, values)
+        # at the zeros of a Chebyshev polynomial the coefficients are sums
+        matrix = chebyshev.chebvander(nodes, degree).T * (2.0 / (degree + 1))
+        matrix[0] /= 2.0
+        row = matrix @ values
         scale = max(float(np.abs(values).max()), largest)
         if np.abs(row[-2:]).max() <= _EXACT * scale:
             significant = np.flatnonzero(np.abs(row) > 1e-16 * scale)
             return tuple(row[: significant[-1] + 1].tolist()) if len(significant) else (0.0,)
     told = f"smooth between {low:.6g} and {high:.6g}, or to have its breaks named"
     raise SceneError("slope", "a function that no polynomial fits", told)
-
-
-def _interpolant(nodes: Array, values: Array) -> Array:
-    """Return the Chebyshev coefficients through values at the zeros of a Chebyshev polynomial."""
-    matrix = chebyshev.chebvander(nodes, len(nodes) - 1).T * (2.0 / len(nodes))
-    matrix[0] /= 2.0
-    return np.asarray(matrix @ values)

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_search import CoupledSearch
     from spectral_contact.solving.sharing import StickPath
 
-__all__ = ["CoupledRun"]
-
 
 #: The error of full stick that stands for slip, in units of what friction lacks.
 _ROOM = 3.0

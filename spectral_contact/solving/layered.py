@@ -23,7 +23,6 @@ def through_layer(
     *,
     load: float | None = None,
     approach: float | None = None,
-    radius: float | None = None,
     separation: float | None = None,
     pointwise: bool,
     near: float | None = None,
@@ -39,7 +38,7 @@ def through_layer(
     tolerance : float
     max_unknowns : int
         Most unknowns of a space.
-    load, approach, radius, separation : float or None
+    load, approach, separation : float or None
         One of them.
     pointwise : bool
         Whether the pressure is wanted.
@@ -53,8 +52,6 @@ def through_layer(
         setting = setting_at_radius(profile, layer, radius)
         return solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
 
-    if radius is not None:
-        return at(radius, tolerance, pointwise), 0.0
     if not has_edge(profile, layer):
         found = layered_contact(
             profile,

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 #: Panels in ``-ln Y`` and their points; deeper the surface is at the edge.
 _PANELS, _WIDTH, _POINTS = 36, 2.0, 16
-#: Quadrature of the pressure: points of a panel towards the edge; points, panels and their ratio
-#: towards the boundary of a zone, where the pressure is almost smooth.
-_EDGE_POINTS, _BOUNDARY = 16, (12, 16, 0.15)
+#: Quadrature of the pressure towards the boundary of a zone, where it is almost smooth: points,
+#: panels and their ratio. Towards the edge it is at the distances at which the surface is seen.
+_BOUNDARY = 12, 16, 0.15
 
 _KERNELS: BoundedCache[str, Array] = BoundedCache("outside a flat punch", 1)
 
@@ -60,15 +60,9 @@ def reached(series: list[LogSeries], ahead: Array) -> Array:
     return LogSeries.several(series, distance) * np.exp(-ahead)
 
 
-def _places() -> Array:
-    """Return the ``Y`` of all points of the panels."""
-    g, _ = gauss_rule(_POINTS)
-    return np.asarray(np.exp(-_WIDTH * (np.arange(_PANELS)[:, None] + (1.0 + g) / 2.0)).ravel())
-
-
 def _kernel(y: Array) -> Array:
-    """Return ``K(m)`` at the places, for pressures at `y`."""
-    outside = _places()[:, None]
+    """Return ``K(m)`` at all points of the panels, for pressures at `y`."""
+    outside = _toward_edge()[0][:, None]
     return np.asarray(ellipkm1(y + outside * (1.0 - y)))
 
 
@@ -95,6 +89,6 @@ def _quadrature(inner: list[Radius]) -> tuple[Array, Array]:
 
 def _toward_edge() -> tuple[Array, Array]:
     """Return a rule on (0, 1) for what is singular at 0, deep enough for an inverse root."""
-    g, w = gauss_rule(_EDGE_POINTS)
+    g, w = gauss_rule(_POINTS)
     d = np.exp(-_WIDTH * (np.arange(_PANELS)[:, None] + (1.0 + g) / 2.0))
     return d.ravel(), (d * w * _WIDTH / 2.0).ravel()

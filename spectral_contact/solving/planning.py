@@ -26,8 +26,6 @@ from spectral_contact.solution import (
 from spectral_contact.solving.asked import asked_quantities
 from spectral_contact.spectral.cache import BoundedCache
 
-__all__ = ["plan"]
-
 _TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
 _NO_FRICTION = "the scene has no friction coefficient"
@@ -85,17 +83,12 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     if endless(scene):
         missing["contact_radius"] = "the layer has pressure at every gap: there is no edge"
     present = tuple(name for name in _present(scene) if name not in missing)
-    if scene.profile is not None:
-        # full stick on an area that does not change depends on no history
-        last = _full_stick if isinstance(scene.profile, Flat) else _growth
-        growing = *_coupling(scene, present), _normal(scene, present), last(scene, present)
-        return Plan(present, growing, tuple(sorted(missing.items())))
-    steps = (
-        *_coupling(scene, present),
-        _normal(scene, present),
-        _full_stick(scene, present),
-        *_partial_slip(scene, present),
-    )
+    # full stick on an area that does not change depends on no history
+    grows = not isinstance(scene.profile, Flat | None)
+    last = (_growth if grows else _full_stick)(scene, present)
+    steps = *_coupling(scene, present), _normal(scene, present), last
+    if scene.profile is None:
+        steps += _partial_slip(scene, present)
     return Plan(present, steps, tuple(sorted(missing.items())))
 
 

@@ -207,16 +207,11 @@ class ProfileRun(Run):
         scene = self.scene
         assert scene.profile is not None
         if scene.layer is not None:
-            from spectral_contact.solving.layered import through_layer
+            from spectral_contact.contact.layered_contact import solve_layered
+            from spectral_contact.contact.layered_setting import setting_at_radius
 
-            return through_layer(
-                scene.profile,
-                scene.layer,
-                tolerance,
-                self.max_unknowns,
-                radius=radius,
-                pointwise=pointwise,
-            )[0]
+            setting = setting_at_radius(scene.profile, scene.layer, radius)
+            return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
         solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns)
         return solve(radius, tolerance, pointwise)
 

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
 
-__all__ = ["Run"]
 
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 

@@ -19,8 +19,6 @@ from spectral_contact.solving.uncoupled_run import FrictionOf, UncoupledRun
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
-__all__ = ["Continuation", "solve"]
-
 #: By how much looser tolerances are at which zones are found that are not at one asked for.
 _LOOSER = 10.0, 100.0
 

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.ratio import FullStick
 
-__all__ = ["FrictionOf", "UncoupledRun"]
-
 
 @dataclass(frozen=True, slots=True)
 class FrictionOf:

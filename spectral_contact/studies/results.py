@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 from spectral_contact.errors import SceneError
@@ -15,6 +14,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.timing import Stopwatch, Times
+from spectral_contact.view.output import above
 
 #: What a study can look at.
 QUANTITIES = ("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius")
@@ -74,11 +74,6 @@ class Point:
         return self.times.warm.median / -math.log10(max(error, 2.0**-53))
 
 
-def _above(module: str) -> Any:
-    """Return a module that knows results, by name: an import would go round."""
-    return import_module(f"spectral_contact.studies.{module}")
-
-
 class _Result:
     """What every study can do."""
 
@@ -92,7 +87,7 @@ class _Result:
         SolutionFileError
             For another suffix, or a path that cannot be written.
         """
-        _above("files").save(self, path)
+        above("studies.files").save(self, path)
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, cold: bool = True) -> Any:
         """Draw the errors over times, and over unknowns with their rates; write the figure.
@@ -118,10 +113,10 @@ class _Result:
         SolutionFileError
             For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
         """
-        return _above("pictures").drawn(self, path, flag("cold", cold))
+        return above("studies.pictures").drawn(self, path, flag("cold", cold))
 
     def __str__(self) -> str:
-        return str(_above("tables").text_of(self))
+        return str(above("studies.tables").text_of(self))
 
 
 @dataclass(frozen=True, slots=True)

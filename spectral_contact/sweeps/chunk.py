@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from spectral_contact.processes import end_with_parent
+from spectral_contact.scene import Scene
 from spectral_contact.solution import Ending, Solution
 from spectral_contact.sweeps.lines import between, lines
 from spectral_contact.sweeps.parameters import Columns, Indices, SweepParameters, changed
@@ -77,17 +78,6 @@ class _Chunk:
         except Exception as error:  # whatever it is, the other scenes go on
             self.rows.fail(i, error)
 
-    def with_more(self, i: int, more: tuple[str, ...]) -> Solution | None:
-        """Solve a scene with more quantities, and return it if it converged."""
-        try:
-            solution = self.path.solve(self.columns.scene(i), more)
-        except Exception:  # it is left to `solve`
-            return None
-        if solution.ending is not Ending.CONVERGED:
-            return None
-        self.rows.take(i, solution)
-        return solution
-
 
 class OnLine:
     """Solves what a line or a curve asks for; None for what did not converge."""
@@ -98,13 +88,19 @@ class OnLine:
 
     def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
         """Solve a scene of the line, with more quantities."""
-        return self._work.with_more(self._line[i], more)
+        number = self._line[i]
+        found = self._converged(lambda: self._work.columns.scene(number), more)
+        if found is not None:
+            self._work.rows.take(number, found)
+        return found
 
     def of_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
         """Solve the first scene with another contact radius."""
+        return self._converged(lambda: changed(self._first, {"contact_radius": radius}), more)
+
+    def _converged(self, scene: Callable[[], Scene], more: tuple[str, ...]) -> Solution | None:
         try:
-            scene = changed(self._first, {"contact_radius": radius})
-            solution = self._work.path.solve(scene, more)
+            solution = self._work.path.solve(scene(), more)
         except Exception:  # the scenes are left to `solve`
             return None
         return solution if solution.ending is Ending.CONVERGED else None
@@ -119,7 +115,7 @@ class OnLine:
 
 def outcomes(
     parameters: SweepParameters,
-    chunks: Sequence[tuple[int, Indices]],
+    chunks: dict[int, Indices],
     request: Request,
     executor: Executor | None,
     path_of: Callable[..., Continuation],
@@ -132,8 +128,8 @@ def outcomes(
     Parameters
     ----------
     parameters : SweepParameters
-    chunks : sequence of (int, ndarray)
-        Number and scenes of each.
+    chunks : dict of int to ndarray
+        The scenes of each, by its number.
     request : Request
     executor : Executor or None
         None is this process.
@@ -155,13 +151,13 @@ def outcomes(
 def _through(
     executor: Executor,
     parameters: SweepParameters,
-    chunks: Sequence[tuple[int, Indices]],
+    chunks: dict[int, Indices],
     request: Request,
     path_of: Callable[..., Continuation],
 ) -> Generator[tuple[int, Outcome], None, None]:
     """Keep the executor busy, and yield what it has done."""
     running: dict[Future[Outcome], int] = {}
-    queue = iter(chunks)
+    queue = iter(chunks.items())
     try:
         while True:
             for number, scenes in queue:

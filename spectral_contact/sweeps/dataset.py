@@ -13,7 +13,7 @@ from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.parameters import Indices, SweepParameters, alone
-from spectral_contact.sweeps.request import ENDINGS, FIELDS, Outcome, Request, outcome_of, requested
+from spectral_contact.sweeps.request import ENDINGS, FIELDS, Outcome, Request, Rows, requested
 from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:
@@ -144,7 +144,9 @@ def of_solution(
     else:
         shaped = scene.profile is not None
         request = requested(quantities, solution.rtol, 1, s, from_edge, shaped=shaped)
-    outcome = outcome_of(solution, request)
+    rows = Rows(1, request)
+    rows.take(0, solution)
+    outcome = rows.outcome()
     if radii is not None:  # each from the side on which it is accurate
         for name in set(FIELDS).intersection(quantities):
             outcome.values[name][0] = radii.evaluate(getattr(solution, name))

@@ -160,13 +160,6 @@ class Outcome:
     messages: dict[int, str] = field(default_factory=dict)
 
 
-def outcome_of(solution: Solution, request: Request) -> Outcome:
-    """Return what is asked of a scene that is solved."""
-    rows = Rows(1, request)
-    rows.take(0, solution)
-    return rows.outcome()
-
-
 class Rows:
     """Results as they come, row by row."""
 

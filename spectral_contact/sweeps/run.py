@@ -151,10 +151,13 @@ def sweep(
     slow = parameters.shaped or parameters.coupled
     request = replace(request, shared=parameters.pairs >= _MANY and not slow)
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
-    run = _SweepRun(parameters, request, size, store)
+    kept = None
+    if store is not None:
+        made = {"library": VERSION, "scenes": parameters.fingerprint()}
+        kept = Store(store, {**made, **request.describe(), "chunk": size})
     with one_thread(), tell:
-        run.finish(executor, tell)
-    return assembled(parameters, request, run.table)
+        table = _collected(parameters, request, size, kept, executor, tell)
+    return assembled(parameters, request, table)
 
 
 def _chunk(parameters: SweepParameters, request: Request) -> int:
@@ -203,52 +206,32 @@ def _parameters(
     return listed(several, alone)
 
 
-class _SweepRun:
-    """A sweep as it is done."""
-
-    def __init__(
-        self,
-        parameters: SweepParameters,
-        request: Request,
-        size: int,
-        store: str | os.PathLike[str] | None,
-    ) -> None:
-        self.parameters = parameters
-        self.request = request
-        self.table = Collected(parameters.size)
-        order = parameters.order()
-        self.chunks = [order[i : i + size] for i in range(0, len(order), size)]
-        self.store = None
-        if store is not None:
-            self.store = Store(
-                store,
-                {
-                    "library": VERSION,
-                    "scenes": parameters.fingerprint(),
-                    **request.describe(),
-                    "chunk": size,
-                },
-            )
-
-    def finish(self, executor: Executor | None, tell: ProgressLine) -> None:
-        """Do what is not done yet."""
-        left: list[tuple[int, Indices]] = []
-        for number, scenes in enumerate(self.chunks):
-            if self.store is not None and self.store.has(number):
-                self.table.put(scenes, self.store.get(number))
-            else:
-                left.append((number, scenes))
-        total, todo = self.parameters.size, sum(len(scenes) for _, scenes in left)
-        begin, done = perf_counter(), 0
-        tell("the first scenes", (total - todo) / total)
-        with closing(
-            outcomes(self.parameters, left, self.request, executor, Continuation)
-        ) as results:
-            for number, outcome in results:
-                if self.store is not None:
-                    self.store.put(number, outcome)
-                self.table.put(self.chunks[number], outcome)
-                done += len(self.chunks[number])
-                rate = done / max(perf_counter() - begin, 1e-9)
-                step = f"{rate:.3g} scenes/s, {(todo - done) / rate:.0f} s left"
-                tell(step, (total - todo + done) / total)
+def _collected(
+    parameters: SweepParameters,
+    request: Request,
+    size: int,
+    store: Store | None,
+    executor: Executor | None,
+    tell: ProgressLine,
+) -> Collected:
+    """Do what is not done yet, and return the results of all scenes."""
+    table, order, left = Collected(parameters.size), parameters.order(), dict[int, Indices]()
+    chunks = [order[i : i + size] for i in range(0, len(order), size)]
+    for number, scenes in enumerate(chunks):
+        if store is not None and store.has(number):
+            table.put(scenes, store.get(number))
+        else:
+            left[number] = scenes
+    total, todo = parameters.size, sum(map(len, left.values()))
+    begin, done = perf_counter(), 0
+    tell("the first scenes", (total - todo) / total)
+    with closing(outcomes(parameters, left, request, executor, Continuation)) as results:
+        for number, outcome in results:
+            if store is not None:
+                store.put(number, outcome)
+            table.put(chunks[number], outcome)
+            done += len(chunks[number])
+            rate = done / max(perf_counter() - begin, 1e-9)
+            step = f"{rate:.3g} scenes/s, {(todo - done) / rate:.0f} s left"
+            tell(step, (total - todo + done) / total)
+    return table

@@ -151,23 +151,18 @@ def check_solution(
     # cuts by decades keep the layers at the edge apart from the bulk
     finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
     cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0]
-    pressure = field_of(solution, "pressure")
-    report = CheckReport(tuple(_all_checks(solution, scene, pressure, rtol + _FLOOR, cuts)))
+    pressure, rtol = field_of(solution, "pressure"), rtol + _FLOOR
+    traction = None if scene.friction is None else field_of(solution, "traction")
+    if scene.profile is not None:
+        checks = _Indented(solution, scene, rtol, cuts).checks(pressure, traction)
+    else:
+        checks = _normal_checks(solution, scene, pressure, traction, rtol, cuts)
+        if traction is not None:
+            checks += _friction_checks(solution, scene, pressure, traction, rtol, cuts)
+    report = CheckReport(tuple(checks))
     if strict and not report.passed:
         raise AssertionError(f"the solution does not solve {scene}\n{report}")
     return report
-
-
-def _all_checks(
-    solution: Any, scene: Scene, pressure: Field, rtol: float, cuts: list[float]
-) -> list[Check]:
-    traction = None if scene.friction is None else field_of(solution, "traction")
-    if scene.profile is not None:
-        return _Indented(solution, scene, rtol, cuts).checks(pressure, traction)
-    checks = _normal_checks(solution, scene, pressure, traction, rtol, cuts)
-    if traction is not None:
-        checks += _friction_checks(solution, scene, pressure, traction, rtol, cuts)
-    return checks
 
 
 def field_of(solution: Any, name: str, owner: str = "solution") -> Field:
@@ -251,8 +246,13 @@ def _normal_checks(
     if scene.couples and traction is not None:
         lifts = [shear_lift(traction, scene.kappa, float(d), cuts) for d in _PLACES]
         under -= np.array(lifts)
-        # what the smooth pressure does on the lift; 1 - sqrt(1 - s^2), without cancellation
-        excess -= scene.kappa * load(lambda d: _smooth_share(traction, d), breaks=cuts)
+
+        def share(d: Array) -> Array:
+            """Return ``q (1 - sqrt(1 - s^2))/s``, by which the smooth pressure acts on the lift."""
+            # without cancellation
+            return traction(d) * (1.0 - d) / (1.0 + np.sqrt(d * (2.0 - d)))
+
+        excess -= scene.kappa * load(share, breaks=cuts)
     approach = _number(solution, "approach", float(np.mean(under)))
     opening = _number(solution, "opening", 0.0)
     negative = np.where(opening > _PLACES, 0.0, np.maximum(-p, 0.0)) / np.mean(np.abs(p))
@@ -379,12 +379,6 @@ class _Indented:
         given = _number(self.solution, "total_shear", shear)
         error = abs(given - shear) / max(abs(shear), 1e-300) if given != shear else 0.0
         return [*checks, Check("total shear is that of the traction", error, self.rtol)]
-
-
-def _smooth_share(traction: Field, d: Array) -> Array:
-    """Return ``q (1 - sqrt(1 - s^2))/s`` at distances from the edge."""
-    y, s = d * (2.0 - d), 1.0 - d
-    return traction(d) * s / (1.0 + np.sqrt(y))
 
 
 def _friction_checks(

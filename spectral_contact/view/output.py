@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def above(module: str) -> Any:
-    """Return a module that knows solutions, by name: an import would go up the layers."""
+    """Return a module that knows who asks for it, by name: an import would go up the layers."""
     return import_module(f"spectral_contact.{module}")
 
 

@@ -62,7 +62,7 @@ CALLS = {
         import_module("spectral_contact.precise.certified"),
         "_compare",
     ),
-    "sweep": (lambda: sweep(SCENE, poisson_ratio=[0.1, 0.2]), sweep_run._SweepRun, "finish"),
+    "sweep": (lambda: sweep(SCENE, poisson_ratio=[0.1, 0.2]), sweep_run, "_collected"),
     "chunk": (solve_chunk, Rows, "take"),
     "command": (lambda: cli.main(["solve", "--poisson-ratio", "0.1"]), cli, "report"),
 }

@@ -14,7 +14,7 @@ from spectral_contact.equations.interior.energies import energies
 from spectral_contact.equations.interior.extremes import MEASURES, largest
 from spectral_contact.equations.interior.grids import UnitNames, Units, columns, dataset, own_units
 from spectral_contact.equations.interior.integrals import Integrals
-from spectral_contact.equations.interior.mesh import AXIS, BodyPoints, Evaluator
+from spectral_contact.equations.interior.mesh import AXIS, TIGHT, BodyPoints, Evaluator
 from spectral_contact.equations.interior.results import (
     Displacement,
     Energies,
@@ -393,7 +393,7 @@ class Inside:
         with ProgressLine(progress) as tell:
             return energies(
                 self._solution,
-                self._sampler.coarser,
+                self._sampler.mesh(TIGHT[1:]),
                 lambda points: own.displacement(from_edge=points.from_edge),
                 unit,
                 tell,

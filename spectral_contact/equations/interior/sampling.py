@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from spectral_contact.equations.interior.mesh import (
 )
 from spectral_contact.equations.interior.patches import Relative, interpolate
 from spectral_contact.fields import Array
-from spectral_contact.threads import cached_property
 
 #: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.
 _FAST_FROM = 1e-9
@@ -82,26 +81,13 @@ class Sampler:
         self._ends, self._floors = ends, floors
         self._loads = pressure, traction
         self._sheared, self._nu = sheared, nu
+        self._meshes: dict[tuple[Rule, ...], BodyMesh] = {}
 
-    def _mesh(self, rules: Sequence[Rule]) -> BodyMesh:
-        return BodyMesh(self._ends, *self._loads, rules)
-
-    @cached_property
-    def coarser(self) -> BodyMesh:
-        """Panels with the rule that the one for all digits is compared with."""
-        return self._mesh(TIGHT[1:])
-
-    @cached_property
-    def _tight(self) -> BodyMesh:
-        return self._mesh(TIGHT)
-
-    @cached_property
-    def _fast(self) -> BodyMesh:
-        return self._mesh(FAST)
-
-    @cached_property
-    def _alone(self) -> BodyMesh:
-        return self._mesh(FAST[:1])
+    def mesh(self, rules: tuple[Rule, ...]) -> BodyMesh:
+        """Return the panels with some rules, made once."""
+        if rules not in self._meshes:
+            self._meshes[rules] = BodyMesh(self._ends, *self._loads, rules)
+        return self._meshes[rules]
 
     def stress(self, points: BodyPoints, rtol: float) -> Integrals:
         """Return the integrals zz, rz, ``2 G u_r / r`` and e, on the surface limits from below."""
@@ -140,21 +126,21 @@ class Sampler:
     ) -> Integrals:
         """Return the integrals by the cheapest means that meet the tolerance at each point."""
         if rtol < _FAST_FROM:
-            return direct(self._tight, points)
+            return direct(self.mesh(TIGHT), points)
 
         def at_nodes(some: BodyPoints) -> Integrals:
             compared = np.arange(len(some.r)) % _COMPARED == 0
             sums = Integrals.empty(len(some.r))
-            for mesh, which in ((self._fast, compared), (self._alone, ~compared)):
-                sums.put(which, direct(mesh, some[which]))
+            for rules, which in ((FAST, compared), (FAST[:1], ~compared)):
+                sums.put(which, direct(self.mesh(rules), some[which]))
             return sums
 
         sums = Integrals.empty(len(points.r))
         left = interpolate(points, rtol, at_nodes, measure, sums)
-        sums.put(left, direct(self._fast, points[left]))
+        sums.put(left, direct(self.mesh(FAST), points[left]))
         missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
         if missed.any():
-            sums.put(missed, direct(self._tight, points[missed]))
+            sums.put(missed, direct(self.mesh(TIGHT), points[missed]))
         return sums
 
     def _limits(self, points: BodyPoints, sums: Integrals) -> Integrals:

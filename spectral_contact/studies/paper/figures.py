@@ -122,92 +122,77 @@ def _onset(scene: Scene, rtol: float) -> Array:
 
 @cache
 def _figures() -> dict[str, PaperFigure]:
-    made = (_figure_2(), _figure_3(), _figure_4(), _figure_5(), _figure_6(), _figure_onset())
-    return {figure.name: figure for figure in made}
-
-
-def _figure_2() -> PaperFigure:
-    return PaperFigure(
-        "2",
-        "Pressure for several α*",
-        "α* = 0",
-        "the other α*",
-        ("pressure",),
-        tuple(Scene(0.3, alpha, 0.0, 0.0) for alpha in (0.0, 0.05, 0.1, 0.2, 0.5, 1.0)),
-        True,
-        _pressure,
-    )
-
-
-def _figure_3() -> PaperFigure:
-    return PaperFigure(
-        "3",
-        "Traction of full stick for several β*",
-        "α* = 0.5, ν = 0.3, β* = 0",
-        "the other β*",
-        ("traction",),
-        tuple(Scene(0.3, 0.5, beta, inf) for beta in (0.0, 0.1, 0.2, 0.5, 1.0)),
-        True,
-        lambda scene, rtol: _traction(scene, rtol)[:, :2],
-    )
-
-
-def _figure_4() -> PaperFigure:
-    named = (0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0)
-    more = (0.2, 0.2), (0.05, 1.0)
-    return PaperFigure(
-        "4",
-        "Edge ratio of full stick against Poisson's ratio",
-        f"(α*, β*) = {', '.join(map(str, named))}",
-        f"{' and '.join(map(str, more))}",
-        ("edge_ratio", "critical_friction"),
-        tuple(
-            Scene(i / 100.0, alpha, beta, inf) for alpha, beta in named + more for i in range(51)
-        ),
-        False,
-        partial(_scalars, ("edge_ratio", "critical_friction")),
-    )
-
-
-def _figure_5() -> PaperFigure:
+    named, more = ((0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0)), ((0.2, 0.2), (0.05, 1.0))
     frictions = 0.02, 0.04, 0.06, 0.08, 0.1, inf
-    return PaperFigure(
-        "5",
-        "Traction for several f at two ν",
-        "none",
-        "all: α* = β* = 0.5, ν, f",
-        ("traction", "stick_radius"),
-        tuple(Scene(nu, 0.5, 0.5, f) for nu in (0.1, 0.3) for f in frictions),
-        True,
-        _traction,
+    ratios, scalars = (
+        (0.0, 0.1, 0.2, 0.3, 0.4),
+        ("stick_radius", "total_shear", "critical_friction"),
     )
-
-
-def _figure_6() -> PaperFigure:
-    names = "stick_radius", "total_shear", "critical_friction"
-    return PaperFigure(
-        "6",
-        "Stick radius and total shear against friction for several ν",
-        "none",
-        "all: α* = β* = 0.5, ν, f",
-        names,
-        tuple(
-            Scene(nu, 0.5, 0.5, i / 400.0) for nu in (0.0, 0.1, 0.2, 0.3, 0.4) for i in range(81)
+    rough = [10.0 ** (i / 10.0 - 3.0) for i in range(41)]
+    made = (
+        PaperFigure(
+            "2",
+            "Pressure for several α*",
+            "α* = 0",
+            "the other α*",
+            ("pressure",),
+            tuple(Scene(0.3, alpha, 0.0, 0.0) for alpha in (0.0, 0.05, 0.1, 0.2, 0.5, 1.0)),
+            True,
+            _pressure,
         ),
-        False,
-        partial(_scalars, names),
+        PaperFigure(
+            "3",
+            "Traction of full stick for several β*",
+            "α* = 0.5, ν = 0.3, β* = 0",
+            "the other β*",
+            ("traction",),
+            tuple(Scene(0.3, 0.5, beta, inf) for beta in (0.0, 0.1, 0.2, 0.5, 1.0)),
+            True,
+            lambda scene, rtol: _traction(scene, rtol)[:, :2],
+        ),
+        PaperFigure(
+            "4",
+            "Edge ratio of full stick against Poisson's ratio",
+            f"(α*, β*) = {', '.join(map(str, named))}",
+            f"{' and '.join(map(str, more))}",
+            ("edge_ratio", "critical_friction"),
+            tuple(
+                Scene(i / 100.0, alpha, beta, inf)
+                for alpha, beta in named + more
+                for i in range(51)
+            ),
+            False,
+            partial(_scalars, ("edge_ratio", "critical_friction")),
+        ),
+        PaperFigure(
+            "5",
+            "Traction for several f at two ν",
+            "none",
+            "all: α* = β* = 0.5, ν, f",
+            ("traction", "stick_radius"),
+            tuple(Scene(nu, 0.5, 0.5, f) for nu in (0.1, 0.3) for f in frictions),
+            True,
+            _traction,
+        ),
+        PaperFigure(
+            "6",
+            "Stick radius and total shear against friction for several ν",
+            "none",
+            "all: α* = β* = 0.5, ν, f",
+            scalars,
+            tuple(Scene(nu, 0.5, 0.5, i / 400.0) for nu in ratios for i in range(81)),
+            False,
+            partial(_scalars, scalars),
+        ),
+        PaperFigure(
+            "onset",
+            "Where slip starts, and the true critical friction",
+            "nothing: the paper has no such figure",
+            "all. Friction scales with κ = (1 − 2ν)/(4(1 − ν)), which is 1/7 here",
+            ("critical_friction", "edge_ratio", "from_edge"),
+            tuple(Scene(0.3, alpha, beta, inf) for alpha in rough for beta in rough),
+            False,
+            _onset,
+        ),
     )
-
-
-def _figure_onset() -> PaperFigure:
-    compliances = [10.0 ** (i / 10.0 - 3.0) for i in range(41)]
-    return PaperFigure(
-        "onset",
-        "Where slip starts, and the true critical friction",
-        "nothing: the paper has no such figure",
-        "all. Friction scales with κ = (1 − 2ν)/(4(1 − ν)), which is 1/7 here",
-        ("critical_friction", "edge_ratio", "from_edge"),
-        tuple(Scene(0.3, alpha, beta, inf) for alpha in compliances for beta in compliances),
-        False,
-        _onset,
-    )
+    return {figure.name: figure for figure in made}

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -109,8 +110,12 @@ def _reproduced(
     pictures: bool,
     progress: Callable[[str, float], None],
 ) -> Reproduced:
-    tell = _Steps(progress, 1 + sum(len(one.scenes) + 1 for one in wanted))
-    made, files = [], []
+    total = 1 + sum(len(one.scenes) + 1 for one in wanted)
+    done, made, files = count(), list[FigureData](), list[tuple[Path, str]]()
+
+    def tell(step: str) -> None:
+        progress(step, next(done) / total)
+
     for figure in wanted:
         path = folder / f"{figure.stem}.csv"
         label = figure.stem.replace("_", " ")
@@ -170,16 +175,3 @@ def _content(data: FigureData, kept: int) -> str:
     error = f"relative error of the {name.replace('_', ' ')} {data.largest_error(name):.1e} at most"
     text = f"{len(data.table)} rows, estimated {error}"
     return f"{text} ({kept} of {len(data.figure.scenes)} scenes were there)" if kept else text
-
-
-class _Steps:
-    """Turns steps into shares of all steps."""
-
-    def __init__(self, progress: Callable[[str, float], None], count: int) -> None:
-        self._progress = progress
-        self._count = count
-        self._done = 0
-
-    def __call__(self, step: str) -> None:
-        self._progress(step, self._done / self._count)
-        self._done += 1
