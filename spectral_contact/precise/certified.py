@@ -98,7 +98,7 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
         run.edge_ratio(),
         run.opening,
         error,
-        worst <= 10.0**-digits,
+        _met(worst, digits),
         run.unknowns,
         run.fixed.bits,
         perf_counter() - begin,
@@ -107,6 +107,11 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
     run.release()
     tell("", 1.0)
     return _certified(solution, worst)
+
+
+def _met(worst: float, digits: int) -> bool:
+    """Return whether the largest error leaves so many digits."""
+    return worst <= 10.0**-digits
 
 
 def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
@@ -145,7 +150,7 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
         edge_ratio=None,
         opening=None,
         error=error,
-        converged=worst <= 10.0**-digits,
+        converged=_met(worst, digits),
         unknowns=run.unknowns,
         bits=run.bits,
         seconds=perf_counter() - begin,
