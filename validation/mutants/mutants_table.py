@@ -424,6 +424,20 @@ MUTANTS = (
         f"{_UNIT}/sweeps/test_sweep.py -k sharp",
     ),
     Mutant(
+        "a map does not know how ends of panels round",
+        f"{_PACKAGE}/sweeps/error_maps.py",
+        "_places(beta)] + jump",
+        "_places(beta)]",
+        f"{_UNIT}/sweeps/test_sweep.py -k sharp",
+    ),
+    Mutant(
+        "coupled slip that rings miss is not looked for where full stick has it",
+        f"{_CONTACT}/zone_search.py",
+        "if 1.0 - self.parameters.friction / self.stick.critical > ONSET:",
+        "if False:",
+        f"{_REFERENCE}/test_coupled_zones.py -k rings_that",
+    ),
+    Mutant(
         "a scene that fails in a sweep keeps its numbers",
         f"{_PACKAGE}/sweeps/request.py",
         "            values[i] = np.nan\n",
