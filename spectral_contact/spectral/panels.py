@@ -41,6 +41,13 @@ class BasisRule(NamedTuple):
     basis: Array
 
 
+class PartMass(NamedTuple):
+    """Masses of the functions of a panel, and of those of the tail."""
+
+    panel: Array
+    tail: Array
+
+
 @dataclass(frozen=True, slots=True)
 class LogPanels:
     """Panels of equal width in ``x = -ln d`` and one tail panel that is polynomial in ``d``.
@@ -140,28 +147,53 @@ class LogPanels:
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
         return BasisRule(d, w * v * self.end, values)
 
-    @kept("masses", 256)
-    def masses(self, degrees: tuple[int, ...]) -> Array:
-        """Return ``int phi psi dd`` and ``int phi psi d dd`` over (0, 1), block diagonal (cached).
+    def mass(self, degrees: tuple[int, ...], constant: float, rising: float = 0.0) -> Array:
+        """Return ``int_0^1 phi psi (constant + rising d) dd``, block diagonal.
 
-        Of the functions up to these degrees on the panels, and of the tail: (2, size, size).
+        Of the functions up to these degrees on the panels, and of the tail.
         """
         last = sum(degrees) + len(degrees)
-        masses = np.zeros((2, *(last + self.tail_terms,) * 2))
+        mass = np.zeros((last + self.tail_terms,) * 2)
         if self.power != 0.0:  # not square integrable: such panels serve zero compliance
-            return masses
+            return mass
+        masses = self._masses()
+        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        blocks = constant * extents * masses[0].panel + rising * extents**2 * masses[1].panel
+        stop = 0
+        for n, block in zip(degrees, blocks, strict=True):
+            start, stop = stop, stop + n + 1
+            mass[start:stop, start:stop] = block[: n + 1, : n + 1]
+        mass[last:, last:] = constant * masses[0].tail + rising * masses[1].tail
+        return mass
+
+    def mass_times(
+        self, degrees: tuple[int, ...], values: Array, constant: float, rising: float = 0.0
+    ) -> Array:
+        """Return that mass times coefficients of these functions, as columns, without making it."""
+        table, product = np.zeros((2, self.size, values.shape[1]))
+        used, inner = self.functions(degrees), slice(-self.tail_terms)
+        table[used] = values
+        own = table[inner].reshape(self.panels, self.degree + 1, -1)
+        (first, tail), (second, rising_tail) = self._masses()
+        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        each = constant * extents * (first @ own) + rising * extents**2 * (second @ own)
+        product[inner] = each.reshape(-1, values.shape[1])
+        last = slice(-self.tail_terms, None)
+        product[last] = (constant * tail + rising * rising_tail) @ table[last]
+        return np.asarray(product[used])
+
+    @kept("masses", 256)
+    def _masses(self) -> list[PartMass]:
+        """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
         g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
         d, weights, tail = self.tail_rule()
-        for decay, mass in enumerate(masses, start=1):
+        found = []
+        for decay in (1, 2):
             falling = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
-            panel, stop = (values.T * falling) @ values, 0
-            for j, n in enumerate(degrees):
-                start, stop = stop, stop + n + 1
-                extent = np.exp(-decay * self.width * j)
-                mass[start:stop, start:stop] = extent * panel[: n + 1, : n + 1]
-            mass[last:, last:] = (tail.T * (weights * d ** (decay - 1))) @ tail
-        return masses
+            on_tail = (tail.T * (weights * d ** (decay - 1))) @ tail
+            found.append(PartMass((values.T * falling) @ values, on_tail))
+        return found
 
 
 class Resolution(NamedTuple):

@@ -76,10 +76,10 @@ class Family(NamedTuple):
         Or that times values, if there are any: coefficients of the functions as columns.
         """
         half, rising = self.reach / 2.0, self.sign * self.reach
-        constant, more = (half * self.boundary.square, half * rising) if shear else (half, 0.0)
-        masses = self.panels.masses(degrees)
-        even, odd = masses if values is None else masses @ values
-        return np.asarray(constant * even + more * odd)
+        density = (half * self.boundary.square, half * rising) if shear else (half, 0.0)
+        if values is None:
+            return self.panels.mass(degrees, *density)
+        return self.panels.mass_times(degrees, values, *density)
 
     def sampling(self) -> Points:
         """Return the sampling points: panels, then tail."""
