@@ -123,7 +123,9 @@ def _at_edge(solved: ZoneSolution) -> float:
     """Return the changes of the fields at the edge, relative to them."""
     total = 0.0
     for one in solved.system.fields:
-        whole, *changed = (series_of(one.panels, v).limit for v in one.of(solved.solution).T)
+        whole, *changed = (
+            series_of(one.panels, v).limit for v in one.coefficients(solved.solution).T
+        )
         total += max(map(abs, changed)) / abs(whole)
     return total
 

@@ -22,7 +22,7 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import FIELD_ROUNDING, PROBE, ROUNDING, TINY
+from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
 from spectral_contact.fields.series import (
     CENTRE,
@@ -38,7 +38,6 @@ from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.zone_assessment import ZoneSolution
-    from spectral_contact.contact.zone_problem import StickDiskProblem
 
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
 #: by 1, and zones that follow from less are made of noise.
@@ -125,13 +124,6 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     )
 
 
-def all_slip(problem: StickDiskProblem) -> PartialSlip:
-    """Return slip everywhere: the stick disk, that of a problem, is smaller than 1e-54."""
-    solved, parameters = problem.assessed(problem.spaces(PROBE)).value, problem.parameters
-    found = zones_outcome(solved, parameters, problem.drives[0], felt=False)
-    return everywhere(found, parameters.friction)
-
-
 def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
     """Return slip around a stick disk that is too small to be felt as slip everywhere."""
     pressure = outcome.pressure
@@ -180,7 +172,7 @@ def zones_outcome(
         if felt
         else {}
     )
-    excess = stick_excess(parameters.friction, fields.in_stick(solved, given) if felt else ())
+    excess = stick_excess(parameters.friction, fields.in_stick(solved) if felt else ())
     pressure = given or fields.pressure_field(solved, parameters)
     found = _held(solved, pressure, sticks, excess, slipping, parameters)
     opens = given is None and not fields.positive(solved.pressures)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import copysign, inf, log
+from math import copysign, inf, log, log1p, pi
 
 import numpy as np
 
@@ -102,6 +102,23 @@ def least_logit(parameters: Parameters) -> float:
     """Return the logit of a stick disk that is not felt: p hardly changes in so much of a layer."""
     alpha = parameters.alpha
     return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else LEAST_PLAIN
+
+
+def guessed_logit(parameters: Parameters) -> float:
+    """Return a guess of the logit of the stick radius under a known pressure, from its limits.
+
+    On a smooth surface ``1 - c`` falls like ``exp(-pi f/2)``, and c is ``4 exp(-2/f)`` as f
+    vanishes (docs/theory), for ``kappa = 1``. With normal compliance the pressure does not rise any
+    more closer to the edge than alpha; with tangential compliance c is ``2 beta f`` at first.
+    """
+    alpha, beta, _, friction = parameters
+    at_centre = 2.0 * log(2.0) - log1p(friction) - 2.0 / friction
+    logit = 0.5 * pi * friction + 2.0 * at_centre
+    if alpha > 0.0:
+        logit = min(logit, 2.0 - log(alpha))
+    if beta > 0.0:
+        logit = max(logit, 2.0 * (log(2.0 * beta) + log(friction)))
+    return min(max(logit, LEAST_LOGIT), LARGEST_LOGIT)
 
 
 def slope_at(function: Callable[[float], float], x: float) -> float:

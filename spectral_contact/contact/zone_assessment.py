@@ -29,10 +29,10 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array, LogSeries, Radius
+from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parts import Points, gap
 from spectral_contact.spectral.regularised import HARMLESS
-from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
@@ -52,7 +52,7 @@ class FieldErrors(NamedTuple):
 
 
 def _field_errors(
-    spaces: list[Resolution], system: Tangential, whole: Array, change: Array
+    spaces: list[Resolution], system: ContactSystem, whole: Array, change: Array
 ) -> FieldErrors:
     """Return what the change of a solution tells of the errors of its fields."""
     (alpha, beta, _, _), last = system.parameters, len(system.parts) - 1
@@ -63,14 +63,14 @@ def _field_errors(
     slowest = [np.full(len(one.degrees), LEAST_RATE) for one in spaces]
     shares = shares_of(system, change, sizes_of(system, whole))
     for one, share in zip(system.fields, shares, strict=True):
-        k, shear = one.part, one.own.start >= system.count
+        k, shear = one.part, one.is_shear
         if rooted and k == last and shear == (beta > 0.0):
-            at_end = abs(series_of(one.panels, one.of(whole)).at_ends()[-1])
-            lost = np.abs(one.of(change)[-one.panels.tail_terms :]).sum()
+            at_end = abs(series_of(one.panels, one.coefficients(whole)).at_ends()[-1])
+            lost = np.abs(one.coefficients(change)[-one.panels.tail_terms :]).sum()
             # no degree of a panel helps
             largest[shear] = max(_ROOT * float(lost / at_end), largest[shear])
-        rates = decay_rates(spaces[k], one.of(whole))
-        if system.given and not system.radii:
+        rates = decay_rates(spaces[k], one.coefficients(whole))
+        if system.pressure_known and not system.radii:
             rates[-1] = max(rates[-1], _EDGE_RATE)
         errors = expected_error(share, rates)
         largest[shear] = max(largest[shear], float(errors.max()))
@@ -79,18 +79,20 @@ def _field_errors(
     return FieldErrors(largest[0], largest[1], np.concatenate(indicators), np.concatenate(slowest))
 
 
-def sizes_of(system: Tangential, values: Array) -> list[Array]:
+def sizes_of(system: ContactSystem, values: Array) -> list[Array]:
     """Return what changes of the fields are relative to, at the ends of the panels.
 
     Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
-    ends = [series_of(one.panels, one.of(values)).at_ends() for one in system.fields]
-    if not (system.given or system.radii) and any((one * one[0] <= 0.0).any() for one in ends):
+    ends = [series_of(one.panels, one.coefficients(values)).at_ends() for one in system.fields]
+    if not (system.pressure_known or system.radii) and any(
+        (one * one[0] <= 0.0).any() for one in ends
+    ):
         ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
     return ends
 
 
-def shares_of(system: Tangential, change: Array, sizes: list[Array]) -> list[Array]:
+def shares_of(system: ContactSystem, change: Array, sizes: list[Array]) -> list[Array]:
     """Return a change of the fields on every panel, relative to their sizes there."""
     alpha, beta, _, _ = system.parameters
     singular = {one.part for one in system.fields if one.panels.power}
@@ -101,7 +103,9 @@ def shares_of(system: Tangential, change: Array, sizes: list[Array]) -> list[Arr
         leading = leading_depth(alpha, beta, reach) if one.part in singular else inf
         known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
         shares.append(
-            share_of_change(one.panels, one.of(change), size, leading=leading, known=known)
+            share_of_change(
+                one.panels, one.coefficients(change), size, leading=leading, known=known
+            )
         )
     return shares
 
@@ -135,7 +139,7 @@ class ZoneSolution(ZoneNumbers):
         By how much the conditions of the boundaries rise with their logits.
     pressures, shears : list of LogSeries, dict of LogSeries
         p on the disk and toward both ends of every zone around it, and q/s where they stick.
-    system : Tangential
+    system : ContactSystem
     solution : ndarray, shape (unknowns, 3)
         The vector of the system, and what the top two degrees and the top one contribute to it.
     shifts : ndarray, shape (boundaries,)
@@ -148,7 +152,7 @@ class ZoneSolution(ZoneNumbers):
     slopes: Array
     pressures: list[LogSeries]
     shears: dict[int, LogSeries]
-    system: Tangential
+    system: ContactSystem
     solution: Array
     shifts: Array
 
@@ -168,8 +172,8 @@ class ZoneSolution(ZoneNumbers):
         found, lost = [], 0.0
         for zone, state in enumerate(self.system.states):
             if state:
-                annulus = self.system.slip_zone(zone)
-                each = self.system.slip_misfit(self.solution[:, :2], zone, annulus)
+                annulus = self.system.slip_annulus(zone)
+                each = self.system.residual_in_slip(self.solution[:, :2], annulus)
                 found.append(Slipping(annulus, state, [one[:, 0] for one in each]))
                 lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in each))
         return found, lost
@@ -205,7 +209,7 @@ class Assessment:
         self.fields = _field_errors(spaces, self.system, self.whole, self.moved[0])
         self.noise = _STUCK_NOISE
         if self.system.radii:
-            self.noise = _GIVEN_NOISE if self.system.given else _NOISE
+            self.noise = _GIVEN_NOISE if self.system.pressure_known else _NOISE
         self.noise += LEFT * left
 
     @cached_property
@@ -226,7 +230,7 @@ class Assessment:
             return min(self.problem.size(self.state, self.loose.change), 2.0 * step)
         # q/s of one disk changes by half of that, or, measured in 120 scenes, by 16 times what is
         # missed: at a small disk the first is twice what counts, else both are rounding
-        return step * (1.0 if self.system.given and len(self.system.radii) == 1 else 2.0)
+        return step * (1.0 if self.system.pressure_known and len(self.system.radii) == 1 else 2.0)
 
     @cached_property
     def squared(self) -> float:
@@ -256,7 +260,7 @@ class Assessment:
     def attempt(self) -> Attempt[ZoneSolution]:
         """Return the solution with its errors."""
         state, system, fields = self.state, self.system, self.fields
-        known = self.squared + self.noise + (0.0 if system.given else self.off)
+        known = self.squared + self.noise + (0.0 if system.pressure_known else self.off)
         left = self.left + self.off
         rounding = TRACTION_ROUNDING * self._rounds
         errors = fields.pressure + left + FIELD_ROUNDING, fields.traction + left + rounding
@@ -287,28 +291,35 @@ class Assessment:
         # no degree lowers what rounding leaves
         fields.indicators[fields.indicators <= self.left] = 0.0
         attempt = Attempt(value, max(errors), fields.indicators, fields.rates, system.unknowns)
-        return self._by_energies(attempt) if system.symmetric and not system.given else attempt
+        return (
+            self._by_energies(attempt)
+            if system.symmetric and not system.pressure_known
+            else attempt
+        )
 
     @property
     def _rounds(self) -> float:
         """By how much more q/s rounds at the centre than elsewhere."""
         (alpha, beta, _, _), radii = self.system.parameters, self.system.radii
         share = beta / radii[0].value if radii else beta
-        if share < HARMLESS and len(radii) == int(self.system.given):
+        if share < HARMLESS and len(radii) == int(self.system.pressure_known):
             # under still less compliance a disk loses less
             return MOST_ROUNDS if share > HARMLESS**4 or not radii else CENTRE_ROUNDS
-        return 1.0 if radii or (self.system.given and alpha > 0.0) else CENTRE_ROUNDS
+        return 1.0 if radii or (self.system.pressure_known and alpha > 0.0) else CENTRE_ROUNDS
 
     def _sheared(self) -> float:
         """Return the relative error of the shear by changes, and by how far boundaries are off."""
         shear, state = self.system.total_shear, self.state
         changes = max(abs(shear(one)) for one in self.moved)
-        if self.system.given:
-            missed, felt = self.missed, self.system.shear_functional @ state.factored.responses
+        if self.system.pressure_known:
+            missed, felt = self.missed, self.system.shear_row @ state.factored.responses
             if self.system.parameters.beta == 0.0:  # nothing responds: what all inside would bear
                 missed = np.max([np.abs(one.mismatch) for one in self.effects], axis=0)
+                missed += 2.0 * np.abs(state.mismatch)
                 felt = pi * np.array([one.square for one in self.system.radii])
-            imbalance = state.approach * np.abs(self.system.balances[0] @ state.solution) * missed
+            imbalance = (
+                state.approach * np.abs(self.system.boundary_rows.drive @ state.solution) * missed
+            )
             return (changes + float(np.abs(felt) @ imbalance)) / abs(shear(self.whole))
         rest = np.array([one.rest for one in self.system.radii])
         bend = 2.0 * float((self.shifts**2 * rest).max(initial=0.0))
@@ -322,7 +333,7 @@ class Assessment:
         state, system, rates = self.state, self.system, attempt.rates**2
         factors = cast("Symmetric", state.factored)
         own = factors.energies(state.solution)
-        dual = factors.energies(factors.step(system.shear_functional))
+        dual = factors.energies(factors.step(system.shear_row))
         raised = own.sum(axis=0) / state.bearing(state.solution)
         products = np.sqrt(own * dual).sum(axis=0)
         sheared = products / abs(system.total_shear(state.solution))
@@ -344,23 +355,23 @@ class Assessment:
         scale = state.approach
         imbalance = scale * np.column_stack([state.imbalance, self.effects[0].imbalance])
         values, approach = np.column_stack([self.whole, self.moved[0]]), np.array([scale, 0.0])
-        misfit = system.misfit(values, approach, imbalance).tangential
+        misfit = system.pointwise_residual(values, approach, imbalance).tangential
         whole, lost = (_stuck(system, [one[:, k] for one in misfit]) for k in (0, 1))
         # at the boundaries E and q have steps
-        jumps = np.abs(system.jumps @ self.loose.change)
+        jumps = np.abs(system.jump_rows @ self.loose.change)
         steps = np.abs(self.loose.imbalance) + system.parameters.beta * jumps
         largest = max(
             largest_displacement(lost, *ends)
             for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)
             if state
         )
-        if system.given and len(system.radii) == 1:  # measured of one disk alone
+        if system.pressure_known and len(system.radii) == 1:  # measured of one disk alone
             largest *= float(self.fields.rates[np.argmax(self.fields.indicators)])
         stray = largest + scale * float(steps.max(initial=0.0))
         return whole, SAFETY * stray
 
 
-def _loosest(system: Tangential, errors: Sequence[tuple[float, float]]) -> float:
+def _loosest(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
     """Return by what share of a slip zone errors of its ends may move them, at the most."""
     bounds, loosest = system.bounds, 0.0
     shifts = [0.0, *_unsure(system.radii, errors), 0.0]
@@ -376,7 +387,7 @@ def _unsure(radii: Sequence[Radius], errors: Sequence[tuple[float, float]]) -> l
     return [min(2.0 * at.square * own, at.rest * edge) for at, (own, edge) in each]
 
 
-def _stuck(system: Tangential, misfit: Sequence[Array]) -> list[Stuck]:
+def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[Stuck]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones."""
     parts: dict[int, list[tuple[Points, Array]]] = {}
     # farther out than the last that sticks E is not known

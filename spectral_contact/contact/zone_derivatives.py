@@ -33,10 +33,10 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
+from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.tangential import Tangential
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def differentiated(
     slopes = np.eye(len(layout.logits))  # they are not needed yet
     known = Layout(layout.logits, layout.states, slopes)
     problem = FreeBoundaryProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
-    problem.drives = list(drives)
+    problem.pressures = [one.pressure for one in drives]
     return _AtBoundaries(problem, tolerance, names).outcome()
 
 
@@ -151,23 +151,21 @@ class _AtBoundaries:
     def outcome(self) -> ZoneDerivatives:
         """Return the derivatives."""
         system, state, count = self.system, self.state, len(self.names)
-        drive, balance = system.balances
+        drive, balance = system.boundary_rows
         solved, felt = self._solved()
         values: Array = solved[:, :count]  # where boundaries stay the traction jumps
         responses: Array = solved[:, count:]
         rigid, singular = system.parameters.beta == 0.0, np.zeros(count)
         missed: Array = np.asarray(balance @ values + felt.balances)
         if not rigid:  # it stays continuous where they move
-            jumps = system.jumps
+            jumps = system.jump_rows
             missed = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + felt.jumps))
         missed_there: Array = missed / (drive @ state.solution)[:, None]
         logits: Array = np.asarray(-np.linalg.solve(self.moved[:, :-2].T, missed_there))
         scale = state.approach
         raised = np.array([-state.bearing(one) / state.bearing(state.solution) for one in values.T])
         shear = scale * (
-            system.shear_functional @ values
-            + felt.shear
-            + raised * system.total_shear(state.solution)
+            system.shear_row @ values + felt.shear + raised * system.total_shear(state.solution)
         )
         approach = scale * raised
         if rigid and self.exact:  # what the half-integral m of a disk is that of: a root below
@@ -199,7 +197,7 @@ class _AtBoundaries:
     @property
     def exact(self) -> bool:
         """Whether the response to a lift without tangential compliance is known: that of a disk."""
-        return self.system.given and len(self.system.radii) == 1
+        return self.system.pressure_known and len(self.system.radii) == 1
 
     def _solved(self) -> tuple[Array, _Felt]:
         """Return the derivatives at given boundaries, and the responses to unit imbalances.
@@ -207,7 +205,7 @@ class _AtBoundaries:
         With them what functionals change by, of the same solution.
         """
         system, count = self.system, len(self.names)
-        boundaries, given = len(system.radii), system.given
+        boundaries, given = len(system.radii), system.pressure_known
         right = np.zeros((system.unknowns, count + boundaries))
         values, units = np.zeros_like(right), np.zeros((boundaries, count + boundaries))
         units[:, count:] = np.eye(boundaries)
@@ -228,7 +226,7 @@ class _AtBoundaries:
             values += self.factors.step(missed + right)
         return values, felt
 
-    def _with(self, name: str, value: float) -> Tangential:
+    def _with(self, name: str, value: float) -> ContactSystem:
         """Return the system with another value of a parameter."""
         problem, own = self.problem, self.problem.parameters
         problem.parameters = own._replace(**{name: value})
@@ -237,11 +235,11 @@ class _AtBoundaries:
         finally:
             problem.parameters = own
 
-    def _seen(self, system: Tangential) -> list[Array]:
+    def _seen(self, system: ContactSystem) -> list[Array]:
         """Return what a system with like parameters makes of the solution."""
         own, imbalance = self.state.solution, self.state.imbalance
         missed = system.residual(own[:, None], np.ones(1), imbalance[:, None])
-        functionals = system.jumps, system.balances[1], system.shear_functional
+        functionals = system.jump_rows, system.boundary_rows.shortfall, system.shear_row
         return [missed[:, 0], *(one @ own for one in functionals)]
 
     def _fields(self, vectors: Array, singular: Array) -> tuple[list[ZonalField], list[ZonalField]]:
@@ -250,7 +248,7 @@ class _AtBoundaries:
         bounds, pressures, tractions = system.bounds, [], []
         for values, root in zip(vectors.T, singular.tolist(), strict=True):
             pressure, shear = system.series(values)
-            if not system.given:
+            if not system.pressure_known:
                 pressures.append(ZonalField.on_parts(bounds, pressure))
             sticks = stick_series(system.states, bounds, shear)
             disk = sticks[0]

@@ -18,7 +18,6 @@ from spectral_contact.fields.series import (
     DiskSeries,
     EdgeWeight,
     LogSeries,
-    PressureField,
     Radius,
     ZonalField,
     ZonePiece,
@@ -39,12 +38,11 @@ def positive(pressures: Sequence[LogSeries]) -> bool:
     return bool(np.min([one(DISTANCES) for one in pressures]) > 0.0)
 
 
-def in_stick(solved: ZoneSolution, given: PressureField | None) -> Iterator[tuple[Array, Array]]:
-    """Yield q and p at `DISTANCES` from every end of a stick zone; p may be given."""
+def in_stick(solved: ZoneSolution) -> Iterator[tuple[Array, Array]]:
+    """Yield q and p at `DISTANCES` from every end of a stick zone."""
     for k, shear in solved.shears.items():
         at = solved.system.parts[k].family.points(DISTANCES)
-        p = solved.pressures[k](DISTANCES) if given is None else given.at(at.y)
-        yield np.sqrt(np.maximum(at.z, 0.0)) * shear(DISTANCES), p
+        yield np.sqrt(np.maximum(at.z, 0.0)) * shear(DISTANCES), solved.pressures[k](DISTANCES)
 
 
 def stick_series(

@@ -19,10 +19,9 @@ from spectral_contact.spectral.parts import gap
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
+    from spectral_contact.spectral.contact_system import ContactSystem
     from spectral_contact.spectral.factored import Factored
-    from spectral_contact.spectral.tangential import Tangential
 
 
 class Effect(NamedTuple):
@@ -66,13 +65,13 @@ class ZoneState:
         They make the traction continuous, or with no tangential compliance E zero.
     """
 
-    system: Tangential
+    system: ContactSystem
     factored: Factored
     solution: Array
     imbalance: Array
 
     @classmethod
-    def begin(cls, factored: Factored, system: Tangential | None = None) -> ZoneState:
+    def begin(cls, factored: Factored, system: ContactSystem | None = None) -> ZoneState:
         """Return a first solution, to be corrected.
 
         Of the system that is factored, or of one with the same matrix.
@@ -84,9 +83,9 @@ class ZoneState:
 
     def _continuous(self, values: Array) -> tuple[Array, Array]:
         """Return the imbalances that take the jumps out of a vector, and what they make of it."""
-        jumps = self.system.jumps
+        jumps = self.system.jump_rows
         if self.system.parameters.beta == 0.0 or not len(jumps):
-            return -self.system.balances[1] @ values, values
+            return -self.system.boundary_rows.shortfall @ values, values
         responses = self.factored.responses
         felt, missed = jumps @ responses, jumps @ values
         imbalance = -missed / felt[0] if len(felt) == 1 else -np.linalg.solve(felt, missed)
@@ -103,17 +102,19 @@ class ZoneState:
 
     @staticmethod
     def extrapolated(
-        states: Sequence[ZoneState], weights: Sequence[float], system: Tangential
+        states: Sequence[ZoneState], weights: Sequence[float], system: ContactSystem
     ) -> ZoneState:
         """Return that of a system as a sum of states; of changes it has what the last one has."""
         each, solution = list(zip(weights, states, strict=True)), states[-1].solution.copy()
-        solution[system.count :] = sum(w * one.solution[one.system.count :] for w, one in each)
+        solution[system.pressure_terms :] = sum(
+            w * one.solution[one.system.pressure_terms :] for w, one in each
+        )
         imbalance = np.asarray(sum(w * one.imbalance for w, one in each))
         return replace(states[-1], system=system, solution=solution, imbalance=imbalance)
 
     def bearing(self, values: Array) -> float:
         """Return ``int p s ds``."""
-        return float(self.system.load @ values[: self.system.count])
+        return float(self.system.load_row @ values[: self.system.pressure_terms])
 
     @cached_property
     def approach(self) -> float:
@@ -128,18 +129,18 @@ class ZoneState:
     @property
     def _demanded(self) -> Array:
         """``kappa R`` at the boundaries."""
-        return np.asarray(self.system.balances[0] @ self.solution)
+        return np.asarray(self.system.boundary_rows.drive @ self.solution)
 
-    def slopes(self, drives: Sequence[Drive], near: float) -> Array:
+    def slopes(self, near: float) -> Array:
         """Return by how much the mismatch rises with the boundaries, as logits.
 
         A boundary that is off changes the fields, to first order, there alone: q jumps by its slope
         over that of friction. Imbalances take the jumps out. The slopes are taken `near` the
-        boundaries, in units of the zones there; a pressure that is given has drives.
+        boundaries, in units of the zones there.
         """
         system, (pressure, shear) = self.system, self.system.series(self.solution)
         jumps = np.zeros(len(system.radii))
-        for k in (k for k in system.stick if system.parts[k].boundary >= 0):
+        for k in (k for k in system.stick_parts if system.parts[k].boundary >= 0):
             own, j = system.parts[k].family, system.parts[k].boundary
             b = own.boundary
             narrower = min(gap(*pair) for pair in pairwise(system.bounds[j : j + 3]))
@@ -147,14 +148,14 @@ class ZoneState:
             for share in (near, _FARTHER):
                 d = share * min(narrower / own.reach, 1.0) * _BESIDE
                 at = own.points(d)
-                p = drives[0].pressure.at(at.y) if drives else pressure[k](d)
+                p = pressure[k](d)
                 q = np.sqrt(at.z) * shear[k](d)
                 excess = q - friction * p
                 rises = (excess[1:] - excess[0]) / at.offset[1:]
                 if abs(excess[1] - excess[0]) > NOISE * abs(q[0]):
                     break
             jumps[j] = _TO_BOUNDARY @ rises * b.square * b.rest
-        felt = np.linalg.inv(system.jumps @ self.factored.responses)
+        felt = np.linalg.inv(system.jump_rows @ self.factored.responses)
         return np.asarray(felt * jumps / self._demanded[:, None])
 
     def unbalanced(self, share: float) -> Effect:

@@ -9,21 +9,16 @@ is the condition of each boundary.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
-from math import inf, prod
-from typing import cast
+from math import inf
 
 import numpy as np
 
 from spectral_contact.contact.drive import Drive
-from spectral_contact.contact.driven import Driven
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import SMALL_COMPLIANCE
-from spectral_contact.contact.radius_guess import guessed_radius
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TRIFLING, joined
 from spectral_contact.contact.stick_radius import (
-    LARGEST_LOGIT,
     LEAST_LOGIT,
     NOISE,
     SLOPING,
@@ -31,18 +26,16 @@ from spectral_contact.contact.stick_radius import (
     differences,
     least_logit,
     root_near,
-    slope_at,
 )
 from spectral_contact.contact.zone_assessment import Assessment, ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
 from spectral_contact.contact.zone_spaces import driven_spaces, first_spaces, parted
-from spectral_contact.fields.series import Array, Radius
+from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
+from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.regularised import HARMLESS
-from spectral_contact.spectral.tangential import Tangential
 from spectral_contact.threads import cached_property
 
 #: At the edge nothing happens in less than this of the layer: 1e-12 misses annuli of 4e-12 that
@@ -96,9 +89,14 @@ class FreeBoundaryProblem:
         goal: float | None = None,
     ) -> None:
         self.parameters, self.pointwise = parameters, pointwise
-        self.drives = [] if drive is None else [drive]
+        #: the pressure, and its changes once they are wanted; none if it is unknown
+        self.pressures: list[PressureField] = []
+        self.pressures_truncated = False
+        self._drive = drive
+        if drive is not None:
+            self.pressures = [drive.pressure]
         self.goal = tolerance if goal is None else goal
-        self.tolerance = tolerance if pointwise or self.drives else float(np.sqrt(tolerance))
+        self.tolerance = tolerance if pointwise or self.pressures else float(np.sqrt(tolerance))
         self.states = layout.states
         self.logits = np.array(layout.logits)
         slopes = layout.slopes if layout.logits else np.zeros((0, 0))
@@ -117,7 +115,7 @@ class FreeBoundaryProblem:
         """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
         if len(self.logits) == 1:
             guess = float(self.logits[0]), 0.5, ROUGH
-            least = least_logit(self.parameters)
+            least = LEAST_LOGIT if self.pressures else least_logit(self.parameters)
             root = root_near(lambda x: float(self.rough(x).mismatch[0]), *guess, least=least)
             self.logits = np.array(root[:1])
             return np.array([root[1:]])
@@ -157,7 +155,7 @@ class FreeBoundaryProblem:
         """Take the slopes from fields, if panels know these near to boundaries and q has digits."""
         known = self.thinnest >= SMALL_COMPLIANCE and self.parameters.beta < 0.5 / ROUNDING
         if known:
-            self.slopes = state.slopes(self.drives, float(np.sqrt(max(self.tolerance, SLOPING))))
+            self.slopes = state.slopes(float(np.sqrt(max(self.tolerance, SLOPING))))
         return known
 
     # spaces
@@ -167,14 +165,14 @@ class FreeBoundaryProblem:
         alpha, beta, _, _ = self.parameters
         at = self.logits if logits is None else logits
         radii = tuple(map(Radius.from_logit, at.tolist()))
-        first = driven_spaces if self.drives else first_spaces
+        first = driven_spaces if self.pressures else first_spaces
         return first(alpha, beta, radii, self.states, tolerance)
 
     def start(self) -> Resolution:
         """Return the first space, of all parts one after the other."""
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway = np.sqrt(self.tolerance)
-        known = self.drives and self.near  # to digits that are as good
+        known = self.pressures and self.near  # to digits that are as good
         if len(self.slopes) and halfway < _FINER * ROUGH and not known:
             settle = max(self.tolerance, NOISE)
             state = self._newton(self.spaces(halfway), settle).run(halfway)
@@ -189,7 +187,7 @@ class FreeBoundaryProblem:
         """Return the spaces of all parts, of one like that of `start`."""
         return parted(resolution, self._counts, self.parameters.alpha)
 
-    def system(self, spaces: list[Resolution], logits: Array) -> Tangential:
+    def system(self, spaces: list[Resolution], logits: Array) -> ContactSystem:
         """Return the equations with given boundaries.
 
         Raises
@@ -200,12 +198,14 @@ class FreeBoundaryProblem:
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         if len(radii) > 1 and radii[-1].rest < _NARROWEST * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
-        form = radii, self.states, spaces, self.parameters
-        if self.drives:
-            return Driven(*form, self.drives, self.tolerance)
-        from spectral_contact.spectral.system import System
-
-        return System(*form)
+        return ContactSystem(
+            radii,
+            self.states,
+            spaces,
+            self.parameters,
+            self.pressures,
+            truncated=self.pressures_truncated,
+        )
 
     # solutions
 
@@ -240,7 +240,7 @@ class FreeBoundaryProblem:
     @property
     def thinnest(self) -> float:
         """The least compliance in an equation, or 1."""
-        return min(1.0, *self.parameters[int(bool(self.drives)) : 2])
+        return min(1.0, *self.parameters[int(bool(self.pressures)) : 2])
 
     @property
     def narrowest(self) -> float:
@@ -252,134 +252,51 @@ class FreeBoundaryProblem:
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""
         spaces = self.parted(resolution)
-        if self.drives:
+        if self.pressures:
             self._know_errors()
         least = TRIFLING * self.goal
         newton = self._newton(spaces, max(least, NOISE))
         state = newton.run(max(least, 2.0 * ROUNDING))
         if not newton.settled and not self.tells(state):
             self._sloped(ROUNDING)  # next to the onset of a zone steps say nothing of slopes
-        return Assessment(self, spaces, state, newton.left).attempt()
+        attempt = Assessment(self, spaces, state, newton.left).attempt()
+        if self.pressures and not self.pointwise:
+            return replace(attempt, error=attempt.value.shear_error)
+        return attempt
 
     def _know_errors(self) -> None:
         """Solve from now on with what is known of the errors of the pressure."""
-        self.drives = [self.drives[0], *self.drives[0].changes]
+        assert self._drive is not None
+        changes = [one.pressure for one in self._drive.contact.changes]
+        # an exact pressure is truncated on the mesh of the zones alone
+        nothing = PressureField(None, None)
+        self.pressures = [self._drive.pressure, *(changes or [nothing, nothing])]
+        self.pressures_truncated = True
 
 
-class StickDiskProblem(FreeBoundaryProblem):
-    """Spaces for a stick disk under a given pressure; the radius, if any, is found in each."""
-
-    def find(self, layout: Layout) -> None:
-        """Find the radius, and the slope there: roughly, or near that of a layout."""
-        logit, slope = self._found(layout)
-        self.logits, self.slopes = np.array([logit]), np.array([[slope]])
-
-    def _found(self, layout: Layout) -> tuple[float, float]:
-        form, near, slopes = (self.drives[0], self.parameters), None, layout.slopes
-        for guess in layout.logits:
-            if slopes is None:  # in a space that sees a narrow annulus
-                spaces = self.spaces(self.tolerance, np.array([guess]))
-                return guess, slope_at(partial(self._mismatch, spaces), guess)
-            if LEAST_LOGIT < guess < LARGEST_LOGIT:
-                near = guess, float(slopes[0, 0])
-        if self.parameters.beta == 0.0:
-            return guessed_radius(*form, _NEAR, near)
-        near = near or guessed_radius(*form, PROBE)
-        if self.tolerance > _FEW_DIGITS:  # three evaluations in the first space are enough
-            return near
-        small = self.spaces(ROUGH, np.array(near[:1]))
-        return root_near(partial(self._mismatch, small), *near, _NEAR)
-
-    def _mismatch(self, spaces: list[Resolution], logit: float) -> float:
-        return float(self.at(spaces, np.array([logit])).mismatch[0])
-
-    def at(
-        self, spaces: list[Resolution], logits: Array, factors: Factored | None = None
-    ) -> ZoneState:
-        """Return the solution with a given radius, to rounding."""
-        system = self.system(spaces, logits)
-        state = ZoneState.begin(factors or factored(system), system)
-        # the normal equations lose digits where compliance is small
-        rim = system.radii[0].value if system.radii else 1.0
-        for _ in range((factors is not None) + (self.parameters.beta < HARMLESS * rim)):
-            state, _ = state.corrected()
-        return state
-
-    def start(self) -> Resolution:
-        """Return the first space of the disk."""
-        return self.spaces(self.tolerance)[0]
-
-    def parted(self, resolution: Resolution) -> list[Resolution]:
-        """Return the spaces of all parts: in slip nothing is unknown."""
-        return [resolution] * (2 * len(self.states) - 1)
-
-    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
-        """Solve in a space."""
-        spaces = self.parted(resolution)
-        self.drives = self.drives[:1]
-        return self.assessed(spaces, *(self._at_root(spaces) if len(self.logits) else ()))
-
-    def _at_root(self, spaces: list[Resolution]) -> tuple[ZoneState | None, float]:
-        """Find the radius; return the solution there, if others tell it, and what it is off."""
-        seen = dict[float, ZoneState]()
-
-        def mismatch(logit: float) -> float:
-            seen[logit] = self.at(spaces, np.array([logit]))
-            self._know_errors()  # a first one is not the last
-            return float(seen[logit].mismatch[0])
-
-        begin, close = (float(self.logits[0]), float(self.slopes[0, 0])), ROUNDING
-        if self.parameters.beta == 0.0:  # no field is in the condition
-            form = self.drives[0], self.parameters, close
-            logit, slope = guessed_radius(*form, begin, accuracy=close)
-        else:
-            close *= max(self.tolerance / _FEW_DIGITS * Radius.from_logit(begin[0]).rest, 1.0)
-            logit, slope = root_near(mismatch, *begin, close)
-        self.logits, self.slopes = np.array([logit]), np.array([[slope]])
-        if len(seen) < 2:
-            return None, 0.0
-        # a polynomial through the last three is right to the product of the distances
-        states, apart = list(seen.values())[-3:], [x - logit for x in seen][-3:]
-        weights, off = [prod(b / (b - a) for b in apart if b != a) for a in apart], abs(prod(apart))
-        if sum(map(abs, weights)) > _MOST_WEIGHT or off > close:
-            return None, 0.0
-        system = cast("Driven", self.system(spaces, self.logits))
-        system.extrapolate([cast("Driven", one.system) for one in states], weights)
-        return ZoneState.extrapolated(states, weights, system), off
-
-    def assessed(
-        self, spaces: list[Resolution], state: ZoneState | None = None, left: float = 0.0
-    ) -> Attempt[ZoneSolution]:
-        """Return the solution with the radius as it is, with its errors and what is left."""
-        self._know_errors()
-        state, own = state or self.at(spaces, self.logits), len(spaces[0].degrees)
-        attempt = Assessment(self, spaces, state, left).attempt()
-        return replace(
-            attempt,
-            error=attempt.error if self.pointwise else attempt.value.shear_error,
-            indicators=attempt.indicators[:own],
-            rates=attempt.rates[:own],
-        )
-
-
-class _GivenRadius(StickDiskProblem):
+class _GivenRadius(FreeBoundaryProblem):
     """Spaces for a stick disk of a given radius, whose friction is found."""
 
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space; the slope is that by the logarithm of the friction."""
-        spaces, mismatches = self.parted(resolution), list[float]()
-        self.drives, factors = self.drives[:1], None
+        spaces = self.parted(resolution)
+        self.pressures = self.pressures[:1]
+        self.pressures_truncated = False
+        factors: Factored | None = None
+        residuals = []
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
-            state = self.at(spaces, self.logits, factors)
-            factors = state.factored
-            mismatches.append(float(state.mismatch[0]))
-        none, full = mismatches
+            system = self.system(spaces, self.logits)
+            factors = factors or factored(system)
+            state = self.settled(ZoneState.begin(factors, system), NOISE)
+            residuals.append(float(state.mismatch[0]))
+        none, full = residuals
+        # the residual is linear in the friction
         if not (none > 0.0 and none > full):
             raise NoStickDiskError(at_centre=False)
         self.parameters = self.parameters._replace(friction=none / (none - full))
         self.slopes = np.array([[none]])
-        return self.assessed(spaces)
+        return super().attempt(resolution)
 
 
 def solve_stick(
@@ -390,27 +307,11 @@ def solve_stick(
     drive: Drive | None = None,
     pointwise: bool = True,
 ) -> Refinement[ZoneSolution]:
-    """Solve with stick on the whole contact; see `solve_zones` and `solve_stick_disk`."""
+    """Solve with stick on the whole contact; see `solve_zones`."""
     stuck = Layout((), (0,))
     if drive is None:
         return solve_zones(parameters, stuck, tolerance, max_unknowns, pointwise=pointwise)
-    problem = StickDiskProblem(parameters, stuck, tolerance, pointwise=pointwise, drive=drive)
-    return refine(problem, tolerance, max_unknowns)
-
-
-def solve_stick_disk(
-    drive: Drive, parameters: Parameters, layout: Layout, tolerance: float, max_unknowns: int
-) -> Refinement[ZoneSolution]:
-    """Solve partial slip under the assumption of one central stick disk, for kappa = 1.
-
-    The layout has its slope as a like scene has it, a guess of the radius, or nothing. Whether the
-    assumption holds is for the caller to check; raises `NoStickDiskError` if there is no radius.
-    """
-    # 1 - c falls like exp(-pi f/(2 kappa))
-    if parameters.beta == 0.0 and parameters.friction > LARGEST_LOGIT:
-        raise NoStickDiskError(at_centre=False)
-    problem = StickDiskProblem(parameters, layout, tolerance, drive=drive)
-    problem.find(layout)
+    problem = FreeBoundaryProblem(parameters, stuck, tolerance, pointwise=pointwise, drive=drive)
     return refine(problem, tolerance, max_unknowns)
 
 

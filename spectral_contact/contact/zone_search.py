@@ -23,17 +23,14 @@ from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import DEEPEST, ONSET
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
-    all_slip,
     everywhere,
     no_slip,
     zones_outcome,
 )
-from spectral_contact.contact.stick_radius import LEAST_PLAIN, NoStickDiskError
+from spectral_contact.contact.stick_radius import LEAST_PLAIN, NoStickDiskError, guessed_logit
 from spectral_contact.contact.zone_fields import least_radius, to_the_centre
 from spectral_contact.contact.zone_problem import (
     FreeBoundaryProblem,
-    StickDiskProblem,
-    solve_stick_disk,
     solve_zones,
 )
 from spectral_contact.fields.series import Radius, ZonalField
@@ -267,27 +264,30 @@ class DrivenSearch(ZoneSearch):
         return best
 
     def _solved(self, layout: Layout) -> PartialSlip:
-        if layout.states == _DISK.states:
-            return self._on_disk(layout)
+        one_disk = layout.states == _DISK.states
+        if one_disk and not layout.logits:
+            layout = layout._replace(logits=(guessed_logit(self.parameters),))
         begin = perf_counter()
-        zones: ZoneSolution = self.record(ZONE_SEARCH, self._refined(layout), begin)
-        return zones_outcome(zones, self.parameters, self.drive)
-
-    def _on_disk(self, layout: Layout) -> PartialSlip:
-        """Return the solution with one stick disk."""
-        begin, form = perf_counter(), (self.drive, self.parameters)
         try:
-            solved = solve_stick_disk(*form, layout, self.tolerance, self.max_unknowns)
+            refinement = self._refined(layout)
         except NoStickDiskError as missing:
             if missing.at_centre:
-                point = self.parameters, unmoved(_POINT), self.tolerance
-                return all_slip(StickDiskProblem(*point, drive=self.drive))
+                return self._all_slip()
             raise
-        disk: ZoneSolution = self.record(PARTIAL_SLIP, solved, begin)
+        zones: ZoneSolution = self.record(
+            PARTIAL_SLIP if one_disk else ZONE_SEARCH, refinement, begin
+        )
         begin = perf_counter()
-        outcome = zones_outcome(disk, self.parameters, self.drive)
-        self.record(SLIP_FIELD, outcome, begin)
+        outcome = zones_outcome(zones, self.parameters, self.drive)
+        if one_disk:
+            self.record(SLIP_FIELD, outcome, begin)
         return outcome
+
+    def _all_slip(self) -> PartialSlip:
+        """Return slip everywhere: the stick disk is smaller than 1e-54."""
+        solved = self._refined(unmoved(_POINT)).best.value
+        outcome = zones_outcome(solved, self.parameters, self.drive, felt=False)
+        return everywhere(outcome, self.parameters.friction)
 
     def _refined(self, layout: Layout) -> Refinement[ZoneSolution]:
         """Solve on zones like these."""

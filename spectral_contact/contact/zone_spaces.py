@@ -159,8 +159,6 @@ def driven_spaces(
     """
     if not radii:
         return [_all_sticks(alpha, beta, tolerance, alpha == 0.0, _DRIVEN_SPARE)]
-    if states == (0, 1):
-        return [_driven_disk(alpha, beta, radii[0], tolerance)] * 3
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
     accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < ROUGH else tolerance
     degree = slip_degree(accuracy)
@@ -170,23 +168,6 @@ def driven_spaces(
         else one
         for k, one in enumerate(spaces)
     ]
-
-
-def _driven_disk(alpha: float, beta: float, rim: Radius, tolerance: float) -> Resolution:
-    """Return the space of a stick disk with slip from its rim to the edge.
-
-    The pressure rises to the edge, or has a layer there; the traction one at the rim, which is felt
-    half as deep unless the slip annulus is as narrow. Without compliance it has a root there, and
-    is singular down to the width of the annulus.
-    """
-    extent = rim.square
-    edge, risen = (-log(min(x / extent, 1.0)) for x in (rim.rest, max(alpha, rim.rest)))
-    if beta == 0.0:
-        return _space(edge, [(edge, _TURN), (risen, _TURN)], tolerance, 0.0, spare=_DRIVEN_SPARE)
-    layer = -log(min(beta / rim.value, 1.0))
-    begin = max(min(layer, max(0.5 * layer + _BEFORE, edge)), risen)
-    bends = [(layer - 1.0, _TURN), (risen - 1.0, _BEND)]
-    return _space(begin, bends, tolerance, 1.0, spare=_STUCK_SPARE)
 
 
 def _to_a_boundary(

@@ -14,11 +14,11 @@ import numpy as np
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.disk import MOST_SWEEPS, Disk
 from spectral_contact.precise.fixed import FixedRule, Ints
+from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.system import System
 
 
 class CoupledDisk:
@@ -58,7 +58,7 @@ class CoupledDisk:
         f, mesh, disks = self.fixed, self.normal.mesh, (self.normal, self.tangential)
         given = [float(f.numbers(v)) for v in (alpha, beta, kappa)]
         parameters = Parameters(given[0], given[1], given[2], inf)
-        system = System((), (0,), [Resolution(self.normal.panels, mesh.degrees)], parameters)
+        system = ContactSystem((), (0,), [Resolution(self.normal.panels, mesh.degrees)], parameters)
         factors, used = factored(system), self.normal.panels.functions(mesh.degrees)
         weights = f.over(self.normal.weights, f.of(f.mp.pi))
         measures = weights, f.times(weights, self.normal.rest)
@@ -75,7 +75,7 @@ class CoupledDisk:
                     residual -= f.times(compliance, disks[k].mass(found[k], bool(k)))
                 residuals.append(f.floats(residual)[used])
             step = factors.step(np.concatenate(residuals)[:, None])[:, 0]
-            steps = tuple(f.of(one.of(step)) for one in system.fields)
+            steps = tuple(f.of(one.coefficients(step)) for one in system.fields)
             found = [one + step for one, step in zip(found, steps, strict=True)]
             shares = [disk.share(*pair) for disk, *pair in zip(disks, steps, found, strict=True)]
             if max(shares) <= 10.0 ** -(mesh.digits + 2):

@@ -17,12 +17,12 @@ from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.spectral.tangential import Tangential
+    from spectral_contact.spectral.contact_system import ContactSystem
 
 Array = NDArray[np.float64]
 
 
-def factored(system: Tangential) -> Factored:
+def factored(system: ContactSystem) -> Factored:
     """Return a system factored: by Cholesky if it is symmetric, else by LU."""
     return Symmetric(system) if system.symmetric else Factored(system)
 
@@ -34,17 +34,17 @@ class Factored:
     processor that is slow with these coupled partial slip takes 1.3 times as long, else 0.92.
     """
 
-    def __init__(self, system: Tangential) -> None:
+    def __init__(self, system: ContactSystem) -> None:
         self.system, matrix = system, system.matrix()
         self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
         matrix *= self.scale
         matrix *= self.scale[:, None]
         # pivots are to be found among the equations of the pressure first, which are graded
-        driven = matrix[system.count :]
-        small = 0.5 / max(float(np.abs(driven[:, : system.count]).max(initial=0.0)), 0.5)
+        driven = matrix[system.pressure_terms :]
+        small = 0.5 / max(float(np.abs(driven[:, : system.pressure_terms]).max(initial=0.0)), 0.5)
         driven *= small
         self._rows = self.scale.copy()
-        self._rows[system.count :] *= small
+        self._rows[system.pressure_terms :] *= small
         self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
     def step(self, right: Array) -> Array:
@@ -59,15 +59,15 @@ class Factored:
     def first(self) -> Array:
         """Solutions for unit approach, imbalances and changes of a given pressure, as columns."""
         system, count = self.system, 1 + len(self.system.radii)
-        changes = system.count - 1 if system.given else 0
+        changes = system.pressure_terms - 1 if system.pressure_known else 0
         values = np.zeros((system.unknowns, count + changes))
-        if system.symmetric and not system.given:
-            values[: system.count, 0] = system.load
+        if system.symmetric and not system.pressure_known:
+            values[: system.pressure_terms, 0] = system.load_row
             return self.step(values)
-        values[0, 0] = system.given
+        values[0, 0] = system.pressure_known
         values[1 : 1 + changes, count:] = np.eye(changes)
         units = np.eye(count, values.shape[1])
-        values += self.step(system.tested(system.misfit(values, units[0], units[1:])))
+        values += self.step(system.project(system.pointwise_residual(values, units[0], units[1:])))
         if not system.symmetric:  # next to a narrow edge that sticks factors lose what is there
             nothing = np.zeros(count - 1)
             values[:, 1:] += self.step(system.residual(values[:, 1:], nothing, units[1:, 1:]))
@@ -78,19 +78,19 @@ class Factored:
         """The solutions for a unit imbalance at every boundary, without approach, as columns."""
         return self.first[:, 1 : 1 + len(self.system.radii)]
 
-    def change(self, values: Array, system: Tangential) -> list[Array]:
+    def change(self, values: Array, system: ContactSystem) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute.
 
         They are the differences to the solution without them, at the same approach and imbalances.
         A pressure that is given lacks its two changes with them. The system is that of the
         solution: that of the factors or a like one.
         """
-        first, count = system.shed[0], len(values)
+        first, count = system.top_degree_indices[0], len(values)
         right = np.zeros((count, len(first)))
         right[first, np.arange(len(first))] = 1.0 / self.scale[first]
         response = self.step(right)
         forced, changes = np.zeros((count, 2)), np.empty((count, 2))
-        for i, shed in enumerate(system.shed):
+        for i, shed in enumerate(system.top_degree_indices):
             columns, own = response[:, np.isin(first, shed)], self.scale[shed]
             forces = np.linalg.solve(columns[shed] / own[:, None], values[shed] / own)
             forced[shed, i] = forces / own
@@ -106,17 +106,18 @@ class Symmetric(Factored):
     kept, with ``beta / c``.
     """
 
-    def __init__(self, system: Tangential) -> None:
+    def __init__(self, system: ContactSystem) -> None:
         self.system, self._unit = system, 1.0
-        known = system.count if system.given else 0
-        if system.given and len(system.stick) == 1:
+        known = system.pressure_terms if system.pressure_known else 0
+        if system.pressure_known and len(system.stick_parts) == 1:
             [field], radius = system.fields, system.parts[0].family.boundary.value
             space = unit_space(field.panels, field.degrees, shear=True)
             self._unit, self._kept = radius**5, (space.kept, space.kept_but_one)
             self._order = known + space.place
             self._cholesky = space.factor(system.parameters.beta / radius).cholesky
             return
-        lacking = np.bincount(np.concatenate(system.shed), minlength=system.unknowns)[known:]
+        tops = np.concatenate(system.top_degree_indices)
+        lacking = np.bincount(tops, minlength=system.unknowns)[known:]
         self._order = known + np.argsort(lacking, kind="stable")
         self._kept = int((lacking < 1).sum()), int((lacking < 2).sum())
         self._cholesky = Cholesky(system.matrix()[np.ix_(self._order, self._order)])
@@ -127,12 +128,12 @@ class Symmetric(Factored):
         step[self._order] = self._cholesky.solve(right[self._order].T).T / self._unit
         return step
 
-    def change(self, values: Array, system: Tangential) -> list[Array]:
+    def change(self, values: Array, system: ContactSystem) -> list[Array]:
         """Return what the top two degrees of every panel, and the top one, contribute."""
         changes = np.zeros((len(values), 2))
         for column, kept in zip(changes.T, self._kept, strict=True):
             column[self._order] = -self._cholesky.shed(values[self._order], kept)
-        if system.given and system.count > 1:  # by as much less is known of the pressure
+        if system.pressure_known and system.pressure_terms > 1:  # the pressure lacks as much
             changes += self.first[:, 1 + len(system.radii) :]
         return [*changes.T]
 
