@@ -10,32 +10,30 @@ would.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, exp, inf, pi, sqrt
+from math import atan2, exp, inf, log, pi, sqrt
 
 import numpy as np
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Attempt, Refinement
 from spectral_contact.contact.resolution import (
     CLOSED_FORM_ROUNDING,
     SAFETY,
     TINY,
+    NormalContact,
     crossing,
     places,
     share_of_change,
-    starting_resolution,
 )
 from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
-from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.transforms import series_of
 
 
 def full_stick(
     found: Refinement[ZoneSolution],
-    drive: Drive | None = None,
+    contact: NormalContact | None = None,
     *,
     pointwise: bool = True,
     ratios: bool = True,
@@ -46,40 +44,38 @@ def full_stick(
     ----------
     found : Refinement
         As `solve_stick` returns it.
-    drive : Drive, optional
-        Of the pressure, if it was given.
+    contact : NormalContact, optional
+        With the pressure, if it was known.
     pointwise : bool
         Whether the fields are wanted; under a pressure that is given they are at hand.
     ratios : bool
         Whether the ratios of traction to pressure are, under a pressure that is given.
     """
-    zones, own = found.best.value, found.best.value if drive is None else drive.contact
+    zones, own = found.best.value, found.best.value if contact is None else contact
     stick = FullStick(
         approach=own.approach,
         total_shear=zones.total_shear,
         approach_error=own.approach_error,
         shear_error=zones.shear_error,
     )
-    if pointwise or drive is not None:
-        stick = _with_fields(stick, found.best, drive, ratios=ratios)
+    if pointwise or contact is not None:
+        stick = _with_fields(stick, found.best, contact, ratios=ratios)
     best = replace(found.best, value=stick)  # type: ignore[arg-type]
     return replace(found, best=best)  # type: ignore[return-value]
 
 
-def smooth_full_stick(drive: Drive) -> FullStick:
+def smooth_full_stick(contact: NormalContact) -> FullStick:
     """Return full stick on a smooth surface under the pressure that it has without friction.
 
-    The weight ``-ln(y) / (s^2 sqrt y)`` is the exact solution, and there is nothing to refine.
+    The weight ``-ln(y) / (s^2 sqrt y)`` is the exact solution, with ``Q* = 2 kappa ln 2``
+    (docs/theory), and there is nothing to refine.
     """
-    # the half-integral is R itself: Q = 2 pi int t R dt
-    space = starting_resolution(0.0, float(np.finfo(float).eps))
-    nodes, contact = graded_nodes(space.panels, space.degrees), drive.contact
     return FullStick(
         approach=contact.approach,
-        total_shear=pi * float(nodes.weights @ Drive.targets([drive], nodes.d)[0]),
+        total_shear=2.0 * log(2.0),
         approach_error=contact.approach_error,
         shear_error=CLOSED_FORM_ROUNDING,
-        pressure=drive.pressure,
+        pressure=contact.pressure,
         traction=DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True)),
         edge_ratio=inf,
         pressure_error=contact.pressure_error,
@@ -88,33 +84,33 @@ def smooth_full_stick(drive: Drive) -> FullStick:
 
 
 def _with_fields(
-    stick: FullStick, solved: Attempt[ZoneSolution], drive: Drive | None, *, ratios: bool
+    stick: FullStick, solved: Attempt[ZoneSolution], contact: NormalContact | None, *, ratios: bool
 ) -> FullStick:
     """Return full stick with its fields, and with their ratio where it means something."""
     zones, system, q, opening = solved.value, solved.value.system, solved.value.shears[0], None
     panels = system.fields[-1].panels
-    if drive is None:
+    if contact is None:
         p, q = ended(zones.pressures[0], q, system.parameters, 1.0)
         pressure, opening = PressureField(None, p), _opening(p)
         ratios = opening is None and not p.oscillation
         each = shares_of(system, zones.solution[:, 1], sizes_of(system, zones.solution[:, 0]))
         shares = [(panels, one) for one in each]
     else:
-        pressure, shares = drive.pressure, [(panels, solved.indicators)]
+        pressure, shares = contact.pressure, [(panels, solved.indicators)]
     stick = stick._replace(
         pressure=pressure,
         traction=DiskSeries(EDGE, q),
         opening=opening,
-        pressure_error=zones.pressure_error if drive is None else drive.contact.pressure_error,
+        pressure_error=zones.pressure_error if contact is None else contact.pressure_error,
         traction_error=zones.traction_error,
     )
     if not ratios:
         return stick
     at_edge = 0.0 if any(one.panels.power for one in system.fields) else _at_edge(zones)
-    if drive is not None and drive.contact.panels is not None and drive.contact.changes:
-        mesh, lost = drive.contact.panels, drive.contact.changes[0].coefficients
+    if contact is not None and contact.panels is not None and contact.changes:
+        mesh, lost = contact.panels, contact.changes[0].coefficients
         share = share_of_change(mesh, lost, pressure.at_ends())
-        shares.append((mesh, SAFETY * drive.contact.rate**2 * share))
+        shares.append((mesh, SAFETY * contact.rate**2 * share))
         at_edge += abs(series_of(mesh, lost).limit / pressure.value(0.0))
     return stick.with_ratios(panels.panels * panels.width, shares, at_edge)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from spectral_contact.contact.pressure_loads import load_outside, mean_inside
 from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, SAFETY, starting_resolution
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
@@ -32,7 +33,7 @@ from spectral_contact.spectral.parts import Family, Points, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.drive import Drive
+    from spectral_contact.contact.resolution import NormalContact
     from spectral_contact.spectral.annulus import Annulus
 
 #: By how much less the displacement is off than E, through an integral over 1/sqrt(d) of it.
@@ -163,21 +164,23 @@ def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> fl
     return float(np.abs(total / (pi * np.sqrt(points.z))).max())
 
 
-def free_displacement(drive: Drive, kappa: float, tolerance: float) -> tuple[DiskSeries, float]:
+def free_displacement(
+    contact: NormalContact, kappa: float, tolerance: float
+) -> tuple[DiskSeries, float]:
     """Return ``-kappa g``, the displacement without any traction, and its relative error.
 
     ``g = (1/s) int_0^s eta p deta`` is ``s`` times a function of ``y``, sampled here.
     """
-    rate = 0.5 if drive.contact.compliance == 0.0 else 1.0
-    layer = -np.log(drive.contact.compliance or 1.0)
+    rate = 0.5 if contact.compliance == 0.0 else 1.0
+    layer = -np.log(contact.compliance or 1.0)
     resolution = starting_resolution(max(layer, 0.0), tolerance, rate=rate)
     panels = resolution.panels
     d = panels.distances
-    inside = 1.0 / (2.0 * pi) - drive.loads_outside([drive], d)[0]
+    inside = 1.0 / (2.0 * pi) - load_outside(contact.pressure, d)
     # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
-    values = np.where(d < 0.5, inside / (1.0 - d), drive.mean_inside(d) / 2.0)
+    values = np.where(d < 0.5, inside / (1.0 - d), mean_inside(contact.pressure, d) / 2.0)
     series = sampled_series(panels, values)
     last = np.abs(series.coefficients[:, -3:]).sum(axis=1).max() + np.abs(series.tail[1:]).sum()
     missing = float(last / np.abs(values).max())
-    error = drive.contact.pressure_error + 2.0 * missing + FIELD_ROUNDING
+    error = contact.pressure_error + 2.0 * missing + FIELD_ROUNDING
     return DiskSeries(EDGE, series.times(-kappa)), error

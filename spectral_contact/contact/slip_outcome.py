@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.friction_law import (
     Interval,
     hidden_stick,
@@ -22,7 +21,7 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY
+from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY, NormalContact
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
 from spectral_contact.fields.series import (
     CENTRE,
@@ -143,14 +142,18 @@ def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
 
 
 def zones_outcome(
-    solved: ZoneSolution, parameters: Parameters, drive: Drive | None = None, *, felt: bool = True
+    solved: ZoneSolution,
+    parameters: Parameters,
+    known: NormalContact | None = None,
+    *,
+    felt: bool = True,
 ) -> PartialSlip:
     """Return the solution on any zones with its displacement, held against the friction law.
 
     Parameters
     ----------
-    drive : Drive, optional
-        Of the pressure, if it was given.
+    known : NormalContact, optional
+        The contact whose pressure was known.
     felt : bool
         Whether what sticks is; if not, it is a point, moves nothing and is not looked at.
     """
@@ -159,7 +162,7 @@ def zones_outcome(
     slipping, lost = solved.slipping
     if not felt:
         solved = replace(solved, stuck=[], stray=0.0, loose=0.0)
-    given, own = (None, solved) if drive is None else (drive.pressure, drive.contact)
+    given, own = (None, solved) if known is None else (known.pressure, known)
     solved = replace(
         solved,
         stray=solved.stray + lost,

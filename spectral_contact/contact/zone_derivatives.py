@@ -20,9 +20,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.resolution import ROUNDING, NormalContact
 from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
 from spectral_contact.contact.zone_newton import ZoneState
@@ -81,7 +80,7 @@ def differentiated(
     layout: Layout,
     names: Sequence[str],
     tolerance: float,
-    drives: Sequence[Drive] = (),
+    known: Sequence[NormalContact] = (),
 ) -> ZoneDerivatives:
     """Return the derivatives of a solution on known zones.
 
@@ -96,13 +95,13 @@ def differentiated(
         the pressure.
     tolerance : float
         Of the spaces.
-    drives : sequence of Drive
-        Of the pressure and of its derivative by alpha, if it is given.
+    known : sequence of NormalContact
+        With the pressure and with its derivative by alpha, if it is known.
     """
     slopes = np.eye(len(layout.logits))  # they are not needed yet
-    known = Layout(layout.logits, layout.states, slopes)
-    problem = FreeBoundaryProblem(parameters, known, tolerance, drive=drives[0] if drives else None)
-    problem.pressures = [one.pressure for one in drives]
+    zones = Layout(layout.logits, layout.states, slopes)
+    problem = FreeBoundaryProblem(parameters, zones, tolerance, known=known[0] if known else None)
+    problem.pressures = [one.pressure for one in known]
     return _AtBoundaries(problem, tolerance, names).outcome()
 
 

@@ -13,11 +13,18 @@ from math import inf
 
 import numpy as np
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import LEFT, PROBE, ROUGH, ROUNDING, TRIFLING, joined
+from spectral_contact.contact.resolution import (
+    LEFT,
+    PROBE,
+    ROUGH,
+    ROUNDING,
+    TRIFLING,
+    NormalContact,
+    joined,
+)
 from spectral_contact.contact.stick_radius import (
     LEAST_LOGIT,
     NOISE,
@@ -72,8 +79,8 @@ class FreeBoundaryProblem:
         Bound on the relative errors of both fields, pointwise.
     pointwise : bool
         Whether it is that; else it bounds approach and shear, which err like its square.
-    drive : Drive, optional
-        Of the pressure, if it is given; parameters are those for kappa = 1 then.
+    known : NormalContact, optional
+        The contact whose pressure is known; parameters are those for kappa = 1 then.
     goal : float, optional
         Bound on the relative errors of the boundaries; by default the tolerance.
     """
@@ -85,16 +92,16 @@ class FreeBoundaryProblem:
         tolerance: float,
         *,
         pointwise: bool = True,
-        drive: Drive | None = None,
+        known: NormalContact | None = None,
         goal: float | None = None,
     ) -> None:
         self.parameters, self.pointwise = parameters, pointwise
         #: the pressure, and its changes once they are wanted; none if it is unknown
         self.pressures: list[PressureField] = []
         self.pressures_truncated = False
-        self._drive = drive
-        if drive is not None:
-            self.pressures = [drive.pressure]
+        self._known = known
+        if known is not None:
+            self.pressures = [known.pressure]
         self.goal = tolerance if goal is None else goal
         self.tolerance = tolerance if pointwise or self.pressures else float(np.sqrt(tolerance))
         self.states = layout.states
@@ -266,11 +273,11 @@ class FreeBoundaryProblem:
 
     def _know_errors(self) -> None:
         """Solve from now on with what is known of the errors of the pressure."""
-        assert self._drive is not None
-        changes = [one.pressure for one in self._drive.contact.changes]
+        assert self._known is not None
+        changes = [one.pressure for one in self._known.changes]
         # an exact pressure is truncated on the mesh of the zones alone
         nothing = PressureField(None, None)
-        self.pressures = [self._drive.pressure, *(changes or [nothing, nothing])]
+        self.pressures = [self._known.pressure, *(changes or [nothing, nothing])]
         self.pressures_truncated = True
 
 
@@ -304,26 +311,30 @@ def solve_stick(
     tolerance: float,
     max_unknowns: int,
     *,
-    drive: Drive | None = None,
+    known: NormalContact | None = None,
     pointwise: bool = True,
 ) -> Refinement[ZoneSolution]:
     """Solve with stick on the whole contact; see `solve_zones`."""
     stuck = Layout((), (0,))
-    if drive is None:
+    if known is None:
         return solve_zones(parameters, stuck, tolerance, max_unknowns, pointwise=pointwise)
-    problem = FreeBoundaryProblem(parameters, stuck, tolerance, pointwise=pointwise, drive=drive)
+    problem = FreeBoundaryProblem(parameters, stuck, tolerance, pointwise=pointwise, known=known)
     return refine(problem, tolerance, max_unknowns)
 
 
 def solve_given_radius(
-    drive: Drive, parameters: Parameters, radius: Radius, tolerance: float, max_unknowns: int
+    known: NormalContact,
+    parameters: Parameters,
+    radius: Radius,
+    tolerance: float,
+    max_unknowns: int,
 ) -> tuple[Refinement[ZoneSolution], float]:
     """Solve with one central stick disk of a given radius; return the friction ``f/kappa``, too.
 
     ``shifts`` are the error of its logarithm; raises `NoStickDiskError` if none has this disk.
     """
-    known = Layout((radius.logit,), (0, 1), np.eye(1))
-    problem = _GivenRadius(parameters, known, tolerance, drive=drive)
+    disk = Layout((radius.logit,), (0, 1), np.eye(1))
+    problem = _GivenRadius(parameters, disk, tolerance, known=known)
     return refine(problem, tolerance, max_unknowns), problem.parameters.friction
 
 

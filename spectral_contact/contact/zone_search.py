@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout, NoBoundariesError, unmoved
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import DEEPEST, ONSET
+from spectral_contact.contact.resolution import DEEPEST, ONSET, NormalContact
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     everywhere,
@@ -188,14 +187,14 @@ class DrivenSearch(ZoneSearch):
 
     Parameters
     ----------
-    drive : Drive
-        Of the pressure.
+    known : NormalContact
+        The contact whose pressure is known.
     pointwise : bool
         Whether the tolerance bounds q/s. If not, and slip is inside, it bounds the total shear
         and the stick radius, which need less.
     """
 
-    drive: Drive
+    known: NormalContact
     pointwise: bool = True
 
     def outcome(self) -> PartialSlip:
@@ -219,7 +218,7 @@ class DrivenSearch(ZoneSearch):
         except (np.linalg.LinAlgError, ArithmeticError):  # they have other zones
             return None
         zones = refinement.best.value
-        outcome = zones_outcome(zones, self.parameters, self.drive)
+        outcome = zones_outcome(zones, self.parameters, self.known)
         error = max(zones.traction_error if self.pointwise else 0.0, zones.shear_error)
         if not outcome.settled or outcome.slip_error == inf or error > self.tolerance:
             return None
@@ -278,7 +277,7 @@ class DrivenSearch(ZoneSearch):
             PARTIAL_SLIP if one_disk else ZONE_SEARCH, refinement, begin
         )
         begin = perf_counter()
-        outcome = zones_outcome(zones, self.parameters, self.drive)
+        outcome = zones_outcome(zones, self.parameters, self.known)
         if one_disk:
             self.record(SLIP_FIELD, outcome, begin)
         return outcome
@@ -286,7 +285,7 @@ class DrivenSearch(ZoneSearch):
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere: the stick disk is smaller than 1e-54."""
         solved = self._refined(unmoved(_POINT)).best.value
-        outcome = zones_outcome(solved, self.parameters, self.drive, felt=False)
+        outcome = zones_outcome(solved, self.parameters, self.known, felt=False)
         return everywhere(outcome, self.parameters.friction)
 
     def _refined(self, layout: Layout) -> Refinement[ZoneSolution]:
@@ -306,7 +305,7 @@ class DrivenSearch(ZoneSearch):
         """Solve on zones like these, with fields to a tolerance."""
         with np.errstate(all="ignore"):
             problem = FreeBoundaryProblem(
-                self.parameters, layout, tolerance, drive=self.drive, goal=self.tolerance
+                self.parameters, layout, tolerance, known=self.known, goal=self.tolerance
             )
             return refine(problem, tolerance, self.max_unknowns)
 

@@ -25,7 +25,6 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
     from spectral_contact.contact.zone_search import CoupledSearch
@@ -54,7 +53,7 @@ class CoupledRun(Run):
             return
         self._together(states)
 
-    def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
+    def stick(self, contact: NormalContact, states: dict[str, StepState]) -> None:
         """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
         self._take(self._coupled_stick(self.rtol))
 

@@ -139,15 +139,13 @@ class ProfileRun(Run):
 
     def _stick_on_layer(self) -> None:
         """Solve full stick under a flat punch, in units of its radius."""
-        from spectral_contact.contact.drive import Drive
-
         begin, scene = perf_counter(), self.scene
         assert self._driving is not None
         radius, kappa = self.values["contact_radius"], scene.kappa
         compliances = self._driving.compliance, scene.tangential_compliance / radius
         solved = self.stuck(
             Parameters(*compliances, 1.0, math.inf),
-            Drive(self._driving),
+            self._driving,
             pointwise="traction" in self.plan.quantities,
             ratios=False,
         )

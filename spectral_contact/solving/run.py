@@ -34,7 +34,6 @@ from spectral_contact.solving.sharing import Shared
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
 
@@ -42,7 +41,6 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
 #: What follows from the pressure for everything tangential; no step of its own.
-_DRIVE = "drive"
 #: Values that are there unasked.
 _BESIDE = ("opening", "domain_radius")
 #: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
@@ -220,40 +218,33 @@ class Run:
             states[name] is not StepState.SKIPPED for name in (FULL_STICK, SLIP_FIELD)
         ):
             return
-        drive = self.drive(contact)
         if friction == 0.0 and states[SLIP_FIELD] is StepState.RUN:
-            self._frictionless_slip(drive)
+            self._frictionless_slip(contact)
         if states[FULL_STICK] is StepState.RUN:
-            self.stick(drive, states)
-
-    def drive(self, contact: NormalContact) -> Drive:
-        """Return what drives the traction."""
-        from spectral_contact.contact.drive import Drive
-
-        return self.shared.get(_DRIVE, self.normal_key, lambda: Drive(contact))
+            self.stick(contact, states)
 
     def all_stick(self) -> None:
         """Note that the whole contact sticks."""
         self.values.update(stick_radius=1.0, zones=(Zone.between("stick", CENTRE, EDGE),))
 
-    def _frictionless_slip(self, drive: Drive) -> None:
+    def _frictionless_slip(self, contact: NormalContact) -> None:
         """At friction 0 the surface slides by all that the pressure moves it: u = -kappa g."""
         from spectral_contact.contact.slip_displacement import free_displacement
 
         begin = perf_counter()
         self.slip, error = self.record(
-            SLIP_FIELD, free_displacement(drive, self.scene.kappa, self.rtol), begin
+            SLIP_FIELD, free_displacement(contact, self.scene.kappa, self.rtol), begin
         )
         self.errors["slip"] = error
 
-    def stick(self, drive: Drive, states: dict[str, StepState]) -> None:
+    def stick(self, contact: NormalContact, states: dict[str, StepState]) -> None:
         """Solve full stick, and what it decides."""
-        stick = self._full_stick(drive)
+        stick = self._full_stick(contact)
         self.take_stick(stick, self.scene.kappa)
         if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
-            self.slipping(drive, stick)
+            self.slipping(contact, stick)
 
-    def _full_stick(self, drive: Drive) -> FullStick:
+    def _full_stick(self, contact: NormalContact) -> FullStick:
         begin = perf_counter()
         asked, held = set(self.plan.quantities), self.scene.friction == math.inf
         fields = {"traction", "edge_ratio", "critical_friction"}
@@ -263,7 +254,7 @@ class Run:
         solved = self.shared.get(
             FULL_STICK,
             (*self.normal_key, self.parameters.beta, pointwise, ratios),
-            lambda: self.stuck(self.parameters, drive, pointwise=pointwise, ratios=ratios),
+            lambda: self.stuck(self.parameters, contact, pointwise=pointwise, ratios=ratios),
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         return stick
@@ -271,7 +262,7 @@ class Run:
     def stuck(
         self,
         parameters: Parameters,
-        drive: Drive | None = None,
+        known: NormalContact | None = None,
         *,
         tolerance: float | None = None,
         pointwise: bool = True,
@@ -281,11 +272,11 @@ class Run:
         from spectral_contact.contact.full_stick import full_stick, smooth_full_stick
         from spectral_contact.contact.zone_problem import solve_stick
 
-        if drive is not None and parameters.alpha == 0.0 == parameters.beta:
-            return smooth_full_stick(drive)
+        if known is not None and parameters.alpha == 0.0 == parameters.beta:
+            return smooth_full_stick(known)
         form = parameters._replace(friction=math.inf), tolerance or self.rtol, self.max_unknowns
-        found = solve_stick(*form, drive=drive, pointwise=pointwise)
-        return full_stick(found, drive, pointwise=pointwise, ratios=ratios)
+        found = solve_stick(*form, known=known, pointwise=pointwise)
+        return full_stick(found, known, pointwise=pointwise, ratios=ratios)
 
     def take_stick(self, stick: FullStick, scale: float) -> None:
         """Copy full stick, with everything tangential scaled: at friction 0 its ratios alone."""
@@ -331,7 +322,7 @@ class Run:
         compliances = scene.normal_compliance, scene.tangential_compliance
         return Parameters(*compliances, 1.0, scene.friction / scene.kappa)
 
-    def slipping(self, drive: Drive, stick: FullStick) -> None:
+    def slipping(self, contact: NormalContact, stick: FullStick) -> None:
         """Find the zones, where friction does not hold all: of this class there are none."""
         raise NotImplementedError
 

@@ -12,7 +12,6 @@ from typing import Final
 import numpy as np
 from scipy.special import ellipe, ellipkm1
 
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import by_compliance, solve_normal
 from spectral_contact.contact.refine import Refinement
@@ -93,16 +92,17 @@ class SolutionSlopes:
     @cached_property
     def zones(self) -> ZoneDerivatives:
         """The derivatives by what moves."""
-        scene, drives = self.scene, list[Drive]()
+        scene = self.scene
+        known: list[NormalContact] = []
         friction = scene.friction if scene.friction is not None else math.inf
         own = scene.normal_compliance, scene.tangential_compliance
         parameters = Parameters(*own, scene.kappa, friction)
         if not scene.couples:
-            drives = [Drive(one) for one in self.normal if one is not None]
+            known = [one for one in self.normal if one is not None]
             parameters = Parameters(*own, 1.0, friction / scene.kappa)
         layout = Layout(tuple(one.logit for one in self.inner), self.states)
         names = [_COLUMNS[name] for name in self.moving]
-        return differentiated(parameters, layout, names, self.tolerance, drives)
+        return differentiated(parameters, layout, names, self.tolerance, known)
 
     def scalar(self, quantity: str, name: str) -> float:
         """Return the derivative of a number; NaN where zones are hardly known."""

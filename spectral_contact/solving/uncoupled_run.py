@@ -11,8 +11,8 @@ from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import ZonePath, place_of
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.drive import Drive
     from spectral_contact.contact.ratio import FullStick
+    from spectral_contact.contact.resolution import NormalContact
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,21 +47,21 @@ class UncoupledRun(Run):
         from spectral_contact.contact.zone_problem import solve_given_radius
 
         contact = self._normal({step.name: step.state for step in self.plan.steps})
-        drive, radius = self.drive(contact), Radius.from_logit(logit)
-        form = drive, self.parameters, radius, self.rtol, self.max_unknowns
+        radius = Radius.from_logit(logit)
+        form = contact, self.parameters, radius, self.rtol, self.max_unknowns
         try:
             solved, friction = solve_given_radius(*form)
         except NoStickDiskError:
             return None
         disk = solved.best.value
-        outcome = zones_outcome(disk, self.parameters._replace(friction=friction), drive)
+        outcome = zones_outcome(disk, self.parameters._replace(friction=friction), contact)
         positive = bool((disk.shears[0].at_ends() >= 0.0).all())
         if not (outcome.settled and positive) or disk.shear_error > self.rtol:
             return None
         kappa, shift = self.scene.kappa, float(disk.shifts[0])
         return FrictionOf(kappa * friction, shift, kappa * disk.total_shear, disk.shear_error)
 
-    def slipping(self, drive: Drive, stick: FullStick) -> None:
+    def slipping(self, contact: NormalContact, stick: FullStick) -> None:
         """Find the zones."""
         from spectral_contact.contact.zone_search import DrivenSearch
 
@@ -73,7 +73,7 @@ class UncoupledRun(Run):
             self.rtol,
             self.max_unknowns,
             self.record,
-            drive,
+            contact,
             near=path.near(place),
             pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
         ).outcome()
